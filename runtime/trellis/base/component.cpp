@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/base/component.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace trellis {
+
+std::string to_string(const OptionValue& value) {
+  struct Text {
+    std::string operator()(double x) const { return std::isinf(x) ? (x > 0 ? "inf" : "-inf") : fmt::format("{:g}", x); }
+    std::string operator()(std::int64_t x) const { return fmt::format("{}", x); }
+    std::string operator()(bool x) const { return x ? "true" : "false"; }
+    std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }
+  };
+  return std::visit(Text{}, value);
+}
+
+bool Range::contains(double x) const {
+  return (open_lo ? x > lo : x >= lo) && (open_hi ? x < hi : x <= hi);
+}
+
+std::string Range::text() const {
+  const bool below = std::isfinite(lo);
+  const bool above = std::isfinite(hi);
+  if (below && above) return fmt::format("in {}{:g}, {:g}{}", open_lo ? '(' : '[', lo, hi, open_hi ? ')' : ']');
+  if (below) return fmt::format("{} {:g}", open_lo ? "greater than" : "at least", lo);
+  if (above) return fmt::format("{} {:g}", open_hi ? "less than" : "at most", hi);
+  return "any finite number";
+}
+
+const Option* Component::find(std::string_view option) const {
+  const auto it = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == option; });
+  return it != options.end() ? &*it : nullptr;
+}
+
+std::string_view to_string(Component::Kind kind) {
+  switch (kind) {
+    case Component::Kind::planner: return "planner";
+    case Component::Kind::guide: return "guide";
+    case Component::Kind::combinator: return "combinator";
+    case Component::Kind::target: return "target";
+    case Component::Kind::scene: return "scene";
+  }
+  throw Fault("unknown kind of component");
+}
+
+namespace {
+
+std::string expectation(const Option& option) {
+  switch (option.type) {
+    case Option::Type::number: return "a number " + option.range.text();
+    case Option::Type::integer: return "an integer " + option.range.text();
+    case Option::Type::boolean: return "true or false";
+    case Option::Type::choice: {
+      std::string all;
+      for (const auto& c : option.choices) all += (all.empty() ? "" : ", ") + fmt::format("\"{}\"", c);
+      return "one of " + all;
+    }
+  }
+  throw Fault("unknown type of option");
+}
+
+[[noreturn]] void reject(const Component& component, const Option& option, const OptionValue& value,
+                         const std::string& more = {}) {
+  throw Error(fmt::format("{}: option '{}' must be {}{}{}, got {}{}", component.name, option.name, expectation(option),
+                          option.unit.empty() ? "" : ", in ", option.unit, to_string(value), more));
+}
+
+OptionValue checked(const Component& component, const Option& option, const OptionValue& value) {
+  switch (option.type) {
+    case Option::Type::number: {
+      double x = 0.0;
+      if (const auto* real = std::get_if<double>(&value)) {
+        x = *real;
+      } else if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+        x = static_cast<double>(*whole);
+      } else {
+        reject(component, option, value);
+      }
+      const bool limitless = std::isinf(std::get<double>(option.default_value));
+      if (std::isnan(x) || (std::isinf(x) && !limitless) || !option.range.contains(x)) reject(component, option, value);
+      return x;
+    }
+    case Option::Type::integer: {
+      std::int64_t x = 0;
+      if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+        x = *whole;
+      } else if (const auto* real = std::get_if<double>(&value);
+                 real != nullptr && std::floor(*real) == *real && std::abs(*real) < 9.0e15) {
+        x = static_cast<std::int64_t>(*real);
+      } else {
+        reject(component, option, value);
+      }
+      if (!option.range.contains(static_cast<double>(x))) reject(component, option, value);
+      return x;
+    }
+    case Option::Type::boolean:
+      if (!std::holds_alternative<bool>(value)) reject(component, option, value);
+      return value;
+    case Option::Type::choice: {
+      const auto* text = std::get_if<std::string>(&value);
+      if (text == nullptr) reject(component, option, value);
+      if (std::find(option.choices.begin(), option.choices.end(), *text) == option.choices.end()) {
+        reject(component, option, value, did_you_mean(*text, option.choices));
+      }
+      return value;
+    }
+  }
+  throw Fault("unknown type of option");
+}
+
+}  // namespace
+
+Options Options::validate(const Component& component, const std::vector<Entry>& given) {
+  for (const auto& [name, value] : given) {
+    if (component.find(name) == nullptr) {
+      std::vector<std::string> known;
+      for (const auto& option : component.options) known.push_back(option.name);
+      std::string all;
+      for (const auto& k : known) all += (all.empty() ? "" : ", ") + k;
+      const std::string offer = known.empty() ? "; it has no options" : "; its options are: " + all;
+      throw Error(
+          fmt::format("{}: unknown option '{}'{}{}", component.name, name, did_you_mean(name, known), offer));
+    }
+  }
+  Options result;
+  for (const auto& option : component.options) {
+    const auto it = std::find_if(given.begin(), given.end(), [&](const Entry& e) { return e.first == option.name; });
+    result.entries_.emplace_back(
+        option.name, it != given.end() ? checked(component, option, it->second) : option.default_value);
+  }
+  return result;
+}
+
+const OptionValue& Options::at(std::string_view name) const {
+  for (const auto& [key, value] : entries_) {
+    if (key == name) return value;
+  }
+  throw Fault("no option '" + std::string(name) + "'");
+}
+
+}  // namespace trellis

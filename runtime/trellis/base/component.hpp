@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis {
+
+/// What an option may hold. Integers are kept apart from numbers so that 15 and 15.5 are told apart in messages.
+using OptionValue = std::variant<double, std::int64_t, bool, std::string>;
+
+/// The text of a value as a script would write it.
+std::string to_string(const OptionValue& value);
+
+struct Range {
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+  bool open_lo = false;
+  bool open_hi = false;
+
+  [[nodiscard]] bool contains(double x) const;
+  /// "in (0, 1]", "greater than 0", "any finite number".
+  [[nodiscard]] std::string text() const;
+
+  static Range any() { return {}; }
+  static Range positive() { return {.lo = 0, .open_lo = true}; }
+  static Range non_negative() { return {.lo = 0}; }
+  static Range share() { return {.lo = 0, .hi = 1}; }
+  static Range at_least(double lo) { return {.lo = lo}; }
+};
+
+/// One option of a component, described once: validation, messages, help, stubs and the reference are made from it.
+struct Option {
+  enum class Type { number, integer, boolean, choice };
+
+  std::string name;
+  Type type = Type::number;
+  std::string unit;           ///< "m", "rad", "proposals", "" for a pure number
+  OptionValue default_value;  ///< an infinite number means "no limit"
+  Range range;                ///< of numbers and integers
+  std::vector<std::string> choices;
+  std::string doc;
+};
+
+/// A planner, guide, combinator, target or other part that a script can name.
+struct Component {
+  enum class Kind { planner, guide, combinator, target, scene };
+
+  Kind kind = Kind::guide;
+  std::string name;
+  std::string summary;  ///< one line
+  std::string source;   ///< the publication the idea comes from
+  std::vector<Option> options;
+  /// Names of the options that may be given without a name, in order: shrink(0.5).
+  std::vector<std::string> positional;
+
+  [[nodiscard]] const Option* find(std::string_view option) const;
+};
+
+std::string_view to_string(Component::Kind kind);
+
+/// A full, validated set of a component's options in the component's order (defaults filled in).
+class Options {
+ public:
+  using Entry = std::pair<std::string, OptionValue>;
+
+  Options() = default;
+
+  /// Checks `given` against the component. Throws Error naming the component, the option, what was expected, and for
+  /// a misspelt name the nearest right one. NaN is never accepted; infinity only where the default is infinite.
+  static Options validate(const Component& component, const std::vector<Entry>& given);
+
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+  [[nodiscard]] const OptionValue& at(std::string_view name) const;
+
+  friend bool operator==(const Options&, const Options&) = default;
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+/// Binds a component's options to the fields of its settings struct, so that name, type, unit, default, range and
+/// meaning of an option stand in one place. The default is the field's initialiser.
+///
+///     static const Settings<RrtSettings> settings = Settings<RrtSettings>(Component::Kind::planner, "rrt", "...", "LaValle 1998")
+///         .number("step", &RrtSettings::step, "m", Range::positive(), "longest extension in the metric");
+template <class S>
+class Settings {
+ public:
+  Settings(Component::Kind kind, std::string name, std::string summary, std::string source) {
+    component_.kind = kind;
+    component_.name = std::move(name);
+    component_.summary = std::move(summary);
+    component_.source = std::move(source);
+  }
+
+  Settings& number(std::string name, double S::*field, std::string unit, Range range, std::string doc) {
+    add({std::move(name), Option::Type::number, std::move(unit), S{}.*field, range, {}, std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<double>(v); });
+    return *this;
+  }
+  Settings& integer(std::string name, std::int64_t S::*field, std::string unit, Range range, std::string doc) {
+    add({std::move(name), Option::Type::integer, std::move(unit), S{}.*field, range, {}, std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<std::int64_t>(v); });
+    return *this;
+  }
+  Settings& boolean(std::string name, bool S::*field, std::string doc) {
+    add({std::move(name), Option::Type::boolean, "", S{}.*field, {}, {}, std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<bool>(v); });
+    return *this;
+  }
+  Settings& choice(std::string name, std::string S::*field, std::vector<std::string> choices, std::string doc) {
+    add({std::move(name), Option::Type::choice, "", S{}.*field, {}, std::move(choices), std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
+    return *this;
+  }
+  /// The options that may be given without a name, in order.
+  Settings& positional(std::vector<std::string> names) {
+    component_.positional = std::move(names);
+    return *this;
+  }
+
+  [[nodiscard]] const Component& component() const { return component_; }
+
+  /// The settings struct that validated options stand for.
+  [[nodiscard]] S read(const Options& options) const {
+    S settings;
+    const auto& entries = options.entries();
+    if (entries.size() != setters_.size()) throw Fault("options of another component given to " + component_.name);
+    for (std::size_t i = 0; i < setters_.size(); ++i) setters_[i](settings, entries[i].second);
+    return settings;
+  }
+
+ private:
+  void add(Option option, std::function<void(S&, const OptionValue&)> setter) {
+    component_.options.push_back(std::move(option));
+    setters_.push_back(std::move(setter));
+  }
+
+  Component component_;
+  std::vector<std::function<void(S&, const OptionValue&)>> setters_;
+};
+
+}  // namespace trellis

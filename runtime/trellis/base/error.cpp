@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/base/error.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace trellis {
+
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view given, std::span<const std::string> known) {
+  const std::string* best = nullptr;
+  std::size_t least = 0;
+  for (const auto& name : known) {
+    const std::size_t distance = edit_distance(given, name);
+    const std::size_t allowed = std::max<std::size_t>(2, std::max(given.size(), name.size()) / 3);
+    if (distance <= allowed && distance < name.size() && (best == nullptr || distance < least)) {
+      best = &name;
+      least = distance;
+    }
+  }
+  return best != nullptr ? *best : std::string{};
+}
+
+std::string did_you_mean(std::string_view given, std::span<const std::string> known) {
+  const std::string name = nearest_name(given, known);
+  return name.empty() ? std::string{} : " (did you mean '" + name + "'?)";
+}
+
+}  // namespace trellis

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace trellis {
+
+/// A deterministic stream of random numbers. The generator is counter based (Philox 4x64, Random123), keyed by
+/// (seed, level, purpose): streams are independent of each other, so adding a level or a purpose changes no other
+/// stream, and nothing depends on the number of threads. All conversions are our own and give the same values with
+/// every compiler and standard library.
+class Stream {
+ public:
+  /// \param seed     the run's seed
+  /// \param level    the level's path in the hierarchy, e.g. "0", "0/1"
+  /// \param purpose  what the numbers are for: "proposals", "planner", "measure", ...
+  Stream(std::uint64_t seed, std::string_view level, std::string_view purpose);
+
+  /// The next 64 random bits.
+  std::uint64_t bits() {
+    if (next_ == block_.size()) refill();
+    return block_[next_++];
+  }
+  /// Uniform on [0, 1), a multiple of 2^-53.
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+  /// Uniform on [lo, hi).
+  double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
+  /// Uniform on {0, ..., n-1}; n > 0. Bias below n / 2^64.
+  std::size_t below(std::size_t n) {
+    __extension__ using Wide = unsigned __int128;
+    return static_cast<std::size_t>((static_cast<Wide>(bits()) * n) >> 64U);
+  }
+  /// Standard normal (Box-Muller, one value per call kept in reserve).
+  double normal();
+
+ private:
+  void refill();
+
+  std::array<std::uint64_t, 2> key_;
+  std::uint64_t counter_ = 0;
+  std::array<std::uint64_t, 16> block_{};
+  std::size_t next_ = 16;
+  double reserve_ = 0.0;
+  bool has_reserve_ = false;
+};
+
+/// FNV-1a, 64 bits: a stable hash of bytes, the same on every machine.
+std::uint64_t stable_hash(std::string_view bytes);
+
+}  // namespace trellis

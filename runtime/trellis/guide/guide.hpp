@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <trellis/base/component.hpp>
+#include <trellis/instance/instance.hpp>
+#include <trellis/planner/guidance.hpp>
+#include <trellis/planner/planner.hpp>
+
+namespace trellis {
+
+/// h of a guide whose space has been solved: a distribution that may ask for its instance to be solved again.
+class Heuristic : public Guidance {
+ public:
+  /// Whether the instance in S should be solved again with what was learnt.
+  [[nodiscard]] virtual bool stale() const { return false; }
+  /// The path in C along which it guides (lifted from S); empty where it has none. The next space of a sequence is
+  /// informed by it.
+  [[nodiscard]] virtual Configurations lifted_path() const { return {}; }
+};
+
+/// A guiding space (f, h) for one instance in C. Lives as long as the run; `solve` of its space may happen many times.
+class Guide {
+ public:
+  virtual ~Guide() = default;
+
+  /// f of the whole instance: the instance in S. Called once per run. nullptr where S = {0}.
+  virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
+  /// f of one configuration.
+  virtual void project(View q, MutableView s) const = 0;
+  /// A configuration of C drawn from the fibre of s (uniform on it): project(lift(s)) = s.
+  virtual void lift(View s, Stream& stream, MutableView q) const = 0;
+  /// h: the distribution over C from the instance in S and what its search found. Called after every solve; keeps what
+  /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr.
+  virtual std::unique_ptr<Heuristic> heuristic(const Instance& parent, const Instance* sub, const Solution* found) = 0;
+  /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
+  virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
+};
+
+/// One kind of guide: its description and how to make it.
+struct GuideKind {
+  const Component* component = nullptr;
+  std::unique_ptr<Guide> (*make)(const Options&) = nullptr;
+  /// The planner of its own search unless a script names another; "" where S = {0}.
+  std::string default_planner;
+  /// How often a level below may be solved again; read by whoever runs it.
+  std::int64_t (*resolves)(const Options&) = nullptr;
+};
+
+/// All guides, in the order of the reference.
+const std::vector<GuideKind>& guide_kinds();
+/// nullptr for an unknown name.
+const GuideKind* find_guide(std::string_view name);
+
+}  // namespace trellis

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/collision/checker.hpp>
+#include <trellis/scene/scene.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+/// How an instance decides what is valid: by collision checks, or by what a guiding space presumes.
+class Validity {
+ public:
+  virtual ~Validity() = default;
+  [[nodiscard]] virtual bool state(View q) = 0;
+  /// The motion from a valid `a` to `b`, both ends' validity as in Checker::motion.
+  [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
+  /// Distance to the nearest invalid configuration's contact, metres of the workspace; infinity where presumed free.
+  [[nodiscard]] virtual double clearance(View q) = 0;
+  /// False where deciding costs no collision checks (presumed validity): then nothing is counted.
+  [[nodiscard]] virtual bool spends_checks() const { return true; }
+  /// Grows each time what is valid may have changed, so that planners look again at what they had checked.
+  [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
+};
+
+/// Validity by a collision checker.
+class CollisionValidity final : public Validity {
+ public:
+  explicit CollisionValidity(std::unique_ptr<Checker> checker) : checker_(std::move(checker)) {}
+  [[nodiscard]] bool state(View q) override { return checker_->valid(q); }
+  [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
+  [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
+  [[nodiscard]] const Checker& checker() const { return *checker_; }
+
+ private:
+  std::unique_ptr<Checker> checker_;
+};
+
+/// An explicit graph in a space: an instance that has one is searched exactly.
+struct Graph {
+  struct Edge {
+    std::uint32_t from = 0;
+    std::uint32_t to = 0;
+    double cost = 0.0;
+    Configurations points;         ///< the edge's polyline, both ends included
+  };
+  Configurations vertices;
+  std::vector<Edge> edges;         ///< undirected
+  std::uint32_t start = 0;         ///< vertices
+  std::uint32_t goal = 0;
+};
+
+/// Checks spent, in total or by one level.
+struct Checks {
+  std::uint64_t validity = 0;  ///< configurations whose validity was decided, those on motions included
+  std::uint64_t motion = 0;    ///< motions checked
+};
+
+/// A motion planning instance (C, validity, s, t): what a planner solves and what a guide projects.
+class Instance {
+ public:
+  Space space;
+  std::shared_ptr<const Scene> scene;  ///< world and robot, for guides that look at geometry
+  std::shared_ptr<Validity> validity;
+  std::shared_ptr<Graph> graph;        ///< nullptr: a sampling planner searches the space
+  Configuration start;
+  Configuration goal;
+  double goal_tolerance = 1e-6;
+  double resolution = 0.05;
+  std::string collision = "planar";
+  std::vector<std::size_t> position_axes;  ///< axes that hold the reference point's position; empty: none
+
+  /// Counted validity.
+  [[nodiscard]] bool valid(View q) {
+    if (validity->spends_checks()) ++checks.validity;
+    return validity->state(q);
+  }
+  [[nodiscard]] MotionReport motion(View a, View b) {
+    const MotionReport report = validity->motion(a, b);
+    if (validity->spends_checks()) {
+      checks.validity += report.checks;
+      ++checks.motion;
+    }
+    return report;
+  }
+
+  Checks checks;
+};
+
+/// The instance of a problem in the configuration space of the real robot. Does not validate the problem.
+std::unique_ptr<Instance> make_instance(const Problem& problem);
+
+}  // namespace trellis

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <span>
+
+namespace trellis {
+
+/// A figure with its interval; NaN where it does not exist.
+struct Interval {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double lo = std::numeric_limits<double>::quiet_NaN();
+  double hi = std::numeric_limits<double>::quiet_NaN();
+  std::size_t n = 0;         ///< values that entered
+  std::size_t infinite = 0;  ///< values left out because they are infinite; then `value` is the median of all
+};
+
+/// Mean and Student t interval over runs. NaNs are left out; one value has no interval. Infinite values are never
+/// averaged: with any of them the value is the median of all and there is no interval.
+Interval student_interval(std::span<const double> values, double confidence = 0.95);
+
+/// Share of successes with Wilson's score interval.
+Interval wilson_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
+
+/// The median of the values that are not NaN; NaN without any.
+double median(std::span<const double> values);
+
+}  // namespace trellis

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/base/random.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+/// What became of a proposal.
+enum class Fate : std::uint8_t {
+  rejected,  ///< no node: the way to it was blocked at once, or it was invalid or out of reach
+  advanced,  ///< a node was added on the way towards it
+  reached,   ///< a node was added at the proposal itself
+};
+
+/// The planner's answer to one proposal, in the planner's space. Views hold during the call only.
+struct Outcome {
+  Fate fate = Fate::rejected;
+  View proposal;
+  View near;        ///< the node that the extension started from; empty where there was none
+  View added;       ///< the node that was added; empty when rejected
+  View blocked_at;  ///< the first configuration found invalid; empty where none was
+  /// The extension that grew from the goal's side (RRT-Connect), not from the start's.
+  bool from_goal = false;
+};
+
+/// h as a planner sees it: a distribution over the planner's space with feedback.
+class Guidance {
+ public:
+  /// Which part of a mixture drew a sample: an index into sources().
+  using Source = std::uint16_t;
+
+  virtual ~Guidance() = default;
+
+  /// Draws a proposal into `out` (inside the space).
+  virtual Source sample(Stream& stream, MutableView out) = 0;
+  /// The density at q of the next sample, with respect to volume in metric coordinates; the absolutely continuous part
+  /// only. NaN where h has no closed form.
+  [[nodiscard]] virtual double density(View q) const = 0;
+  /// The probability that the next sample is exactly one of finitely many points (the goal of a goal bias).
+  [[nodiscard]] virtual double atom_mass() const { return 0.0; }
+  /// Told after every sample what became of it. `mine`: this guidance drew it; a part of a mixture is also told of the
+  /// others' outcomes, because a configuration found invalid is news to all.
+  virtual void observe(const Outcome& outcome, bool mine) {
+    static_cast<void>(outcome);
+    static_cast<void>(mine);
+  }
+  /// The names of the parts that draw samples, for provenance.
+  [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
+};
+
+/// Uniform on the space: S = {0}.
+class UniformGuidance final : public Guidance {
+ public:
+  explicit UniformGuidance(Space space) : space_(std::move(space)), density_(std::exp(-space_.log_volume())) {}
+  Source sample(Stream& stream, MutableView out) override {
+    space_.sample_uniform(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View) const override { return density_; }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
+
+ private:
+  Space space_;
+  double density_;
+};
+
+/// The goal itself: S = {0}. An atom, without density.
+class GoalGuidance final : public Guidance {
+ public:
+  explicit GoalGuidance(Configuration goal) : goal_(std::move(goal)) {}
+  Source sample(Stream&, MutableView out) override {
+    std::copy(goal_.begin(), goal_.end(), out.begin());
+    return 0;
+  }
+  [[nodiscard]] double density(View) const override { return 0.0; }
+  [[nodiscard]] double atom_mass() const override { return 1.0; }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"goal"}; }
+
+ private:
+  Configuration goal_;
+};
+
+/// A weighted mixture of guidances. Weights are normalised; parts of weight 0 are never drawn from.
+class MixtureGuidance final : public Guidance {
+ public:
+  struct Part {
+    double weight = 1.0;
+    std::unique_ptr<Guidance> guidance;
+  };
+  /// Throws Error when no weight is positive or one is negative or not finite.
+  explicit MixtureGuidance(std::vector<Part> parts);
+  Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] double density(View q) const override;
+  [[nodiscard]] double atom_mass() const override;
+  void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override;
+
+ private:
+  std::vector<Part> parts_;
+  std::vector<double> cumulative_;
+  std::vector<Source> first_source_;
+  std::size_t drawn_ = 0;
+};
+
+}  // namespace trellis

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <trellis/base/component.hpp>
+#include <trellis/instance/instance.hpp>
+#include <trellis/planner/guidance.hpp>
+
+namespace trellis {
+
+/// How a search ended.
+enum class Status : std::uint8_t {
+  solved,
+  budget_spent,   ///< proposals, checks or seconds ran out
+  no_path,        ///< a finite search space holds no path
+  invalid_start,  ///< the start is invalid in this space
+  invalid_goal,
+  interrupted,
+};
+std::string_view to_string(Status status);
+
+/// What every planner may spend on its level. Counts come first, because only counts reproduce.
+struct Budget {
+  static constexpr double unlimited = std::numeric_limits<double>::infinity();
+  double proposals = 50000;      ///< over all solves of the level
+  double checks = unlimited;     ///< validity checks, over all solves of the level
+  double seconds = unlimited;    ///< wall clock, over all solves of the level
+};
+
+/// What became of a level's search, kept over all its solves: everything that is reported and measured.
+struct Search {
+  Configurations nodes;      ///< tree or roadmap nodes in the order they came, the start first
+  Configurations proposals;  ///< what h drew, before the extension was tried, failed ones too
+  std::vector<Fate> fates;   ///< of each proposal
+  std::vector<Guidance::Source> proposal_sources;  ///< which part of h drew each proposal
+  std::vector<std::string> sources;                ///< their names
+  Checks checks;
+  double seconds = 0.0;
+};
+
+/// What a search found.
+struct Solution {
+  Status status = Status::budget_spent;
+  /// From start to goal when solved; else the way to what the search reached nearest to the goal (at least the start,
+  /// where it is valid).
+  Configurations path;
+  [[nodiscard]] bool solved() const { return status == Status::solved; }
+};
+
+/// A planner at work on one instance with one guidance. It knows no guides.
+class Planner {
+ public:
+  /// What a planner works with; the referenced objects outlive it.
+  struct Task {
+    Instance& instance;
+    Guidance& guidance;
+    Stream proposals;  ///< what h draws with
+    Search& search;    ///< appended to
+    std::function<bool()> interrupted;
+  };
+
+  virtual ~Planner() = default;
+
+  /// Searches until solved or the budget is spent. Called again, it goes on with what it knows: a roadmap is kept and
+  /// repaired after the instance's validity changed; a tree that had reached the goal is grown anew for another path.
+  /// `budget` holds over all calls: what Search counts so far is subtracted.
+  virtual Solution solve(const Budget& budget) = 0;
+};
+
+/// Options that every planner has, read by whoever runs it.
+struct PlannerCommon {
+  Budget budget;
+  double uniform = 0.1;     ///< share of uniform proposals kept when the level is guided
+  double goal_bias = 0.05;  ///< share of proposals that are the goal itself
+};
+
+/// One kind of planner: its description and how to make it.
+struct PlannerKind {
+  const Component* component = nullptr;
+  PlannerCommon (*common)(const Options&) = nullptr;
+  std::unique_ptr<Planner> (*make)(const Options&, Planner::Task) = nullptr;
+  /// Searches explicit graphs (and only these).
+  bool graph = false;
+};
+
+/// All planners, in the order of the reference.
+const std::vector<PlannerKind>& planner_kinds();
+/// nullptr for an unknown name.
+const PlannerKind* find_planner(std::string_view name);
+
+/// Shortcuts a path: `rounds` tries to replace the way between two random points of it by a straight motion. The result
+/// is never longer. Checks are counted by the instance.
+Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream);
+
+}  // namespace trellis

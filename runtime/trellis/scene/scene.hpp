@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/scene/shapes.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+struct Obstacle {
+  std::string name;  ///< how messages call it: "obstacle 3 (box 4 0 6 4.75)"
+  Shape shape;
+};
+
+/// A planar workspace: a boundary box, inside which the whole robot stays, and closed obstacles.
+class World {
+ public:
+  /// A convex piece of an obstacle.
+  struct Part {
+    ConvexShape shape;
+    std::size_t obstacle = 0;  ///< index into obstacles()
+  };
+
+  World() = default;
+  /// Validates (finite, positive extents and radii, simple polygons) and splits non-convex polygons into convex parts.
+  /// Throws Error naming the obstacle.
+  World(Box2 bounds, std::vector<Obstacle> obstacles);
+
+  [[nodiscard]] const Box2& bounds() const { return bounds_; }
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+
+ private:
+  Box2 bounds_;
+  std::vector<Obstacle> obstacles_;
+  std::vector<Part> parts_;
+};
+
+/// One rigid body of a robot. Its frame: origin at its joint, turned by its angle.
+struct Body {
+  std::vector<ConvexShape> parts;  ///< in the body's frame
+  int parent = -1;                 ///< index of an earlier body, -1: the robot's reference point
+  Vec2 joint;                      ///< where the body's origin sits, in the parent's frame
+  int angle_axis = -1;             ///< the axis that turns it; -1: it keeps its parent's angle
+  bool absolute = false;           ///< the axis gives the angle in the world, not relative to the parent
+};
+
+/// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body.
+class Robot {
+ public:
+  Robot() = default;
+  /// \param translates  axes 0 and 1 move the reference point; otherwise it is fixed at `base`
+  /// Throws Error on an empty robot, a parent that does not come earlier, or a malformed part.
+  Robot(std::string name, std::vector<Body> bodies, bool translates = true, Vec2 base = {});
+
+  static Robot point();
+  static Robot disc(double radius);
+  /// One rigid body, turned by axis 2 where `rotates`. Non-convex polygons are split into convex parts.
+  static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
+  [[nodiscard]] bool translates() const { return translates_; }
+  [[nodiscard]] Vec2 base() const { return base_; }
+  [[nodiscard]] bool is_point() const;
+  /// The number of axes that the robot needs in a configuration.
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+
+  /// The robot scaled by `factor` > 0 about its reference point, shapes and joints alike.
+  [[nodiscard]] Robot scaled(double factor) const;
+  /// No point of the robot is ever farther than this from its reference point.
+  [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+  /// The largest disc about the reference point inside the robot (0 for a point, or where the point lies outside).
+  [[nodiscard]] double inscribed_radius() const { return inscribed_radius_; }
+
+  /// The pose of each body at q; `out` has bodies().size() entries.
+  void place(View q, std::span<Pose2> out) const;
+  /// A bound on the way that any point of the robot moves along the straight motion from a to b in the space,
+  /// in metres: translation plus radius times turn, summed along the chain.
+  [[nodiscard]] double displacement_bound(const Space& space, View a, View b) const;
+
+ private:
+  std::string name_;
+  std::vector<Body> bodies_;
+  bool translates_ = true;
+  Vec2 base_;
+  std::size_t dimension_ = 0;
+  double bounding_radius_ = 0.0;
+  double inscribed_radius_ = 0.0;
+  std::vector<double> body_radius_;  ///< of each body's parts about its own origin
+};
+
+/// What a planar problem takes place in. Immutable, shared between runs and threads.
+struct Scene {
+  World world;
+  Robot robot;
+};
+
+/// A planning problem as a user states it. Throws nothing by itself; `checked` validates.
+struct Problem {
+  std::string name;
+  std::shared_ptr<const Scene> scene;
+  Space space;
+  Configuration start;
+  Configuration goal;
+  double goal_tolerance = 1e-6;  ///< a configuration this near (metric) to the goal is the goal
+  double resolution = 0.05;      ///< metres that the robot's fastest point moves between two checked configurations
+  std::string collision = "planar";  ///< the backend: "planar" or "fcl"
+};
+
+/// The default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise
+/// (SO(2)^k for a fixed base). `weight` in metres per radian.
+Space default_space(const Robot& robot, const World& world, double weight);
+
+}  // namespace trellis

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <variant>
+#include <vector>
+
+namespace trellis {
+
+/// A point or vector of the plane, in metres.
+struct Vec2 {
+  double x = 0.0;
+  double y = 0.0;
+
+  friend Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+  friend Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+  friend Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
+  friend bool operator==(const Vec2&, const Vec2&) = default;
+};
+
+inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+/// The z component of the cross product: positive when b lies counter-clockwise of a.
+inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }
+
+/// An axis-aligned rectangle, closed.
+struct Box2 {
+  Vec2 lo;
+  Vec2 hi;
+  friend bool operator==(const Box2&, const Box2&) = default;
+};
+
+/// A closed disc; radius 0 is a point (allowed for robots only).
+struct Disc {
+  Vec2 centre;
+  double radius = 0.0;
+  friend bool operator==(const Disc&, const Disc&) = default;
+};
+
+/// A closed polygon given by its vertices in order. Those of a World or Robot are simple and counter-clockwise.
+struct Polygon {
+  std::vector<Vec2> vertices;
+  friend bool operator==(const Polygon&, const Polygon&) = default;
+};
+
+/// What a user may give as an obstacle or a robot's part.
+using Shape = std::variant<Box2, Disc, Polygon>;
+/// What collision checking works on: a disc or a convex counter-clockwise polygon.
+using ConvexShape = std::variant<Disc, Polygon>;
+
+/// A rigid motion of the plane: p -> (x + c px - s py, y + s px + c py).
+struct Pose2 {
+  double x = 0.0;
+  double y = 0.0;
+  double c = 1.0;
+  double s = 0.0;
+
+  [[nodiscard]] Vec2 operator()(Vec2 p) const { return {x + c * p.x - s * p.y, y + s * p.x + c * p.y}; }
+};
+
+Box2 bounding_box(const ConvexShape& shape);
+/// The largest distance from the origin to a point of the shape.
+double circumradius(const ConvexShape& shape);
+std::vector<Vec2> rectangle_vertices(const Box2& box);
+
+}  // namespace trellis

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/base/component.hpp>
+
+namespace trellis {
+
+// The algebra of guiding spaces as plain, immutable data. Nothing runs until a strategy is executed.
+//
+//   guide >> guide = guide          planner is a strategy           w * guide = guide
+//   guide >> strategy = strategy    guide + guide = guide           guide .. guide = guide (sequence)
+//
+// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)` and `a >> (b .. c)` is `(a >> b) .. (a >> c)`; sums and sequences
+// are flat; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner at the end
+// too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over mixtures.
+
+/// Where a spec was written. Not part of its value, hash or JSON.
+struct Origin {
+  std::string script;  ///< "" when built through C++
+  int line = 0;
+};
+
+/// A planner with its validated options.
+class PlannerSpec {
+ public:
+  /// Throws Error for an unknown planner (with the nearest name) or a wrong option.
+  static PlannerSpec make(const std::string& name, const std::vector<Options::Entry>& given, Origin origin = {});
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const Options& options() const { return options_; }
+  [[nodiscard]] const Origin& origin() const { return origin_; }
+  /// "rrt { step = 0.5 }": the options that differ from their defaults.
+  [[nodiscard]] std::string text() const;
+
+  friend bool operator==(const PlannerSpec& a, const PlannerSpec& b) {
+    return a.name_ == b.name_ && a.options_ == b.options_;
+  }
+
+ private:
+  std::string name_;
+  Options options_;
+  Origin origin_;
+};
+
+/// A guide: a component (f, h) with the guide of its own search, a mixture, or a sequence.
+class GuideSpec {
+ public:
+  enum class Kind { component, mixture, sequence };
+  struct Term;
+
+  /// A component without a guide of its own. `planner`: of its own search; none: the component's default.
+  /// Throws Error for an unknown guide, a wrong option, or a planner that the guide's space cannot use.
+  static GuideSpec make(const std::string& name, const std::vector<Options::Entry>& given,
+                        std::optional<PlannerSpec> planner = {}, Origin origin = {});
+
+  [[nodiscard]] Kind kind() const;
+  // Of a component:
+  [[nodiscard]] const std::string& name() const;
+  [[nodiscard]] const Options& options() const;
+  /// The planner of its own search (the default filled in); none where S = {0}.
+  [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
+  /// The guide of its own search, nullptr without.
+  [[nodiscard]] const GuideSpec* below() const;
+  [[nodiscard]] const Origin& origin() const;
+  // Of a mixture or sequence (the weights of a sequence are 1):
+  [[nodiscard]] const std::vector<Term>& terms() const;
+  /// Proposals that each part of a sequence serves before the next one's turn.
+  [[nodiscard]] std::int64_t turn() const;
+
+  /// Whether any component in it searches a space of its own (S other than {0}).
+  [[nodiscard]] bool searches() const;
+
+  /// One line in the language, options that differ from their defaults: "skeleton() >> shrink(0.5) >> lazy()".
+  [[nodiscard]] std::string text() const;
+
+  friend bool operator==(const GuideSpec& a, const GuideSpec& b);
+  friend GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided);
+  friend GuideSpec operator+(const GuideSpec& a, const GuideSpec& b);
+  /// Throws Error for a weight that is not finite and positive.
+  friend GuideSpec operator*(double weight, const GuideSpec& guide);
+  friend GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn);
+
+ private:
+  struct Node;
+  explicit GuideSpec(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+  std::shared_ptr<const Node> node_;
+};
+
+struct GuideSpec::Term {
+  double weight = 1.0;
+  GuideSpec guide;
+};
+
+/// The default turn of a sequence, in proposals.
+inline constexpr std::int64_t default_turn = 200;
+/// `a .. b .. c`: each space serves a turn and informs the next. `a .. b` in Lua is sequence({a, b}).
+GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = default_turn);
+
+/// A planner at the root, with or without a guide: what can be executed.
+class StrategySpec {
+ public:
+  StrategySpec(PlannerSpec planner) : planner_(std::move(planner)) {}  // NOLINT: a planner is a strategy
+  StrategySpec(PlannerSpec planner, GuideSpec guide) : planner_(std::move(planner)), guide_(std::move(guide)) {}
+
+  [[nodiscard]] const PlannerSpec& planner() const { return planner_; }
+  [[nodiscard]] const GuideSpec* guide() const { return guide_ ? &*guide_ : nullptr; }
+
+  /// One line in the language.
+  [[nodiscard]] std::string text() const;
+  /// The hierarchy as a tree, one level per line, the root first; ends with a newline.
+  [[nodiscard]] std::string tree() const;
+  /// The spec as JSON text, every option included; canonical (equal specs give equal bytes).
+  [[nodiscard]] std::string json() const;
+  /// A stable hash of json().
+  [[nodiscard]] std::uint64_t hash() const;
+
+  friend bool operator==(const StrategySpec& a, const StrategySpec& b) = default;
+  friend StrategySpec operator>>(const GuideSpec& above, const StrategySpec& guided);
+
+ private:
+  PlannerSpec planner_;
+  std::optional<GuideSpec> guide_;
+};
+
+StrategySpec operator>>(const GuideSpec& above, const PlannerSpec& planner);
+
+}  // namespace trellis
