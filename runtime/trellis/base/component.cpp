@@ -18,9 +18,7 @@ std::string to_string(const OptionValue& value) {
   return std::visit(Text{}, value);
 }
 
-bool Range::contains(double x) const {
-  return (open_lo ? x > lo : x >= lo) && (open_hi ? x < hi : x <= hi);
-}
+bool Range::contains(double x) const { return (open_lo ? x > lo : x >= lo) && (open_hi ? x < hi : x <= hi); }
 
 std::string Range::text() const {
   const bool below = std::isfinite(lo);
@@ -47,12 +45,11 @@ std::string_view to_string(Component::Kind kind) {
   throw Fault("unknown kind of component");
 }
 
-namespace {
-
 std::string expectation(const Option& option) {
+  const std::string unit = option.unit.empty() ? "" : " (" + option.unit + ")";
   switch (option.type) {
-    case Option::Type::number: return "a number " + option.range.text();
-    case Option::Type::integer: return "an integer " + option.range.text();
+    case Option::Type::number: return "a number " + option.range.text() + unit;
+    case Option::Type::integer: return "an integer " + option.range.text() + unit;
     case Option::Type::boolean: return "true or false";
     case Option::Type::choice: {
       std::string all;
@@ -63,10 +60,12 @@ std::string expectation(const Option& option) {
   throw Fault("unknown type of option");
 }
 
+namespace {
+
 [[noreturn]] void reject(const Component& component, const Option& option, const OptionValue& value,
                          const std::string& more = {}) {
-  throw Error(fmt::format("{}: option '{}' must be {}{}{}, got {}{}", component.name, option.name, expectation(option),
-                          option.unit.empty() ? "" : ", in ", option.unit, to_string(value), more));
+  throw Error(fmt::format("{}: option '{}' must be {}, got {}{}", component.name, option.name, expectation(option),
+                          to_string(value), more));
 }
 
 OptionValue checked(const Component& component, const Option& option, const OptionValue& value) {
@@ -122,15 +121,14 @@ Options Options::validate(const Component& component, const std::vector<Entry>& 
       std::string all;
       for (const auto& k : known) all += (all.empty() ? "" : ", ") + k;
       const std::string offer = known.empty() ? "; it has no options" : "; its options are: " + all;
-      throw Error(
-          fmt::format("{}: unknown option '{}'{}{}", component.name, name, did_you_mean(name, known), offer));
+      throw Error(fmt::format("{}: unknown option '{}'{}{}", component.name, name, did_you_mean(name, known), offer));
     }
   }
   Options result;
   for (const auto& option : component.options) {
     const auto it = std::find_if(given.begin(), given.end(), [&](const Entry& e) { return e.first == option.name; });
-    result.entries_.emplace_back(
-        option.name, it != given.end() ? checked(component, option, it->second) : option.default_value);
+    result.entries_.emplace_back(option.name,
+                                 it != given.end() ? checked(component, option, it->second) : option.default_value);
   }
   return result;
 }

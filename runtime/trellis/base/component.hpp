@@ -50,6 +50,9 @@ struct Option {
   std::string doc;
 };
 
+/// What an option takes: "a number greater than 0 (m)", "one of \"planar\", \"full\"".
+std::string expectation(const Option& option);
+
 /// A planner, guide, combinator, target or other part that a script can name.
 struct Component {
   enum class Kind { planner, guide, combinator, target, scene };

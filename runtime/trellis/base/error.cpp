@@ -32,7 +32,8 @@ std::string nearest_name(std::string_view given, std::span<const std::string> kn
   for (const auto& name : known) {
     const std::size_t distance = edit_distance(given, name);
     const std::size_t allowed = std::max<std::size_t>(2, std::max(given.size(), name.size()) / 3);
-    if (distance <= allowed && distance < name.size() && (best == nullptr || distance < least)) {
+    const std::size_t length = std::min(given.size(), name.size());
+    if (distance <= allowed && distance < length && (best == nullptr || distance < least)) {
       best = &name;
       least = distance;
     }

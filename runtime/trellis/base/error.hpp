@@ -23,7 +23,7 @@ class Fault : public std::logic_error {
 };
 
 /// The entry of `known` with the smallest edit distance to `given`, or "" when none is near enough to be meant
-/// (distance over a third of the longer name, at least 2).
+/// (distance over a third of the longer name, at least 2; or as long as the shorter name, which then shares nothing).
 std::string nearest_name(std::string_view given, std::span<const std::string> known);
 
 /// " (did you mean 'x'?)" or "" for use at the end of a message.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <trellis/scene/scene.hpp>
 
@@ -29,13 +30,16 @@ struct Contact {
 };
 
 /// Validity of configurations and motions of a robot in a world. The robot is valid where it lies inside the closed
-/// boundary box and touches no (closed) obstacle. Bodies of one robot may overlap.
+/// boundary box and touches no (closed) obstacle. Bodies of one robot may overlap. Touching is meant to within
+/// rounding: gaps below 2^-43 (1e-13) of the world's size count as touching, and the boundary gives way by as much. A
+/// configuration with a coordinate that is not finite is invalid.
 ///
 /// A motion from a to b is looked at in n = max(1, ceil(displacement_bound(a, b) / resolution)) configurations,
 /// interpolate(a, b, i / n), i = 1..n: b is one of them, a is taken as checked. They are visited in bisection order:
 /// n first, then the midpoints of [0, n], level by level from the left.
 ///
-/// A checker has scratch memory: one thread at a time. Make one per level and run; making one is cheap for small worlds.
+/// A checker has scratch memory: one thread at a time. Make one per level and run; making one is cheap for small
+/// worlds.
 class Checker {
  public:
   virtual ~Checker() = default;
@@ -48,19 +52,20 @@ class Checker {
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
 };
 
-/// Our own backend: separating axes over structure-of-arrays obstacles, several poses of an edge per step, culling by
-/// the edge's swept box; a grid over the obstacles where there are many.
+/// Our own backend: separating axes and exact distances, eight poses of an edge per step, culling by the edge's swept
+/// box through a grid over the obstacles.
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// FCL's (fcl_checker.cpp is the only source that meets it): the planar parts as prisms under a dynamic tree.
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// By name: "planar" or "fcl". Throws Error for another name.
-std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene, const Space& space,
-                                      double resolution);
+std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
+                                      const Space& space, double resolution);
 
 /// "obstacle 3 (box 4 0 6 4.75)" or "the world's boundary".
 std::string describe(const Contact& contact, const Scene& scene);
 
-/// The order in which the configurations 1..n of a motion are visited: n, then midpoints level by level. 0-based rank to index.
+/// The order in which the configurations 1..n of a motion are visited: n, then midpoints level by level. 0-based rank
+/// to index.
 std::vector<std::uint32_t> bisection_order(std::uint32_t n);
 
 }  // namespace trellis

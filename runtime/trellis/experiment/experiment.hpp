@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +36,8 @@ struct Scores {
 
 struct LevelResult {
   LevelRecord record;
-  /// In the level's own space against the level's own path. None without a path of its own.
+  /// In the level's own space against the level's own path (the root's: the run's reported path). None without a path
+  /// of its own. A role without samples, and a target without any valid configuration, score NaN.
   std::optional<Scores> own;
   /// Lifted to the root space by the chain of h's, against the root's path. None when the root found no path.
   std::optional<Scores> root;
@@ -46,8 +48,8 @@ struct RunResult {
   std::string problem;
   std::string strategy;
   std::uint64_t seed = 0;
-  RunRecord run;
-  std::vector<LevelResult> levels;
+  RunRecord run;                    ///< its `levels` have moved into the ones below
+  std::vector<LevelResult> levels;  ///< the validity closures are released once the run is scored
 };
 
 struct ExperimentResult {
@@ -59,6 +61,7 @@ struct ExperimentOptions {
   /// Called after each cell, from one thread at a time: cells done, cells in all.
   std::function<void(std::size_t, std::size_t)> progress;
   /// Asked between cells and, through the executor, between proposals; true ends the experiment early (Interrupted).
+  /// Called from the threads of all jobs at once.
   std::function<bool()> interrupted;
 };
 
@@ -68,11 +71,13 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// Checks every problem and strategy without planning: coordinates, bounds, start and goal in collision (naming the
-/// obstacle), levels whose planner cannot work in its space. Throws Error.
+/// Checks every problem and strategy without planning: names and seeds that repeat, coordinates, bounds, start and goal
+/// in collision (naming the obstacle), settings of the measure. Throws Error. (That planners fit their spaces is checked
+/// where specs are made.)
 void check(const Experiment& experiment);
 
-/// Checks, runs every cell and scores it. The result does not depend on `jobs`, times apart.
+/// Checks, runs every cell and scores it in the same thread; scoring changes no run and is not in the run's time. The
+/// result does not depend on `jobs`, times apart. An exception in a cell stops the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

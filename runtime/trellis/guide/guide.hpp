@@ -30,15 +30,18 @@ class Guide {
 
   /// f of the whole instance: the instance in S. Called once per run. nullptr where S = {0}.
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
-  /// f of one configuration.
+  /// f of one configuration. Not called where S = {0}.
   virtual void project(View q, MutableView s) const = 0;
   /// A configuration of C drawn from the fibre of s (uniform on it): project(lift(s)) = s.
   virtual void lift(View s, Stream& stream, MutableView q) const = 0;
   /// h: the distribution over C from the instance in S and what its search found. Called after every solve; keeps what
-  /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr.
-  virtual std::unique_ptr<Heuristic> heuristic(const Instance& parent, const Instance* sub, const Solution* found) = 0;
+  /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at
+  /// validity (bridge test) spends the parent's checks.
+  virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
   /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
+  /// Called when h was stale, before the instance in S is solved again: the time to change it.
+  virtual void before_resolve() {}
 };
 
 /// One kind of guide: its description and how to make it.

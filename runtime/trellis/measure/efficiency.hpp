@@ -24,15 +24,19 @@ struct Efficiency {
   /// Share of A within delta of a sample (full metric), and what as many uniform samples would reach (expected).
   double coverage = std::numeric_limits<double>::quiet_NaN();
   double uniform_coverage = std::numeric_limits<double>::quiet_NaN();
-  std::size_t samples = 0;   ///< N
-  std::size_t in_target = 0; ///< n, samples in A
+  std::size_t samples = 0;    ///< N
+  std::size_t in_target = 0;  ///< n, samples in A
   std::string estimator = "knn";
-  std::vector<std::string> flags;  ///< "underpowered", "censored", "partial", "too few samples"
+  /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
+  /// (coverage below uniform's), "too few samples" (fewer than k that are no atoms), "empty target".
+  std::vector<std::string> flags;
 };
 
 /// Scores samples with the default estimator, blended k nearest neighbours (k = 3) with boundary correction,
 /// wrap-around and atoms (exact duplicates carry mass but no density).
-/// \param samples  N configurations of the target's space; not sorted, may hold duplicates
+/// \param samples  N configurations of the target's space; not sorted, may hold duplicates; those outside of C count in
+///                 N but can reach no point of A
+/// Throws Error for samples of another dimension or with coordinates that are not finite.
 Efficiency efficiency(const Target& target, const Configurations& samples);
 
 }  // namespace trellis

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,11 @@
 #include <trellis/space/space.hpp>
 
 namespace trellis {
+
+namespace measure {
+class PointTree;
+class Tube;
+}  // namespace measure
 
 /// The tube target: T uniform on A = { x in C_free : d(x, P) < delta }, P the final path.
 struct TubeSettings {
@@ -30,13 +36,13 @@ class Target {
 
   /// \param space     the space that the path lies in
   /// \param path      P, at least one configuration (one point gives a ball)
-  /// \param position  indices of the axes that hold the reference point's position (planar distance); empty: full metric
-  /// \param valid     validity in the space; not counted in any level's checks
-  /// \param seed      of the quasi Monte Carlo shift
-  /// Throws Error for delta <= 0, a path outside the space, an empty path; a tube without any valid configuration
-  /// makes an empty target (log_volume = -inf), which scores nothing.
-  Target(const Space& space, const Configurations& path, std::vector<std::size_t> position, const TubeSettings& settings,
-         const Valid& valid, std::uint64_t seed);
+  /// \param position  indices of the axes that hold the reference point's position (planar distance); empty: full
+  /// metric \param valid     validity in the space; not counted in any level's checks \param seed      of the quasi
+  /// Monte Carlo shift Calls `valid` for points of the tube only, about pool / free share times and at most 16 pool
+  /// times. Throws Error for settings out of range, a path outside the space, an empty path; a tube without any valid
+  /// configuration makes an empty target (log_volume = -inf), which scores nothing.
+  Target(const Space& space, const Configurations& path, std::vector<std::size_t> position,
+         const TubeSettings& settings, const Valid& valid, std::uint64_t seed);
 
   [[nodiscard]] const Space& space() const { return space_; }
   [[nodiscard]] const TubeSettings& settings() const { return settings_; }
@@ -49,21 +55,24 @@ class Target {
   [[nodiscard]] double free_share() const { return free_share_; }
   /// Whether x lies in A (geometry and, for "free" support, validity).
   [[nodiscard]] bool contains(View x) const;
-  /// The distance from x to P in the target's sense (planar or full).
+  /// The distance from x to P in the target's sense (planar or full). P is thinned: waypoints within delta / 1000 of
+  /// the line that replaces them are left out.
   [[nodiscard]] double distance(View x) const;
   /// Points at which log q is averaged: a prefix of the pool.
   [[nodiscard]] std::size_t evaluation_points() const;
   [[nodiscard]] const Configurations& pool() const { return pool_; }
+  /// The pool in metric coordinates, for counting points in balls; empty for an empty target.
+  [[nodiscard]] const measure::PointTree& pool_tree() const { return *pool_tree_; }
 
  private:
   Space space_;
-  Configurations path_;
-  std::vector<std::size_t> position_;
+  std::shared_ptr<const measure::Tube> tube_;
   TubeSettings settings_;
   Valid valid_;
   double log_volume_ = 0.0;
   double free_share_ = 0.0;
   Configurations pool_;
+  std::shared_ptr<const measure::PointTree> pool_tree_;
 };
 
 }  // namespace trellis

@@ -37,7 +37,7 @@ struct Outcome {
 /// h as a planner sees it: a distribution over the planner's space with feedback.
 class Guidance {
  public:
-  /// Which part of a mixture drew a sample: an index into sources().
+  /// Which part drew a sample: an index into sources(), which never changes its length.
   using Source = std::uint16_t;
 
   virtual ~Guidance() = default;
@@ -89,28 +89,6 @@ class GoalGuidance final : public Guidance {
 
  private:
   Configuration goal_;
-};
-
-/// A weighted mixture of guidances. Weights are normalised; parts of weight 0 are never drawn from.
-class MixtureGuidance final : public Guidance {
- public:
-  struct Part {
-    double weight = 1.0;
-    std::unique_ptr<Guidance> guidance;
-  };
-  /// Throws Error when no weight is positive or one is negative or not finite.
-  explicit MixtureGuidance(std::vector<Part> parts);
-  Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override;
-  [[nodiscard]] double atom_mass() const override;
-  void observe(const Outcome& outcome, bool mine) override;
-  [[nodiscard]] std::vector<std::string> sources() const override;
-
- private:
-  std::vector<Part> parts_;
-  std::vector<double> cumulative_;
-  std::vector<Source> first_source_;
-  std::size_t drawn_ = 0;
 };
 
 }  // namespace trellis

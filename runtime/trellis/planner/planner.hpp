@@ -17,6 +17,7 @@ namespace trellis {
 
 /// How a search ended.
 enum class Status : std::uint8_t {
+  untried,        ///< no search was asked for
   solved,
   budget_spent,   ///< proposals, checks or seconds ran out
   no_path,        ///< a finite search space holds no path
@@ -47,7 +48,7 @@ struct Search {
 
 /// What a search found.
 struct Solution {
-  Status status = Status::budget_spent;
+  Status status = Status::untried;
   /// From start to goal when solved; else the way to what the search reached nearest to the goal (at least the start,
   /// where it is valid).
   Configurations path;
@@ -63,6 +64,7 @@ class Planner {
     Guidance& guidance;
     Stream proposals;  ///< what h draws with
     Search& search;    ///< appended to
+    bool guided;       ///< whether h is more than uniform and goal bias; an exact graph search draws nothing without it
     std::function<bool()> interrupted;
   };
 
@@ -70,7 +72,7 @@ class Planner {
 
   /// Searches until solved or the budget is spent. Called again, it goes on with what it knows: a roadmap is kept and
   /// repaired after the instance's validity changed; a tree that had reached the goal is grown anew for another path.
-  /// `budget` holds over all calls: what Search counts so far is subtracted.
+  /// `budget` holds over all calls: what the level has spent so far is subtracted.
   virtual Solution solve(const Budget& budget) = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace trellis {
 
-// Polygon work, done by CGAL behind this header (polygon.cpp is the only source that meets it).
+// Polygon work, done by CGAL behind this header (polygon.cpp and polygon_offset.cpp are the only sources that meet it).
 
 /// Checks that the vertices are at least three, finite, simple (no self-intersection, no repeated vertex) and enclose
 /// an area; returns them counter-clockwise. Throws Error that names `what` ("obstacle 3") and the fault.
@@ -23,7 +23,8 @@ struct PolygonWithHoles {
   std::vector<Polygon> holes;
 };
 
-/// The union of simple polygons as disjoint polygons with holes.
+/// The union of simple polygons as disjoint polygons with holes, computed exactly and rounded to doubles at the end. In
+/// canonical order: every loop starts at its least vertex, loops and pieces are sorted.
 std::vector<PolygonWithHoles> polygon_union(const std::vector<Polygon>& polygons);
 
 /// The points within `distance` of the polygon (distance > 0, Minkowski sum with a disc approximated from outside by

@@ -109,8 +109,8 @@ struct Problem {
   Space space;
   Configuration start;
   Configuration goal;
-  double goal_tolerance = 1e-6;  ///< a configuration this near (metric) to the goal is the goal
-  double resolution = 0.05;      ///< metres that the robot's fastest point moves between two checked configurations
+  double goal_tolerance = 1e-6;      ///< a configuration this near (metric) to the goal is the goal
+  double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
 };
 

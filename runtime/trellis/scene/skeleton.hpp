@@ -24,11 +24,12 @@ struct Skeleton {
   double seconds = 0.0;  ///< time that the construction took
 };
 
-/// The skeleton from CGAL's segment Delaunay graph of obstacles and boundary (skeleton.cpp is the only source that
-/// meets it). Discs are approximated by polygons of `disc_vertices` vertices. Parts of the medial axis inside obstacles
-/// or outside the boundary, and the spurs into convex corners of the free space (edges that end on a site), are left
-/// out. `spacing`: the largest distance between points of an edge, in metres; <= 0 picks 1/200 of the world's diagonal.
-/// Deterministic. Throws Error where the world leaves no free space.
+/// The skeleton from the segment Voronoi diagram of obstacles and boundary. For the diagram discs are polygons of
+/// `disc_vertices` vertices; its points are then moved to the true discs. Parts of the medial axis inside obstacles or
+/// outside the boundary, and the spurs into convex corners of the free space (edges that end on a site), are left out;
+/// a pocket with nothing but spurs, such as a square, keeps one vertex without edges. `spacing`: the largest distance
+/// between points of an edge, in metres; <= 0 picks 1/200 of the world's diagonal. Deterministic. Throws Error where
+/// the world leaves no free space.
 Skeleton medial_axis(const World& world, double spacing = 0.0, int disc_vertices = 24);
 
 /// The same, remembered per scene (by address while it lives), safe to call from several threads at once.

@@ -174,6 +174,25 @@ double Space::injectivity_radius() const {
   return radius;
 }
 
+Foot nearest_on_motion(const Space& space, View a, View b, View q) {
+  // Seen from the motion's middle the short way to q is the right one for both halves.
+  double along = 0.0;
+  double squared = 0.0;
+  double to_middle = 0.0;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    const Axis& axis = space.axes()[j];
+    double way = b[j] - a[j];
+    if (axis.periodic) way = short_way(axis, way);
+    double to = q[j] - (a[j] + 0.5 * way);
+    if (axis.periodic) to = short_way(axis, to);
+    along += axis.weight * to * axis.weight * way;
+    squared += axis.weight * way * axis.weight * way;
+    to_middle += axis.weight * to * axis.weight * to;
+  }
+  const double t = squared > 0.0 ? std::clamp(along / squared, -0.5, 0.5) : 0.0;
+  return {0.5 + t, std::max(0.0, to_middle - 2.0 * t * along + t * t * squared)};
+}
+
 double log_unit_ball(std::size_t d) {
   const double half = 0.5 * static_cast<double>(d);
   return half * std::log(std::numbers::pi) - std::lgamma(half + 1.0);

@@ -79,6 +79,13 @@ class Space {
   std::vector<Axis> axes_;
 };
 
+/// The point of the straight motion from a to b that is nearest to q.
+struct Foot {
+  double t = 0.0;                 ///< its place in [0, 1] from a to b
+  double squared_distance = 0.0;  ///< between it and q
+};
+Foot nearest_on_motion(const Space& space, View a, View b, View q);
+
 /// log of the volume of the unit ball in R^d.
 double log_unit_ball(std::size_t d);
 

@@ -34,7 +34,7 @@ struct LevelRecord {
 };
 
 struct RunRecord {
-  Status status = Status::budget_spent;
+  Status status = Status::untried;
   bool solved = false;
   double seconds = 0.0;
   Configurations path;       ///< from start to goal; empty when unsolved

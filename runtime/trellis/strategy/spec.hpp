@@ -105,8 +105,9 @@ GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = defa
 /// A planner at the root, with or without a guide: what can be executed.
 class StrategySpec {
  public:
-  StrategySpec(PlannerSpec planner) : planner_(std::move(planner)) {}  // NOLINT: a planner is a strategy
-  StrategySpec(PlannerSpec planner, GuideSpec guide) : planner_(std::move(planner)), guide_(std::move(guide)) {}
+  /// Throws Error for a planner that searches explicit graphs only.
+  StrategySpec(PlannerSpec planner);  // NOLINT(google-explicit-constructor): a planner is a strategy
+  StrategySpec(PlannerSpec planner, GuideSpec guide);
 
   [[nodiscard]] const PlannerSpec& planner() const { return planner_; }
   [[nodiscard]] const GuideSpec* guide() const { return guide_ ? &*guide_ : nullptr; }

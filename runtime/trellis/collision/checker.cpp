@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/checker.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis {
+
+std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
+                                      const Space& space, double resolution) {
+  if (backend == "planar") return make_planar_checker(std::move(scene), space, resolution);
+  if (backend == "fcl") return make_fcl_checker(std::move(scene), space, resolution);
+  const std::array<std::string, 2> known = {"planar", "fcl"};
+  throw Error(
+      fmt::format("no collision backend '{}'; there are 'planar' and 'fcl'{}", backend, did_you_mean(backend, known)));
+}
+
+std::string describe(const Contact& contact, const Scene& scene) {
+  if (!contact.obstacle) return "the world's boundary";
+  return scene.world.obstacles().at(*contact.obstacle).name;
+}
+
+std::vector<std::uint32_t> bisection_order(std::uint32_t n) {
+  std::vector<std::uint32_t> order;
+  if (n == 0) return order;
+  order.reserve(n);
+  order.push_back(n);
+  // Intervals whose midpoint comes next; each level is the halves of the one before, from the left.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> level = {{0, n}};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> next;
+  while (!level.empty()) {
+    next.clear();
+    for (const auto& [lo, hi] : level) {
+      if (hi - lo < 2) continue;
+      const std::uint32_t middle = lo + (hi - lo) / 2;
+      order.push_back(middle);
+      next.emplace_back(lo, middle);
+      next.emplace_back(middle, hi);
+    }
+    std::swap(level, next);
+  }
+  return order;
+}
+
+}  // namespace trellis

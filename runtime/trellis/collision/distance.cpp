@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/distance.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trellis {
+
+namespace {
+
+double squared_distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  const double t = std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0);
+  const Vec2 apart = p - (a + t * along);
+  return dot(apart, apart);
+}
+
+/// Calls f(from, to) for each edge.
+template <class F>
+void each_edge(const Polygon& polygon, F&& f) {
+  const auto& v = polygon.vertices;
+  for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++) f(v[j], v[i]);
+}
+
+bool contains(const Polygon& polygon, Vec2 p) {
+  bool inside = true;
+  each_edge(polygon, [&](Vec2 a, Vec2 b) { inside = inside && cross(b - a, p - a) >= 0.0; });
+  return inside;
+}
+
+/// Whether an edge of `a` has all of `b` strictly on its outer side.
+bool edge_separates(const Polygon& a, const Polygon& b) {
+  bool found = false;
+  each_edge(a, [&](Vec2 from, Vec2 to) {
+    found = found ||
+            std::all_of(b.vertices.begin(), b.vertices.end(), [&](Vec2 p) { return cross(to - from, p - from) < 0.0; });
+  });
+  return found;
+}
+
+double squared_distance_to_edges(const Polygon& polygon, Vec2 p) {
+  double best = std::numeric_limits<double>::infinity();
+  each_edge(polygon, [&](Vec2 a, Vec2 b) { best = std::min(best, squared_distance_to_segment(p, a, b)); });
+  return best;
+}
+
+double distance(const Disc& a, const Disc& b) { return std::max(0.0, norm(a.centre - b.centre) - a.radius - b.radius); }
+
+double distance(const Disc& a, const Polygon& b) {
+  if (contains(b, a.centre)) return 0.0;
+  return std::max(0.0, std::sqrt(squared_distance_to_edges(b, a.centre)) - a.radius);
+}
+
+double distance(const Polygon& a, const Disc& b) { return distance(b, a); }
+
+double distance(const Polygon& a, const Polygon& b) {
+  if (!edge_separates(a, b) && !edge_separates(b, a)) return 0.0;
+  // Of two convex polygons apart, a nearest pair of points has a corner of one of them.
+  double best = std::numeric_limits<double>::infinity();
+  for (const Vec2 p : a.vertices) best = std::min(best, squared_distance_to_edges(b, p));
+  for (const Vec2 p : b.vertices) best = std::min(best, squared_distance_to_edges(a, p));
+  return std::sqrt(best);
+}
+
+}  // namespace
+
+void move_shape(const ConvexShape& shape, const Pose2& pose, ConvexShape& out) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) {
+    out = Disc{pose(disc->centre), disc->radius};
+    return;
+  }
+  const auto& from = std::get<Polygon>(shape).vertices;
+  if (!std::holds_alternative<Polygon>(out)) out = Polygon{};
+  auto& to = std::get<Polygon>(out).vertices;
+  to.resize(from.size());
+  std::transform(from.begin(), from.end(), to.begin(), [&](Vec2 p) { return pose(p); });
+}
+
+double distance(const ConvexShape& a, const ConvexShape& b) {
+  return std::visit([](const auto& s, const auto& t) { return distance(s, t); }, a, b);
+}
+
+double box_distance(const Box2& a, const Box2& b) {
+  const double x = std::max({0.0, a.lo.x - b.hi.x, b.lo.x - a.hi.x});
+  const double y = std::max({0.0, a.lo.y - b.hi.y, b.lo.y - a.hi.y});
+  return norm({x, y});
+}
+
+double margin_inside(const Box2& inner, const Box2& outer) {
+  return std::min({inner.lo.x - outer.lo.x, outer.hi.x - inner.hi.x, inner.lo.y - outer.lo.y, outer.hi.y - inner.hi.y});
+}
+
+}  // namespace trellis

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <trellis/collision/checker.hpp>
+#include <trellis/collision/common.hpp>
+#include <trellis/collision/distance.hpp>
+#include <trellis/collision/orders.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Vector3 = fcl::Vector3d;
+using Transform3 = fcl::Transform3d;
+using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
+
+Transform3 transform(const Pose2& pose) {
+  Transform3 result;
+  result.matrix() << pose.c, -pose.s, 0.0, pose.x,  //
+      pose.s, pose.c, 0.0, pose.y,                  //
+      0.0, 0.0, 1.0, 0.0,                           //
+      0.0, 0.0, 0.0, 1.0;
+  return result;
+}
+
+/// A planar convex shape as FCL's solids. All of them are symmetric about the plane z = 0, so they meet where the
+/// planar shapes do.
+///  - A rectangle is a box and a disc a sphere: FCL has closed forms for boxes and spheres with each other, while
+///    its cylinders go through an iteration that stops some 1e-6 early.
+///  - Any other polygon is a convex prism. Against a sphere FCL would iterate here too, but it has a closed form for a
+///    sphere and a triangle: for that, the polygon's own area as a flat mesh.
+struct Solid {
+  Geometry geometry;
+  Geometry flat;  ///< of a polygon that is no rectangle
+  Transform3 frame = Transform3::Identity();
+  bool round = false;
+  bool framed = false;  ///< frame is not the identity
+
+  Solid(const ConvexShape& shape, double half_height, double slack) {
+    if (const auto* disc = std::get_if<Disc>(&shape)) {
+      geometry = std::make_shared<fcl::Sphered>(disc->radius + slack);
+      frame.translation() = Vector3(disc->centre.x, disc->centre.y, 0.0);
+      round = true;
+      framed = disc->centre != Vec2{};
+    } else {
+      const auto& polygon = std::get<Polygon>(shape);
+      if (!make_box(polygon, half_height, slack)) {
+        make_prism(polygon, half_height);
+        make_flat(polygon);
+      }
+    }
+    geometry->computeLocalAABB();
+  }
+
+  [[nodiscard]] const fcl::CollisionGeometryd* facing(const Solid& other) const {
+    return other.round && flat ? flat.get() : geometry.get();
+  }
+
+ private:
+  bool make_box(const Polygon& polygon, double half_height, double slack) {
+    const auto& v = polygon.vertices;
+    if (v.size() != 4) return false;
+    const Vec2 along = v[1] - v[0];
+    const Vec2 across = v[3] - v[0];
+    const double length = norm(along);
+    const double width = norm(across);
+    const double rounding = 1e-14 * (norm(v[0]) + length + width);
+    if (std::abs(dot(along, across)) > rounding * std::min(length, width)) return false;
+    if (norm(v[0] + v[2] - (v[1] + v[3])) > rounding) return false;
+    geometry = std::make_shared<fcl::Boxd>(length + 2.0 * slack, width + 2.0 * slack, 2.0 * half_height);
+    const Vec2 centre = 0.25 * (v[0] + v[1] + (v[2] + v[3]));
+    frame = transform({centre.x, centre.y, along.x / length, along.y / length});
+    framed = true;
+    return true;
+  }
+
+  void make_prism(const Polygon& polygon, double half_height) {
+    const auto count = static_cast<int>(polygon.vertices.size());
+    auto vertices = std::make_shared<std::vector<Vector3>>();
+    for (const double z : {-half_height, half_height}) {
+      for (const Vec2 v : polygon.vertices) vertices->emplace_back(v.x, v.y, z);
+    }
+    // Faces are counter-clockwise as seen from outside: number of corners, corners.
+    auto faces = std::make_shared<std::vector<int>>();
+    faces->push_back(count);
+    for (int i = count - 1; i >= 0; --i) faces->push_back(i);
+    faces->push_back(count);
+    for (int i = 0; i < count; ++i) faces->push_back(count + i);
+    for (int i = 0; i < count; ++i) {
+      const int next = (i + 1) % count;
+      faces->insert(faces->end(), {4, i, next, count + next, count + i});
+    }
+    geometry = std::make_shared<fcl::Convexd>(vertices, count + 2, faces);
+  }
+
+  void make_flat(const Polygon& polygon) {
+    auto mesh = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+    const auto& v = polygon.vertices;
+    mesh->beginModel();
+    for (std::size_t i = 2; i < v.size(); ++i) {
+      mesh->addTriangle(Vector3(v[0].x, v[0].y, 0.0), Vector3(v[i - 1].x, v[i - 1].y, 0.0),
+                        Vector3(v[i].x, v[i].y, 0.0));
+    }
+    mesh->endModel();
+    mesh->computeLocalAABB();
+    flat = std::move(mesh);
+  }
+};
+
+bool overlap(const Box2& a, const Box2& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y;
+}
+
+class FclChecker final : public Checker {
+ public:
+  FclChecker(std::shared_ptr<const Scene> scene, Space space, double resolution)
+      : scene_(std::move(scene)), robot_(scene_->robot), space_(std::move(space)), resolution_(resolution) {
+    check_fits(*scene_, space_, resolution_);
+    slack_ = touching_slack(*scene_);
+    const auto& world = scene_->world;
+    // The robot is lower than the obstacles: with prisms of one height, FCL's iteration meets degenerate simplices in
+    // which it takes polygons a hand's breadth apart for touching (some 30 of a million configurations).
+    const double size = norm(world.bounds().hi - world.bounds().lo);
+    const double obstacle_height = 0.2 * size;
+    const double robot_height = 0.05 * size;
+    for (const auto& part : world.parts()) {
+      obstacles_.emplace_back(part.shape, obstacle_height, 0.5 * slack_);
+      const Box2 box = bounding_box(part.shape);
+      const Vec2 margin{slack_, slack_};
+      boxes_.push_back({box.lo - margin, box.hi + margin});
+    }
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      auto object = std::make_unique<fcl::CollisionObjectd>(obstacles_[i].geometry, obstacles_[i].frame);
+      object->setUserData(&boxes_[i]);
+      objects_.push_back(std::move(object));
+    }
+    std::vector<fcl::CollisionObjectd*> registered;
+    for (const auto& object : objects_) registered.push_back(object.get());
+    if (!registered.empty()) {
+      tree_.registerObjects(registered);
+      tree_.setup();
+    }
+    found_.reserve(obstacles_.size());
+
+    for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
+      for (const auto& part : robot_.bodies()[i].parts) {
+        pieces_.push_back({i, &part, Solid(part, robot_height, 0.5 * slack_), {}, {}});
+      }
+    }
+    frames_.resize(robot_.bodies().size());
+    q_.resize(space_.dimension());
+    // On a periodic axis a position jumps, so that no box around its ends holds the whole motion.
+    sweepable_ = !robot_.translates() || (!space_.axes()[0].periodic && !space_.axes()[1].periodic);
+    request_.num_max_contacts = 1;
+    request_.enable_contact = false;
+  }
+
+  [[nodiscard]] bool valid(View q) const override {
+    if (!is_finite(robot_, q)) return false;
+    robot_.place(q, frames_);
+    return std::none_of(pieces_.begin(), pieces_.end(), [&](Piece& piece) { return invalid_by_tree(piece); });
+  }
+
+  [[nodiscard]] MotionReport motion(View a, View b) const override {
+    if (!is_finite(robot_, a) || !is_finite(robot_, b)) return {false, 1, 1.0};
+    const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+    bool by_tree = true;
+    if (sweepable_) {
+      const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
+      const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
+      const double radius = robot_.bounding_radius() + slack_;
+      const Box2 swept{{std::min(from.x, to.x) - radius, std::min(from.y, to.y) - radius},
+                       {std::max(from.x, to.x) + radius, std::max(from.y, to.y) + radius}};
+      look_up(swept);
+      if (found_.empty() && margin_inside(swept, scene_->world.bounds()) >= 0.0) {
+        return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      }
+      constexpr std::size_t few = 16;
+      by_tree = found_.size() > few;
+    }
+    const Order& order = orders_.of(n);
+    for (std::uint32_t rank = 0; rank < n; ++rank) {
+      space_.interpolate(a, b, order.share(rank), q_);
+      robot_.place(q_, frames_);
+      for (Piece& piece : pieces_) {
+        if (by_tree ? invalid_by_tree(piece) : invalid_by_found(piece)) return {false, rank + 1, order.share(rank)};
+      }
+    }
+    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  [[nodiscard]] double clearance(View q) const override {
+    if (!valid(q)) return 0.0;
+    double best = std::numeric_limits<double>::infinity();
+    fcl::DistanceRequestd request;
+    for (Piece& piece : pieces_) {
+      if (leaves(piece)) return 0.0;
+      best = std::min(best, margin_inside(piece.box, scene_->world.bounds()));
+      const Transform3 frame = frame_of(piece);
+      for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+        if (box_distance(piece.box, boxes_[i]) >= best) continue;
+        fcl::DistanceResultd result;
+        const Solid& obstacle = obstacles_[i];
+        fcl::distance(piece.solid.facing(obstacle), frame, obstacle.facing(piece.solid), obstacle.frame, request,
+                      result);
+        best = std::min(best, result.min_distance);
+      }
+    }
+    return std::max(best, 0.0);
+  }
+
+  [[nodiscard]] std::optional<Contact> contact(View q) const override {
+    if (!is_finite(robot_, q)) return Contact{0, std::nullopt};
+    robot_.place(q, frames_);
+    for (std::size_t first = 0; first < pieces_.size();) {
+      const std::size_t body = pieces_[first].body;
+      std::optional<std::size_t> nearest;
+      bool out = false;
+      for (; first < pieces_.size() && pieces_[first].body == body; ++first) {
+        Piece& piece = pieces_[first];
+        out = leaves(piece) || out;
+        const Transform3 frame = frame_of(piece);
+        look_up(piece.box);
+        for (const std::size_t i : found_) {
+          if (!meet(piece.solid, frame, i)) continue;
+          const std::size_t obstacle = scene_->world.parts()[i].obstacle;
+          nearest = nearest ? std::min(*nearest, obstacle) : obstacle;
+        }
+      }
+      if (nearest || out) return Contact{body, nearest};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Piece {
+    std::size_t body;
+    const ConvexShape* shape;
+    Solid solid;
+    ConvexShape moved;  ///< at the present pose, with the box around it
+    Box2 box;
+  };
+
+  /// What a query of the tree is told through FCL's one untyped pointer.
+  struct Query {
+    const FclChecker* checker;
+    const Solid* solid = nullptr;  ///< none: only collect what the boxes meet
+    const Transform3* frame = nullptr;
+    bool hit = false;
+  };
+
+  static bool on_pair(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, void* data) {
+    auto& query = *static_cast<Query*>(data);
+    const FclChecker& checker = *query.checker;
+    const auto* object = first == &checker.probe_ ? second : first;
+    const auto i = static_cast<std::size_t>(static_cast<const Box2*>(object->getUserData()) - checker.boxes_.data());
+    if (query.solid == nullptr) {
+      checker.found_.push_back(i);
+      return false;
+    }
+    query.hit = checker.meet(*query.solid, *query.frame, i);
+    return query.hit;
+  }
+
+  void ask_tree(const Box2& box, Query& query) const {
+    if (objects_.empty()) return;
+    // The tree takes objects, not boxes: a flat box in the plane that all solids cut.
+    probe_box_->side = Vector3(box.hi.x - box.lo.x, box.hi.y - box.lo.y, 0.0);
+    probe_box_->computeLocalAABB();
+    probe_.setTranslation(Vector3(0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y), 0.0));
+    probe_.computeAABB();
+    tree_.collide(&probe_, &query, &on_pair);
+  }
+
+  void look_up(const Box2& box) const {
+    found_.clear();
+    Query query{this};
+    ask_tree(box, query);
+  }
+
+  /// Whether the solid meets an obstacle's part.
+  [[nodiscard]] bool meet(const Solid& solid, const Transform3& frame, std::size_t i) const {
+    const Solid& obstacle = obstacles_[i];
+    result_.clear();
+    return fcl::collide(solid.facing(obstacle), frame, obstacle.facing(solid), obstacle.frame, request_, result_) > 0;
+  }
+
+  [[nodiscard]] Transform3 frame_of(const Piece& piece) const {
+    const Transform3 frame = transform(frames_[piece.body]);
+    return piece.solid.framed ? frame * piece.solid.frame : frame;
+  }
+
+  /// Moves the piece to its body's frame; whether it sticks out of the world there.
+  bool leaves(Piece& piece) const {
+    move_shape(*piece.shape, frames_[piece.body], piece.moved);
+    piece.box = bounding_box(piece.moved);
+    return !(margin_inside(piece.box, scene_->world.bounds()) >= -slack_);
+  }
+
+  bool invalid_by_tree(Piece& piece) const {
+    if (leaves(piece)) return true;
+    const Transform3 frame = frame_of(piece);
+    Query query{this, &piece.solid, &frame};
+    ask_tree(piece.box, query);
+    return query.hit;
+  }
+
+  bool invalid_by_found(Piece& piece) const {
+    if (leaves(piece)) return true;
+    std::optional<Transform3> frame;
+    for (const std::size_t i : found_) {
+      if (!overlap(piece.box, boxes_[i])) continue;
+      if (!frame) frame = frame_of(piece);
+      if (meet(piece.solid, *frame, i)) return true;
+    }
+    return false;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  const Robot& robot_;
+  Space space_;
+  double resolution_;
+  double slack_ = 0.0;
+  bool sweepable_ = false;
+  std::vector<Solid> obstacles_;  ///< as the world's parts, with boxes and objects
+  std::vector<Box2> boxes_;
+  std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
+  fcl::CollisionRequestd request_;
+
+  // Scratch.
+  mutable fcl::DynamicAABBTreeCollisionManagerd tree_;
+  mutable std::vector<Piece> pieces_;  ///< of the robot, body by body
+  mutable Orders orders_;
+  mutable std::shared_ptr<fcl::Boxd> probe_box_ = std::make_shared<fcl::Boxd>(1.0, 1.0, 1.0);
+  mutable fcl::CollisionObjectd probe_{probe_box_};
+  mutable fcl::CollisionResultd result_;
+  mutable std::vector<std::size_t> found_;
+  mutable std::vector<Pose2> frames_;
+  mutable Configuration q_;
+};
+
+}  // namespace
+
+std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution) {
+  return std::make_unique<FclChecker>(std::move(scene), space, resolution);
+}
+
+}  // namespace trellis

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/part_index.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace trellis {
+
+PartIndex::PartIndex(std::vector<kernel::Box> boxes)
+    : boxes_(std::move(boxes)), slabs_(boxes_.size() <= 256 ? 64 : 256), words_((boxes_.size() + 63) / 64) {
+  if (boxes_.empty()) return;
+  build(x_, &kernel::Box::xlo, &kernel::Box::xhi);
+  build(y_, &kernel::Box::ylo, &kernel::Box::yhi);
+}
+
+// Grows with x, and so errs to neither side; anything beyond the ends, and NaN, falls into a slab at an end.
+std::size_t PartIndex::slab(const Axis& axis, double x) const {
+  const double position = (x - axis.lo) * axis.per_metre;
+  const auto last = static_cast<double>(slabs_ - 1);
+  return position > 0.0 ? static_cast<std::size_t>(position < last ? position : last) : 0;
+}
+
+void PartIndex::build(Axis& axis, double kernel::Box::*lo, double kernel::Box::*hi) {
+  axis.lo = boxes_.front().*lo;
+  double end = boxes_.front().*hi;
+  for (const auto& box : boxes_) {
+    axis.lo = std::min(axis.lo, box.*lo);
+    end = std::max(end, box.*hi);
+  }
+  axis.per_metre = end > axis.lo ? static_cast<double>(slabs_) / (end - axis.lo) : 0.0;
+  axis.reach.assign(slabs_ * words_, 0);
+  axis.begins.assign(slabs_ * words_, 0);
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+    const std::size_t first = slab(axis, boxes_[i].*lo);
+    const std::size_t last = slab(axis, boxes_[i].*hi);
+    for (std::size_t k = 0; k <= last; ++k) axis.reach[k * words_ + i / 64] |= bit;
+    for (std::size_t k = first; k < slabs_; ++k) axis.begins[k * words_ + i / 64] |= bit;
+  }
+}
+
+unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {
+  if (boxes_.empty()) return 0;
+  const std::uint64_t* x_reach = &x_.reach[slab(x_, box.xlo) * words_];
+  const std::uint64_t* x_begins = &x_.begins[slab(x_, box.xhi) * words_];
+  const std::uint64_t* y_reach = &y_.reach[slab(y_, box.ylo) * words_];
+  const std::uint64_t* y_begins = &y_.begins[slab(y_, box.yhi) * words_];
+  unsigned count = 0;
+  for (std::size_t w = 0; w < words_; ++w) {
+    std::uint64_t found = x_reach[w] & x_begins[w] & y_reach[w] & y_begins[w];
+    while (found != 0) {
+      const auto i = static_cast<unsigned>(w * 64) + static_cast<unsigned>(std::countr_zero(found));
+      found &= found - 1;
+      const kernel::Box& b = boxes_[i];
+      // Written without branches: whether a box in a common slab overlaps is anybody's guess.
+      out[count] = i;
+      count += static_cast<unsigned>(static_cast<unsigned>(b.xlo <= box.xhi) & static_cast<unsigned>(box.xlo <= b.xhi) &
+                                     static_cast<unsigned>(b.ylo <= box.yhi) & static_cast<unsigned>(box.ylo <= b.yhi));
+    }
+  }
+  return count;
+}
+
+}  // namespace trellis

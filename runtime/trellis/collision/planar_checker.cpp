@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/planar_checker.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <trellis/collision/common.hpp>
+#include <trellis/collision/distance.hpp>
+#include <trellis/collision/orders.hpp>
+#include <trellis/collision/part_index.hpp>
+
+namespace trellis {
+
+namespace {
+
+using kernel::Box;
+using kernel::Kind;
+using kernel::Piece;
+
+/// Convex shapes as the kernels want them, grown by a slack that makes touching robust against rounding.
+class Pieces {
+ public:
+  void add(const ConvexShape& shape, double slack) {
+    const Box2 box = bounding_box(shape);
+    Piece piece;
+    piece.x = 0.5 * (box.lo.x + box.hi.x);
+    piece.y = 0.5 * (box.lo.y + box.hi.y);
+    piece.hx = 0.5 * (box.hi.x - box.lo.x) + slack;
+    piece.hy = 0.5 * (box.hi.y - box.lo.y) + slack;
+    piece.xlo = box.lo.x - slack;
+    piece.xhi = box.hi.x + slack;
+    piece.ylo = box.lo.y - slack;
+    piece.yhi = box.hi.y + slack;
+    std::vector<kernel::Edge> edges;
+    if (const auto* disc = std::get_if<Disc>(&shape)) {
+      piece.kind = Kind::disc;
+      piece.x = disc->centre.x;
+      piece.y = disc->centre.y;
+      piece.radius = disc->radius + slack;
+    } else if (const auto& polygon = std::get<Polygon>(shape); is_box(polygon, box)) {
+      piece.kind = Kind::rectangle;
+    } else {
+      piece.kind = Kind::polygon;
+      edges = edges_of(polygon, slack);
+      piece.edge_count = static_cast<unsigned>(edges.size());
+    }
+    edges_.push_back(std::move(edges));
+    piece.edges = edges_.back().data();
+    pieces_.push_back(piece);
+  }
+
+  [[nodiscard]] const Piece* data() const { return pieces_.data(); }
+  [[nodiscard]] std::size_t size() const { return pieces_.size(); }
+  const Piece& operator[](std::size_t i) const { return pieces_[i]; }
+
+ private:
+  static bool is_box(const Polygon& polygon, const Box2& box) {
+    const auto corners = rectangle_vertices(box);
+    return polygon.vertices.size() == corners.size() &&
+           std::is_permutation(corners.begin(), corners.end(), polygon.vertices.begin());
+  }
+
+  static std::vector<kernel::Edge> edges_of(const Polygon& polygon, double slack) {
+    std::vector<kernel::Edge> edges;
+    const auto& v = polygon.vertices;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const Vec2 along = v[(i + 1) % v.size()] - v[i];
+      const double length = norm(along);
+      const Vec2 normal{along.y / length, -along.x / length};
+      edges.push_back({v[i].x, v[i].y, normal.x, normal.y, dot(normal, v[i]) + slack, length});
+    }
+    return edges;
+  }
+
+  std::vector<Piece> pieces_;
+  std::vector<std::vector<kernel::Edge>> edges_;  ///< of each piece; moving a vector keeps its elements in place
+};
+
+class PlanarChecker final : public Checker {
+ public:
+  PlanarChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, const kernel::Table& kernels)
+      : scene_(std::move(scene)),
+        robot_(scene_->robot),
+        space_(std::move(space)),
+        resolution_(resolution),
+        kernels_(kernels),
+        slack_(touching_slack(*scene_)) {
+    check_fits(*scene_, space_, resolution_);
+    const auto& world = scene_->world;
+    std::vector<Box> boxes;
+    for (const auto& part : world.parts()) {
+      obstacles_.add(part.shape, 0.5 * slack_);
+      const Piece& piece = obstacles_[obstacles_.size() - 1];
+      boxes.push_back({piece.xlo, piece.xhi, piece.ylo, piece.yhi});
+    }
+    index_ = PartIndex(std::move(boxes));
+    candidates_.resize(obstacles_.size());
+    const auto& [lo, hi] = world.bounds();
+    bounds_ = {lo.x - slack_, hi.x + slack_, lo.y - slack_, hi.y + slack_};
+
+    const auto& bodies = robot_.bodies();
+    std::size_t corners = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      for (const auto& part : bodies[i].parts) {
+        pieces_.add(part, 0.5 * slack_);
+        body_of_.push_back(i);
+        corners = std::max<std::size_t>(corners, pieces_[pieces_.size() - 1].edge_count);
+      }
+    }
+    corners_.resize(corners);
+    placed_.corners = corners_.data();
+    poses_.resize(bodies.size());
+    frames_.resize(bodies.size());
+    q_.resize(space_.dimension());
+    way_.resize(space_.dimension());
+
+    // On a periodic axis a position jumps, so that no box around its ends holds the whole motion.
+    const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
+    rigid_ = bodies.size() == 1 && !jumps;
+    sweepable_ = !jumps;
+    set_reach();
+    for (double& share : end_.v) share = 1.0;
+  }
+
+  [[nodiscard]] bool valid(View q) const override {
+    pose_at(q);
+    return (touched(false, cull_each, 1) & 1U) == 0;
+  }
+
+  [[nodiscard]] MotionReport motion(View a, View b) const override {
+    if (!is_finite(robot_, a) || !is_finite(robot_, b)) return {false, 1, 1.0};
+    const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
+    const bool in_line = rigid_ && line_between(a, b);
+    bool inside = false;
+    unsigned candidates = cull_each;
+    if (sweepable_) {
+      const Box swept = swept_box(a, b);
+      inside =
+          bounds_.xlo <= swept.xlo && swept.xhi <= bounds_.xhi && bounds_.ylo <= swept.ylo && swept.yhi <= bounds_.yhi;
+      candidates = index_.query(swept, candidates_.data());
+      if (inside && candidates == 0) return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      // A box around several bodies is so much larger than they are that each is culled by its own.
+      if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
+    }
+    const Order& order = orders_.of(n);
+    for (std::uint32_t first = 0; first < n; first += kernel::lanes) {
+      const kernel::Lanes& shares = order.shares[first / kernel::lanes];
+      const unsigned wanted = std::min(n - first, kernel::lanes);
+      if (in_line) {
+        kernels_.poses(line_, shares.v, poses_[0]);
+      } else {
+        poses_between(a, b, shares, wanted);
+      }
+      const unsigned hit = touched(inside, candidates, wanted) & ((1U << wanted) - 1U);
+      if (hit != 0) {
+        const std::uint32_t rank = first + static_cast<std::uint32_t>(std::countr_zero(hit));
+        return {false, rank + 1, order.share(rank)};
+      }
+    }
+    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  [[nodiscard]] double clearance(View q) const override {
+    if (!valid(q)) return 0.0;
+    robot_.place(q, frames_);
+    const auto& world = scene_->world;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
+      for (const auto& part : robot_.bodies()[i].parts) {
+        move_shape(part, frames_[i], moved_);
+        const Box2 box = bounding_box(moved_);
+        best = std::min(best, margin_inside(box, world.bounds()));
+        for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+          const Piece& o = obstacles_[k];
+          if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) >= best) continue;
+          best = std::min(best, distance(moved_, world.parts()[k].shape));
+        }
+      }
+    }
+    return std::max(best, 0.0);
+  }
+
+  [[nodiscard]] std::optional<Contact> contact(View q) const override {
+    pose_at(q);
+    for (std::size_t first = 0; first < pieces_.size();) {
+      const std::size_t body = body_of_[first];
+      std::optional<std::size_t> nearest;
+      bool out = false;
+      for (; first < pieces_.size() && body_of_[first] == body; ++first) {
+        kernels_.place(poses_[body], pieces_[first], placed_);
+        out = out || (kernels_.outside(placed_, bounds_) & 1U) != 0;
+        const unsigned count = index_.query(hull(1), candidates_.data());
+        for (unsigned i = 0; i < count; ++i) {
+          if ((kernels_.collide(placed_, pieces_[first], obstacles_.data(), &candidates_[i], 1) & 1U) == 0) continue;
+          const std::size_t obstacle = scene_->world.parts()[candidates_[i]].obstacle;
+          nearest = nearest ? std::min(*nearest, obstacle) : obstacle;
+        }
+      }
+      if (nearest || out) return Contact{body, nearest};
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// In place of a number of candidates: they are to be looked up for each piece of the robot.
+  static constexpr unsigned cull_each = std::numeric_limits<unsigned>::max();
+
+  void set_reach() {
+    const double margin = 2.0 * slack_;
+    if (rigid_ && robot_.bodies()[0].angle_axis < 0) {
+      reach_ = {pieces_[0].xlo, pieces_[0].xhi, pieces_[0].ylo, pieces_[0].yhi};
+      for (std::size_t i = 1; i < pieces_.size(); ++i) {
+        reach_ = {std::min(reach_.xlo, pieces_[i].xlo), std::max(reach_.xhi, pieces_[i].xhi),
+                  std::min(reach_.ylo, pieces_[i].ylo), std::max(reach_.yhi, pieces_[i].yhi)};
+      }
+      const Vec2 joint = robot_.bodies()[0].joint;
+      reach_ = {reach_.xlo + joint.x - margin, reach_.xhi + joint.x + margin, reach_.ylo + joint.y - margin,
+                reach_.yhi + joint.y + margin};
+    } else {
+      const double radius = robot_.bounding_radius() + margin;
+      reach_ = {-radius, radius, -radius, radius};
+    }
+  }
+
+  /// A box around all that the robot covers on the way.
+  [[nodiscard]] Box swept_box(View a, View b) const {
+    const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
+    const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
+    return {std::min(from.x, to.x) + reach_.xlo, std::max(from.x, to.x) + reach_.xhi,
+            std::min(from.y, to.y) + reach_.ylo, std::max(from.y, to.y) + reach_.yhi};
+  }
+
+  /// Sets the line of a single body's poses; false where its angle is too large for the kernels' sine.
+  bool line_between(View a, View b) const {
+    const Body& body = robot_.bodies()[0];
+    const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
+    const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
+    line_.x = from.x;
+    line_.y = from.y;
+    line_.way_x = to.x - from.x;
+    line_.way_y = to.y - from.y;
+    line_.end_x = to.x;
+    line_.end_y = to.y;
+    line_.joint_x = body.joint.x;
+    line_.joint_y = body.joint.y;
+    line_.turns = body.angle_axis >= 0;
+    if (!line_.turns) return true;
+    const auto axis = static_cast<std::size_t>(body.angle_axis);
+    if (a.data() == b.data()) {
+      line_.turn = 0.0;
+    } else {
+      space_.difference(a, b, way_);
+      line_.turn = way_[axis];
+    }
+    line_.angle = a[axis];
+    line_.end_angle = b[axis];
+    return std::abs(a[axis]) <= kernel::largest_angle && std::abs(b[axis]) <= kernel::largest_angle;
+  }
+
+  /// Sets all lanes to one configuration.
+  void pose_at(View q) const {
+    if (rigid_ && line_between(q, q)) {
+      kernels_.poses(line_, end_.v, poses_[0]);
+      return;
+    }
+    robot_.place(q, frames_);
+    for (unsigned lane = 0; lane < kernel::lanes; ++lane) set_lane(lane);
+  }
+
+  void poses_between(View a, View b, const kernel::Lanes& shares, unsigned wanted) const {
+    for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
+      if (lane < wanted) {
+        space_.interpolate(a, b, shares.v[lane], q_);
+        robot_.place(q_, frames_);
+      }
+      set_lane(lane);
+    }
+  }
+
+  void set_lane(unsigned lane) const {
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      poses_[i].x.v[lane] = frames_[i].x;
+      poses_[i].y.v[lane] = frames_[i].y;
+      poses_[i].c.v[lane] = frames_[i].c;
+      poses_[i].s.v[lane] = frames_[i].s;
+    }
+  }
+
+  /// The lanes in which the robot touches an obstacle or leaves the world; only the first `lanes` are asked for. May
+  /// stop early once the first lane does.
+  [[nodiscard]] unsigned touched(bool inside, unsigned candidates, unsigned lanes) const {
+    unsigned hit = 0;
+    for (std::size_t i = 0; i < pieces_.size() && (hit & 1U) == 0; ++i) {
+      const Piece& piece = pieces_[i];
+      kernels_.place(poses_[body_of_[i]], piece, placed_);
+      if (!inside) hit |= kernels_.outside(placed_, bounds_);
+      if ((hit & 1U) != 0) break;
+      const unsigned count = candidates == cull_each ? index_.query(hull(lanes), candidates_.data()) : candidates;
+      if (count > 0) hit |= kernels_.collide(placed_, piece, obstacles_.data(), candidates_.data(), count);
+    }
+    return hit;
+  }
+
+  /// The box around the placed piece in the first lanes.
+  [[nodiscard]] Box hull(unsigned lanes) const {
+    Box box{placed_.xlo.v[0], placed_.xhi.v[0], placed_.ylo.v[0], placed_.yhi.v[0]};
+    for (unsigned lane = 1; lane < lanes; ++lane) {
+      box.xlo = std::min(box.xlo, placed_.xlo.v[lane]);
+      box.xhi = std::max(box.xhi, placed_.xhi.v[lane]);
+      box.ylo = std::min(box.ylo, placed_.ylo.v[lane]);
+      box.yhi = std::max(box.yhi, placed_.yhi.v[lane]);
+    }
+    return box;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  const Robot& robot_;
+  Space space_;
+  double resolution_;
+  const kernel::Table& kernels_;
+  double slack_;
+  Pieces obstacles_;  ///< as the world's parts
+  PartIndex index_;   ///< over them
+  Box bounds_{};
+  Pieces pieces_;  ///< of the robot, body by body
+  std::vector<std::size_t> body_of_;
+  Box reach_{};             ///< holds the robot about its reference point, however it is turned
+  bool rigid_ = false;      ///< one body on a line
+  bool sweepable_ = false;  ///< the reference point stays in the box around a motion's ends
+  kernel::Lanes end_{};
+
+  // Scratch.
+  mutable Orders orders_;
+  mutable kernel::Line line_;
+  mutable std::vector<kernel::Poses> poses_;  ///< per body
+  mutable kernel::Placed placed_{};
+  mutable std::vector<kernel::Corner> corners_;
+  mutable std::vector<unsigned> candidates_;
+  mutable std::vector<Pose2> frames_;
+  mutable Configuration q_;
+  mutable Configuration way_;
+  mutable ConvexShape moved_;
+};
+
+}  // namespace
+
+std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
+                                             const kernel::Table& kernels) {
+  return std::make_unique<PlanarChecker>(std::move(scene), space, resolution, kernels);
+}
+
+std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space,
+                                             double resolution) {
+  return make_planar_checker(std::move(scene), space, resolution, kernel::best());
+}
+
+}  // namespace trellis

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guides with S = {0}: a sampling bias and no space behind it.
+#include <cmath>
+#include <limits>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kinds.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct UniformSettings {};
+struct GoalBiasSettings {
+  double share = 0.05;
+};
+struct NearObstacleSettings {
+  double sigma = 0.5;
+  std::int64_t tries = 100;
+};
+
+const Settings<UniformSettings>& uniform_settings() {
+  static const Settings<UniformSettings> settings(Component::Kind::guide, "uniform",
+                                                  "uniform proposals: S = {0}, no guidance", "Attali et al. 2022");
+  return settings;
+}
+
+const Settings<GoalBiasSettings>& goal_bias_settings() {
+  static const Settings<GoalBiasSettings> settings =
+      Settings<GoalBiasSettings>(Component::Kind::guide, "goal_bias",
+                                 "the goal itself with a share of the proposals, uniform with the rest: S = {0}",
+                                 "LaValle and Kuffner 2001")
+          .number("share", &GoalBiasSettings::share, "share of proposals", Range::share(), "share that is the goal")
+          .positional({"share"});
+  return settings;
+}
+
+Settings<NearObstacleSettings> near_obstacle(Settings<NearObstacleSettings> settings) {
+  return settings
+      .number("sigma", &NearObstacleSettings::sigma, "m in the metric", Range::positive(),
+              "standard deviation, per axis, of the distance between the two configurations of a pair")
+      .integer("tries", &NearObstacleSettings::tries, "pairs", Range::at_least(1),
+               "pairs tried before a uniform proposal is made instead")
+      .positional({"sigma"});
+}
+
+const Settings<NearObstacleSettings>& gaussian_settings() {
+  static const Settings<NearObstacleSettings> settings = near_obstacle(
+      {Component::Kind::guide, "gaussian",
+       "valid configurations near invalid ones: of a pair at Gaussian distance with one of each, the valid one; S = {0}",
+       "Boor, Overmars and van der Stappen 1999"});
+  return settings;
+}
+
+const Settings<NearObstacleSettings>& bridge_test_settings() {
+  static const Settings<NearObstacleSettings> settings = near_obstacle(
+      {Component::Kind::guide, "bridge_test",
+       "valid middles of short bridges between two invalid configurations: narrow passages; S = {0}",
+       "Hsu, Jiang, Reif and Sun 2003"});
+  return settings;
+}
+
+class UniformBias final : public Heuristic {
+ public:
+  explicit UniformBias(const Space& space) : uniform_(space) {}
+  Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
+  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
+
+ private:
+  UniformGuidance uniform_;
+};
+
+class GoalBias final : public Heuristic {
+ public:
+  GoalBias(const Instance& parent, double share) : uniform_(parent.space), goal_(parent.goal), share_(share) {}
+  Source sample(Stream& stream, MutableView out) override {
+    if (stream.uniform() < share_) {
+      std::copy(goal_.begin(), goal_.end(), out.begin());
+      return 0;
+    }
+    uniform_.sample(stream, out);
+    return 1;
+  }
+  [[nodiscard]] double density(View q) const override { return (1.0 - share_) * uniform_.density(q); }
+  [[nodiscard]] double atom_mass() const override { return share_; }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"goal_bias: goal", "goal_bias: uniform"}; }
+
+ private:
+  UniformGuidance uniform_;
+  Configuration goal_;
+  double share_;
+};
+
+/// Gaussian sampling and the bridge test: pairs of configurations whose validity is looked at, on the parent's account.
+class NearObstacle final : public Heuristic {
+ public:
+  enum class Test : std::uint8_t { gaussian, bridge };
+  NearObstacle(Instance& parent, const NearObstacleSettings& settings, Test test)
+      : parent_(parent), settings_(settings), test_(test), a_(parent.space.dimension()), b_(parent.space.dimension()) {}
+
+  Source sample(Stream& stream, MutableView out) override {
+    const auto& space = parent_.space;
+    for (std::int64_t i = 0; i < settings_.tries; ++i) {
+      space.sample_uniform(stream, a_);
+      for (std::size_t j = 0; j < b_.size(); ++j) {
+        b_[j] = a_[j] + settings_.sigma * stream.normal() / space.axes()[j].weight;
+      }
+      space.normalise(b_);
+      if (!space.contains(b_)) continue;
+      if (test_ == Test::gaussian) {
+        const bool a_valid = parent_.valid(a_);
+        if (a_valid == parent_.valid(b_)) continue;
+        const Configuration& q = a_valid ? a_ : b_;
+        std::copy(q.begin(), q.end(), out.begin());
+        return 0;
+      }
+      if (parent_.valid(a_) || parent_.valid(b_)) continue;
+      space.interpolate(a_, b_, 0.5, out);
+      if (parent_.valid(out)) return 0;
+    }
+    space.sample_uniform(stream, out);
+    return 1;
+  }
+  [[nodiscard]] double density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
+  [[nodiscard]] std::vector<std::string> sources() const override {
+    const std::string name = test_ == Test::gaussian ? "gaussian" : "bridge_test";
+    return {name, name + ": uniform"};
+  }
+
+ private:
+  Instance& parent_;
+  NearObstacleSettings settings_;
+  Test test_;
+  Configuration a_;
+  Configuration b_;
+};
+
+/// A guide that is a function from the parent instance to h.
+template <class Make>
+class Bias final : public Guide {
+ public:
+  explicit Bias(Make make) : make_(std::move(make)) {}
+  std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
+  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return make_(parent);
+  }
+
+ private:
+  Make make_;
+};
+
+template <class Make>
+std::unique_ptr<Guide> bias(Make make) {
+  return std::make_unique<Bias<Make>>(std::move(make));
+}
+
+std::int64_t never(const Options&) { return 0; }
+
+}  // namespace
+
+GuideKind uniform_kind() {
+  return {&uniform_settings().component(),
+          [](const Options&) -> std::unique_ptr<Guide> {
+            return bias([](Instance& parent) -> std::unique_ptr<Heuristic> {
+              return std::make_unique<UniformBias>(parent.space);
+            });
+          },
+          "", never};
+}
+
+GuideKind goal_bias_kind() {
+  return {&goal_bias_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return bias([share = goal_bias_settings().read(o).share](Instance& parent) -> std::unique_ptr<Heuristic> {
+              return std::make_unique<GoalBias>(parent, share);
+            });
+          },
+          "", never};
+}
+
+GuideKind gaussian_kind() {
+  return {&gaussian_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return bias([settings = gaussian_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
+              return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::gaussian);
+            });
+          },
+          "", never};
+}
+
+GuideKind bridge_test_kind() {
+  return {&bridge_test_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return bias([settings = bridge_test_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
+              return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::bridge);
+            });
+          },
+          "", never};
+}
+
+}  // namespace trellis

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/guide.hpp>
+
+#include <algorithm>
+
+#include <trellis/guide/kinds.hpp>
+
+namespace trellis {
+
+const std::vector<GuideKind>& guide_kinds() {
+  static const std::vector<GuideKind> kinds = {uniform_kind(),  goal_bias_kind(), gaussian_kind(), bridge_test_kind(),
+                                               identity_kind(), skeleton_kind(),  shrink_kind(),   lazy_kind()};
+  return kinds;
+}
+
+const GuideKind* find_guide(std::string_view name) {
+  const auto& kinds = guide_kinds();
+  const auto it = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.component->name == name; });
+  return it != kinds.end() ? &*it : nullptr;
+}
+
+}  // namespace trellis

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The guides that there are; each is written in the source of its name. Only guide.cpp includes this.
+#pragma once
+
+#include <trellis/guide/guide.hpp>
+
+namespace trellis {
+
+GuideKind uniform_kind();
+GuideKind goal_bias_kind();
+GuideKind gaussian_kind();
+GuideKind bridge_test_kind();
+GuideKind identity_kind();
+GuideKind skeleton_kind();
+GuideKind shrink_kind();
+GuideKind lazy_kind();
+
+}  // namespace trellis

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct ShrinkSettings : PathGuideSettings {
+  double scale = 0.5;
+};
+
+const Settings<ShrinkSettings>& shrink_settings() {
+  static const Settings<ShrinkSettings> settings =
+      with_path_options(Settings<ShrinkSettings>(Component::Kind::guide, "shrink",
+                                                 "the same world for a smaller robot, scaled about its reference point",
+                                                 "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints")
+                            .number("scale", &ShrinkSettings::scale, "share of its size", Range{.lo = 0, .hi = 1, .open_lo = true},
+                                    "size of the robot in S relative to that in C")
+                            .positional({"scale"}));
+  return settings;
+}
+
+class Shrink final : public PathGuide {
+ public:
+  explicit Shrink(const ShrinkSettings& settings) : PathGuide("shrink", settings), scale_(settings.scale) {}
+
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    auto instance = same_instance(parent);
+    instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
+    // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
+    instance->validity = std::make_shared<CollisionValidity>(
+        make_checker(parent.collision, instance->scene, parent.space, parent.resolution));
+    return instance;
+  }
+  using PathGuide::project;
+
+ private:
+  double scale_;
+};
+
+}  // namespace
+
+GuideKind shrink_kind() {
+  return {&shrink_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
+          "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }};
+}
+
+}  // namespace trellis

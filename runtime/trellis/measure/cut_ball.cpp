@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/measure/cut_ball.hpp>
+
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+
+#include <trellis/measure/low_discrepancy.hpp>
+
+namespace trellis::measure {
+
+namespace {
+
+constexpr double log_half = -0.6931471805599453;
+
+}  // namespace
+
+CutBall::CutBall(const Frame& frame, std::size_t points)
+    : frame_(frame), points_(points), log_unit_(log_unit_ball(frame.dimension())) {
+  const std::size_t d = frame_.dimension();
+  const std::size_t half = points_ / 2;
+  ball_.resize(d * points_);
+  cube_.resize(d * points_);
+  LowDiscrepancy sequence(d, std::vector<double>(d, 0.5 / static_cast<double>(half)));
+  std::vector<double> u(d);
+  for (std::size_t i = 0; i < half; ++i) {
+    sequence.next(u);
+    // A direction from normal deviates, a radius by strata: uniform in the ball in any dimension.
+    std::vector<double> normal(d);
+    double square = 0.0;
+    for (std::size_t j = 0; j < d; ++j) {
+      normal[j] = boost::math::erf_inv(std::clamp(2.0 * u[j] - 1.0, -1.0 + 1e-15, 1.0 - 1e-15));
+      square += normal[j] * normal[j];
+    }
+    // The index as one more coordinate of the sequence (Hammersley's set) serves for the radius.
+    const double level = (static_cast<double>(i) + 0.5) / static_cast<double>(half);
+    const double radius = std::pow(level, 1.0 / static_cast<double>(d));
+    const double scale = square > 0.0 ? radius / std::sqrt(square) : 0.0;
+    for (std::size_t j = 0; j < d; ++j) {
+      ball_[j * points_ + 2 * i] = normal[j] * scale;
+      ball_[j * points_ + 2 * i + 1] = -normal[j] * scale;
+      cube_[j * points_ + 2 * i] = u[j];
+      cube_[j * points_ + 2 * i + 1] = 1.0 - u[j];
+    }
+  }
+}
+
+void CutBall::range(std::size_t j, View y, double r, double& lo, double& width) const {
+  if (frame_.periodic(j)) {
+    const double reach = std::min(r, 0.5 * frame_.period(j));
+    lo = y[j] - reach;
+    width = 2.0 * reach;
+  } else {
+    lo = std::max(y[j] - r, frame_.lo(j));
+    width = std::min(y[j] + r, frame_.hi(j)) - lo;
+  }
+}
+
+CutBall::Region CutBall::choose(View y, double r) const {
+  Region region;
+  double log_box = 0.0;
+  for (std::size_t j = 0; j < frame_.dimension(); ++j) {
+    double lo = 0.0;
+    double width = 0.0;
+    range(j, y, r, lo, width);
+    const bool meets =
+        frame_.periodic(j) ? r > 0.5 * frame_.period(j) : y[j] - r < frame_.lo(j) || y[j] + r > frame_.hi(j);
+    if (meets) region.whole = false;
+    log_box += std::log(width);
+  }
+  region.log_volume = log_unit_ + static_cast<double>(frame_.dimension()) * std::log(r);
+  // A ball cut by one wall is best left to its antithetic points, which halve it exactly; the box must be much smaller.
+  if (!region.whole && log_box < region.log_volume + log_half) {
+    region.ball = false;
+    region.log_volume = log_box;
+  }
+  return region;
+}
+
+bool CutBall::place(const Region& region, View y, double r, std::size_t i, MutableView at) const {
+  double square = 0.0;
+  for (std::size_t j = 0; j < frame_.dimension(); ++j) {
+    double offset = 0.0;
+    if (region.ball) {
+      offset = r * ball_[j * points_ + i];
+      if (frame_.periodic(j)) {
+        if (std::abs(offset) > 0.5 * frame_.period(j)) return false;
+      } else if (y[j] + offset < frame_.lo(j) || y[j] + offset > frame_.hi(j)) {
+        return false;
+      }
+    } else {
+      double lo = 0.0;
+      double width = 0.0;
+      range(j, y, r, lo, width);
+      offset = lo + width * cube_[j * points_ + i] - y[j];
+      square += offset * offset;
+    }
+    at[j] = frame_.fold(j, y[j] + offset);
+  }
+  return region.ball || square <= r * r;
+}
+
+double CutBall::log_volume(View y, double r) const {
+  const Region region = choose(y, r);
+  if (region.whole) return region.log_volume;
+  const std::size_t d = frame_.dimension();
+  std::vector<double> square(points_, 0.0);  // infinite where a point falls outside
+  for (std::size_t j = 0; j < d; ++j) {
+    double lo = 0.0;
+    double width = 0.0;
+    range(j, y, r, lo, width);
+    const double begin = lo - y[j];
+    const double end = begin + width;
+    const double* points = region.ball ? &ball_[j * points_] : &cube_[j * points_];
+    for (std::size_t i = 0; i < points_; ++i) {
+      const double offset = region.ball ? r * points[i] : begin + width * points[i];
+      const bool out = region.ball && (offset < begin || offset > end);
+      square[i] += out ? 2.0 * r * r : (region.ball ? 0.0 : offset * offset);
+    }
+  }
+  std::size_t found = 0;
+  for (const double s : square) found += s <= r * r ? 1 : 0;
+  // The ball's centre lies in C, so some of it does; half a point stands for a share too small to see.
+  const double share = std::max(static_cast<double>(found), 0.5) / static_cast<double>(points_);
+  return region.log_volume + std::log(share);
+}
+
+}  // namespace trellis::measure

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <trellis/measure/frame.hpp>
+
+namespace trellis::measure {
+
+/// A static, balanced kd-tree over points in metric coordinates: exact nearest neighbours and exact counts in balls,
+/// under the wrapped metric. Answers are distances and counts, so they do not depend on how ties were split.
+///
+/// The leaves are blocks of fixed length, one coordinate after the other, so that a leaf is scanned without branches;
+/// the wrap is min(|u|, period - |u|), which leaves an axis without a period as it is.
+class PointTree {
+ public:
+  /// \param rows  metric coordinates within the frame's bounds, row by row
+  PointTree(const Frame& frame, std::span<const double> rows);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// The squared distances to the nearest points, ascending; as many as `squared` has room for, infinity beyond the
+  /// last point.
+  void nearest(View y, std::span<double> squared) const;
+  /// The number of points at a squared distance of at most `squared`.
+  [[nodiscard]] std::size_t count_within(View y, double squared) const;
+  /// Whether there is a point at a squared distance of at most `squared`.
+  [[nodiscard]] bool any_within(View y, double squared) const;
+
+ private:
+  static constexpr std::size_t block = 16;  // points a leaf has room for
+
+  struct Node {
+    std::uint32_t count = 0;
+    std::uint32_t leaf = 0;    // block of a leaf
+    std::uint32_t second = 0;  // the second child (the first follows its parent); 0 for a leaf
+  };
+
+  std::uint32_t build(std::span<const double> rows, std::span<std::uint32_t> ids);
+  // D is the dimension where it is known to the compiler, else 0.
+  template <std::size_t D>
+  [[nodiscard]] double least(std::uint32_t node, const double* y) const;
+  template <std::size_t D>
+  [[nodiscard]] double greatest(std::uint32_t node, const double* y) const;
+  template <std::size_t D>
+  void scan(std::uint32_t leaf, const double* y, double* squared) const;
+  template <std::size_t D>
+  void find_nearest(const double* y, std::span<double> squared) const;
+  template <std::size_t D>
+  [[nodiscard]] std::size_t count(const double* y, double squared) const;
+
+  std::size_t dimension_ = 0;
+  std::size_t size_ = 0;
+  std::vector<double> period_;
+  std::vector<Node> nodes_;
+  std::vector<double> boxes_;  // per node: lo and hi of each axis in turn
+  std::vector<double> blocks_;
+};
+
+}  // namespace trellis::measure

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/measure/statistics.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// The probability below the upper end of a two-sided interval.
+double upper_tail(double confidence) {
+  if (!(confidence > 0.0 && confidence < 1.0)) {
+    throw Error(fmt::format("interval: the confidence must be in (0, 1), got {:g}", confidence));
+  }
+  return 0.5 + 0.5 * confidence;
+}
+
+}  // namespace
+
+Interval student_interval(std::span<const double> values, double confidence) {
+  const double tail = upper_tail(confidence);
+  Interval result;
+  std::vector<double> finite;
+  for (const double v : values) {
+    if (std::isfinite(v)) {
+      finite.push_back(v);
+    } else if (!std::isnan(v)) {
+      ++result.infinite;
+    }
+  }
+  result.n = finite.size();
+  if (result.infinite > 0) {
+    result.value = median(values);
+    return result;
+  }
+  if (finite.empty()) return result;
+  const auto n = static_cast<double>(finite.size());
+  double sum = 0.0;
+  for (const double v : finite) sum += v;
+  result.value = sum / n;
+  if (finite.size() == 1) return result;
+  double squares = 0.0;
+  for (const double v : finite) squares += (v - result.value) * (v - result.value);
+  const double error = std::sqrt(squares / (n - 1.0) / n);
+  const double half = boost::math::quantile(boost::math::students_t(n - 1.0), tail) * error;
+  result.lo = result.value - half;
+  result.hi = result.value + half;
+  return result;
+}
+
+Interval wilson_interval(std::size_t successes, std::size_t trials, double confidence) {
+  const double tail = upper_tail(confidence);
+  if (successes > trials) {
+    throw Error(fmt::format("interval: {} successes in {} trials", successes, trials));
+  }
+  Interval result;
+  result.n = trials;
+  if (trials == 0) return result;
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(successes) / n;
+  const double z = boost::math::quantile(boost::math::normal(), tail);
+  const double centre = share + z * z / (2.0 * n);
+  const double half = z * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  const double scale = 1.0 + z * z / n;
+  result.value = share;
+  result.lo = successes == 0 ? 0.0 : (centre - half) / scale;
+  result.hi = successes == trials ? 1.0 : (centre + half) / scale;
+  return result;
+}
+
+double median(std::span<const double> values) {
+  std::vector<double> known;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return !std::isnan(v); });
+  if (known.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(known.begin(), known.end());
+  const std::size_t middle = known.size() / 2;
+  if (known.size() % 2 == 1 || known[middle - 1] == known[middle]) return known[middle];
+  return 0.5 * (known[middle - 1] + known[middle]);
+}
+
+}  // namespace trellis

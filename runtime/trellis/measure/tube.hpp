@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <trellis/measure/frame.hpp>
+
+namespace trellis::measure {
+
+/// The geometry of a tube { x in C : d(x, P) < radius }, d over all axes or over some of them, the others free.
+///
+/// A cover of small grid cells around P serves two ends: quasi Monte Carlo points drawn from it lie in the tube more
+/// often than not, and a point is tested against the pieces of P near its cell only. The grid spans the first three
+/// axes of the distance; further ones are bounded cell by cell. Waypoints that lie within a thousandth of the radius
+/// of the line that replaces them are left out, which spares densely interpolated paths.
+class Tube {
+ public:
+  /// \param path    at least one configuration of the space
+  /// \param axes    the axes that the distance counts, at least one
+  /// \param radius  > 0, in metric coordinates
+  Tube(const Frame& frame, const Space& space, const Configurations& path, std::vector<std::size_t> axes,
+       double radius);
+
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+  /// Whether a point of C (metric coordinates) lies in the tube.
+  [[nodiscard]] bool contains(View y) const;
+  /// The distance from a point (metric coordinates) to P over the tube's axes.
+  [[nodiscard]] double distance(View y) const;
+
+  /// Volume of the cover, which holds the whole tube within C.
+  [[nodiscard]] double cover_volume() const { return cover_volume_; }
+  /// Maps a point of the unit cube with one more coordinate than C has to the cover, volumes kept; returns whether
+  /// the point lies in the tube.
+  bool draw(View unit, MutableView y) const;
+
+ private:
+  void add_piece(const std::vector<double>& from, const std::vector<double>& step, double piece_limit);
+  void cut_path(const Space& space, const Configurations& path);
+  void choose_grid();
+  void fill_cells();
+  void bound_rest();
+  [[nodiscard]] std::size_t pieces() const { return step_square_.size(); }
+  [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count) const;
+  [[nodiscard]] bool near(std::size_t cell, const double* z) const;
+
+  Frame frame_;
+  std::vector<std::size_t> axes_;
+  double radius_;
+
+  // Pieces of P over the tube's axes: start and the short way to the end, about as long as the radius.
+  std::vector<double> from_, step_;
+  std::vector<double> step_square_;
+  double length_ = 0.0;
+
+  // The grid: cells per axis, their sides, and the occupied cells in the order of their keys.
+  std::size_t grid_axes_ = 0;
+  std::vector<std::uint64_t> cells_;
+  std::vector<double> side_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint32_t> first_;  // of each cell's pieces in near_, one more than cells
+  std::vector<std::uint32_t> near_;
+  std::vector<char> inside_;        // the whole cell lies in the tube
+  std::vector<double> rest_;        // per cell: lo and width of each axis of the tube beyond the grid
+  std::vector<double> cumulative_;  // volume of the cells up to and with this one
+  double cover_volume_ = 0.0;
+};
+
+}  // namespace trellis::measure

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <limits>
+#include <queue>
+
+#include <trellis/base/error.hpp>
+#include <trellis/planner/kinds.hpp>
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct GraphSearchSettings : CommonSettings {
+  GraphSearchSettings() { goal_bias = 0.0; }
+  std::int64_t samples = 200;
+};
+
+const Settings<GraphSearchSettings>& graph_search_settings() {
+  static const Settings<GraphSearchSettings> settings = with_common(
+      Settings<GraphSearchSettings>(
+          Component::Kind::planner, "graph_search",
+          "exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper",
+          "Dijkstra 1959")
+          .integer("samples", &GraphSearchSettings::samples, "proposals", Range::at_least(1),
+                   "proposals drawn per search where it is guided"));
+  return settings;
+}
+
+class GraphSearch final : public Planner {
+ public:
+  GraphSearch(const GraphSearchSettings& settings, Task task) : settings_(settings), task_(std::move(task)) {}
+
+  Solution solve(const Budget& budget) override {
+    const Graph& graph = *task_.instance.graph;
+    Meter meter(task_, budget);
+    const std::vector<double> cost = weighed(meter);
+    const auto n = graph.vertices.size();
+    std::vector<std::vector<std::uint32_t>> adjacency(n);
+    for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
+      adjacency[graph.edges[e].from].push_back(e);
+      adjacency[graph.edges[e].to].push_back(e);
+    }
+    std::vector<double> distance(n, std::numeric_limits<double>::infinity());
+    std::vector<std::uint32_t> parent(n, none);
+    std::vector<char> done(n, 0);
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    distance[graph.start] = 0.0;
+    queue.emplace(0.0, graph.start);
+    if (seen_.empty()) seen_.assign(graph.edges.size(), 0);
+    while (!queue.empty()) {
+      const auto [d, v] = queue.top();
+      queue.pop();
+      if (done[v] != 0) continue;
+      done[v] = 1;
+      for (const std::uint32_t e : adjacency[v]) {
+        record(graph, e);
+        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
+        if (d + cost[e] < distance[next]) {
+          distance[next] = d + cost[e];
+          parent[next] = e;
+          queue.emplace(distance[next], next);
+        }
+      }
+      if (v == graph.goal) break;
+    }
+    Solution solution{done[graph.goal] != 0 ? Status::solved : Status::no_path,
+                      Configurations(task_.instance.space.dimension())};
+    std::uint32_t end = graph.goal;
+    if (!solution.solved()) {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::uint32_t v = 0; v < n; ++v) {
+        if (done[v] == 0) continue;
+        const double to_goal = task_.instance.space.distance(graph.vertices[v], task_.instance.goal);
+        if (to_goal < least) {
+          least = to_goal;
+          end = v;
+        }
+      }
+    }
+    std::vector<std::uint32_t> edges;
+    for (std::uint32_t at = end; at != graph.start;) {
+      const auto& edge = graph.edges[parent[at]];
+      edges.push_back(parent[at]);
+      at = edge.from == at ? edge.to : edge.from;
+    }
+    solution.path.push(graph.vertices[graph.start]);
+    std::uint32_t at = graph.start;
+    for (auto it = edges.rbegin(); it != edges.rend(); ++it) {
+      const auto& edge = graph.edges[*it];
+      const bool forward = edge.from == at;
+      const std::size_t count = edge.points.size();
+      for (std::size_t i = 1; i < count; ++i) solution.path.push(edge.points[forward ? i : count - 1 - i]);
+      at = forward ? edge.to : edge.from;
+    }
+    return solution;
+  }
+
+ private:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// The edges' costs, those near the guidance's proposals made cheaper: an edge whose ends drew a share s of them costs
+  /// length / (1 + s * vertices), so that one with as many as the mean vertex costs half.
+  std::vector<double> weighed(Meter& meter) {
+    const Graph& graph = *task_.instance.graph;
+    std::vector<double> cost;
+    for (const auto& edge : graph.edges) cost.push_back(edge.cost);
+    if (!task_.guided) return cost;
+    NearestIndex index(task_.instance.space);
+    for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index.add(graph.vertices[v]);
+    std::vector<double> hits(graph.vertices.size(), 0.0);
+    Configuration q(task_.instance.space.dimension());
+    double drawn = 0.0;
+    for (std::int64_t i = 0; i < settings_.samples && !meter.spent(); ++i) {
+      propose(task_, q);
+      const auto near = index.nearest(q);
+      hits[near.id] += 1.0;
+      drawn += 1.0;
+      Outcome outcome;
+      outcome.proposal = q;
+      outcome.near = std::as_const(graph.vertices)[near.id];
+      outcome.added = outcome.near;
+      outcome.fate = Fate::advanced;
+      settle(task_, outcome);
+    }
+    if (drawn == 0.0) return cost;
+    const auto n = static_cast<double>(graph.vertices.size());
+    for (std::size_t e = 0; e < cost.size(); ++e) {
+      const double share = 0.5 * (hits[graph.edges[e].from] + hits[graph.edges[e].to]) / drawn;
+      cost[e] /= 1.0 + share * n;
+    }
+    return cost;
+  }
+
+  /// The first time that the search looks along an edge its points become nodes of the level.
+  void record(const Graph& graph, std::uint32_t e) {
+    if (seen_[e] != 0) return;
+    seen_[e] = 1;
+    for (std::size_t i = 0; i < graph.edges[e].points.size(); ++i) task_.search.nodes.push(graph.edges[e].points[i]);
+  }
+
+  GraphSearchSettings settings_;
+  Task task_;
+  std::vector<char> seen_;
+};
+
+}  // namespace
+
+PlannerKind graph_search_kind() {
+  return {&graph_search_settings().component(),
+          [](const Options& o) { return graph_search_settings().read(o).common(); },
+          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+            if (!task.instance.graph) throw Fault("graph_search needs an instance with an explicit graph");
+            return std::make_unique<GraphSearch>(graph_search_settings().read(o), std::move(task));
+          },
+          true};
+}
+
+}  // namespace trellis

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The planners that there are; each is written in the source of its name. Only planner.cpp includes this.
+#pragma once
+
+#include <trellis/planner/planner.hpp>
+
+namespace trellis {
+
+PlannerKind rrt_kind();
+PlannerKind rrt_connect_kind();
+PlannerKind prm_kind();
+PlannerKind lazy_prm_kind();
+PlannerKind graph_search_kind();
+
+}  // namespace trellis

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the planning loops share: budgets, the record of a proposal, and the options that every planner has.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/planner/nearest.hpp>
+#include <trellis/planner/planner.hpp>
+
+namespace trellis {
+
+/// Adds the options of every planner to a planner's own settings, which hold a PlannerCommon named `common`... each
+/// settings struct repeats the fields, because an option is bound to a field of its own struct.
+struct CommonSettings {
+  double goal_bias = 0.05;
+  double uniform = 0.1;
+  double proposals = 50000;
+  double checks = Budget::unlimited;
+  double seconds = Budget::unlimited;
+
+  [[nodiscard]] PlannerCommon common() const {
+    PlannerCommon result;
+    result.budget.proposals = proposals;
+    result.budget.checks = checks;
+    result.budget.seconds = seconds;
+    result.uniform = uniform;
+    result.goal_bias = goal_bias;
+    return result;
+  }
+};
+
+template <class S>
+Settings<S> with_common(Settings<S> settings, bool samples = true) {
+  if (samples) {
+    settings.number("goal_bias", &S::goal_bias, "share of proposals", {.lo = 0, .hi = 1},
+                    "share of proposals that are the goal itself");
+    settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
+                    "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
+                    "completeness rests on the guide alone");
+  }
+  settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
+                  "budget: proposals of this level, over all its solves");
+  settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
+                  "budget: validity checks of this level, over all its solves");
+  settings.number("seconds", &S::seconds, "s", Range::positive(),
+                  "budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat");
+  return settings;
+}
+
+/// Watches a budget during one solve.
+class Meter {
+ public:
+  Meter(const Planner::Task& task, const Budget& budget)
+      : task_(task), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
+
+  /// The reason to stop, or none. Cheap enough to ask before every proposal.
+  [[nodiscard]] std::optional<Status> spent() {
+    if (static_cast<double>(task_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
+    if (static_cast<double>(task_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
+    if ((asked_++ & 63U) == 0) {
+      if (task_.interrupted && task_.interrupted()) return Status::interrupted;
+      if (budget_.seconds < Budget::unlimited) {
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+        if (task_.search.seconds + elapsed.count() >= budget_.seconds) return Status::budget_spent;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const Planner::Task& task_;
+  Budget budget_;
+  std::chrono::steady_clock::time_point begin_;
+  unsigned asked_ = 0;
+};
+
+/// Draws a proposal into `q` and records it; its fate is recorded by `settle`.
+inline void propose(Planner::Task& task, MutableView q) {
+  const Guidance::Source source = task.guidance.sample(task.proposals, q);
+  task.search.proposals.push(q);
+  task.search.proposal_sources.push_back(source);
+}
+
+/// Records what became of the last proposal and tells the guidance.
+inline void settle(Planner::Task& task, const Outcome& outcome) {
+  task.search.fates.push_back(outcome.fate);
+  task.guidance.observe(outcome, true);
+}
+
+/// A tree of configurations: rows of the level's node arena, their parents, and the index for nearest neighbours.
+class Tree {
+ public:
+  explicit Tree(Planner::Task& task) : task_(task), index_(task.instance.space) {}
+
+  std::uint32_t add(View q, std::uint32_t parent) {
+    rows_.push_back(task_.search.nodes.push(q));
+    parents_.push_back(parent);
+    return index_.add(q);
+  }
+  [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
+  [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
+  [[nodiscard]] std::size_t size() const { return rows_.size(); }
+
+  /// From the root to `id`, both included.
+  [[nodiscard]] Configurations branch(std::uint32_t id) const {
+    std::vector<std::uint32_t> ids;
+    for (std::uint32_t at = id;; at = parents_[at]) {
+      ids.push_back(at);
+      if (at == parents_[at]) break;
+    }
+    Configurations path(task_.instance.space.dimension());
+    for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
+    return path;
+  }
+
+ private:
+  Planner::Task& task_;
+  NearestIndex index_;
+  std::vector<std::uint32_t> rows_;
+  std::vector<std::uint32_t> parents_;  ///< a root is its own parent
+};
+
+/// Checks that start and goal are valid in the instance; the reason to give up otherwise.
+inline std::optional<Status> invalid_ends(Instance& instance) {
+  if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return Status::invalid_start;
+  if (!instance.space.contains(instance.goal) || !instance.valid(instance.goal)) return Status::invalid_goal;
+  return std::nullopt;
+}
+
+}  // namespace trellis

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/planner/nearest.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace trellis {
+
+class NearestIndex::Implementation {
+ public:
+  Implementation() = default;
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+  virtual ~Implementation() = default;
+  virtual std::uint32_t add(View q) = 0;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  [[nodiscard]] virtual Neighbour nearest(View q) const = 0;
+  virtual void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const = 0;
+  virtual void within(View q, double radius, std::vector<Neighbour>& out) const = 0;
+};
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t bucket = 16;
+
+bool nearer(const NearestIndex::Neighbour& a, const NearestIndex::Neighbour& b) {
+  return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);
+}
+
+/// The kd-tree for one dimension D, known when compiling so that the loops unroll; D = 0 reads it at run time.
+template <std::size_t D>
+class Tree final : public NearestIndex::Implementation {
+ public:
+  explicit Tree(const Space& space) : dimension_(space.dimension()) {
+    for (const auto& axis : space.axes()) {
+      weight_.push_back(axis.weight);
+      period_.push_back(axis.periodic ? axis.weight * axis.period() : infinity);
+    }
+    new_leaf();
+  }
+
+  std::uint32_t add(View q) override {
+    const auto id = static_cast<std::uint32_t>(size_++);
+    std::array<double, capacity> y{};
+    std::vector<double> large;
+    double* point = scaled(q, y, large);
+    std::uint32_t at = 0;
+    for (;;) {
+      widen(at, point);
+      const Node& node = nodes_[at];
+      if (node.leaf >= 0) break;
+      at = point[node.axis] < node.split ? node.left : node.right;
+    }
+    auto leaf = static_cast<std::size_t>(nodes_[at].leaf);
+    if (count_[leaf] == bucket) {
+      const std::uint32_t child = split(at, point);
+      widen(child, point);
+      leaf = static_cast<std::size_t>(nodes_[child].leaf);
+    }
+    const std::size_t slot = count_[leaf]++;
+    for (std::size_t j = 0; j < dim(); ++j) coordinates_[(leaf * dim() + j) * bucket + slot] = point[j];
+    ids_[leaf * bucket + slot] = id;
+    return id;
+  }
+
+  [[nodiscard]] std::size_t size() const override { return size_; }
+
+  [[nodiscard]] NearestIndex::Neighbour nearest(View q) const override {
+    NearestIndex::Neighbour best{0, infinity};
+    visit(
+        q, [&] { return best.squared_distance; },
+        [&](std::uint32_t id, double d2) {
+          const NearestIndex::Neighbour candidate{id, d2};
+          if (nearer(candidate, best) || best.squared_distance == infinity) best = candidate;
+        });
+    return best;
+  }
+
+  void k_nearest(View q, std::size_t k, std::vector<NearestIndex::Neighbour>& out) const override {
+    out.clear();
+    if (k == 0) return;
+    visit(
+        q, [&] { return out.size() < k ? infinity : out.front().squared_distance; },
+        [&](std::uint32_t id, double d2) {
+          const NearestIndex::Neighbour candidate{id, d2};
+          if (out.size() < k) {
+            out.push_back(candidate);
+            std::push_heap(out.begin(), out.end(), nearer);
+          } else if (nearer(candidate, out.front())) {
+            std::pop_heap(out.begin(), out.end(), nearer);
+            out.back() = candidate;
+            std::push_heap(out.begin(), out.end(), nearer);
+          }
+        });
+    std::sort_heap(out.begin(), out.end(), nearer);
+  }
+
+  void within(View q, double radius, std::vector<NearestIndex::Neighbour>& out) const override {
+    out.clear();
+    const double limit = radius * radius;
+    visit(
+        q, [&] { return limit; },
+        [&](std::uint32_t id, double d2) {
+          if (d2 <= limit) out.push_back({id, d2});
+        });
+    std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  }
+
+ private:
+  static constexpr std::size_t capacity = D == 0 ? 32 : D;
+
+  struct Node {
+    std::int32_t leaf = -1;  ///< which bucket; -1 for an inner node
+    std::uint32_t left = 0;
+    std::uint32_t right = 0;
+    std::uint32_t axis = 0;
+    double split = 0.0;
+  };
+
+  [[nodiscard]] std::size_t dim() const {
+    if constexpr (D == 0) {
+      return dimension_;
+    } else {
+      return D;
+    }
+  }
+
+  /// Metric coordinates of q in `y`, or in `large` where the dimension is beyond it.
+  double* scaled(View q, std::array<double, capacity>& y, std::vector<double>& large) const {
+    double* out = y.data();
+    if (dim() > capacity) {
+      large.resize(dim());
+      out = large.data();
+    }
+    for (std::size_t j = 0; j < dim(); ++j) out[j] = weight_[j] * q[j];
+    return out;
+  }
+
+  std::uint32_t new_leaf() {
+    Node node;
+    node.leaf = static_cast<std::int32_t>(count_.size());
+    nodes_.push_back(node);
+    boxes_.insert(boxes_.end(), dim(), infinity);
+    boxes_.insert(boxes_.end(), dim(), -infinity);
+    count_.push_back(0);
+    coordinates_.resize(coordinates_.size() + dim() * bucket, 0.0);
+    ids_.resize(ids_.size() + bucket, 0);
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+  }
+
+  void widen(std::uint32_t at, const double* point) {
+    double* box = &boxes_[at * 2 * dim()];
+    for (std::size_t j = 0; j < dim(); ++j) {
+      box[j] = std::min(box[j], point[j]);
+      box[dim() + j] = std::max(box[dim() + j], point[j]);
+    }
+  }
+
+  /// Splits the full leaf at node `at` across the widest side of its box, and returns the child that `point` goes to.
+  /// Points that all coincide along that side cannot be told apart by it: then the halves are by order, and the box
+  /// test alone decides where a search looks.
+  std::uint32_t split(std::uint32_t at, const double* point) {
+    const auto old = static_cast<std::size_t>(nodes_[at].leaf);
+    std::size_t axis = 0;
+    double widest = -1.0;
+    for (std::size_t j = 0; j < dim(); ++j) {
+      const double side = boxes_[at * 2 * dim() + dim() + j] - boxes_[at * 2 * dim() + j];
+      if (side > widest) {
+        widest = side;
+        axis = j;
+      }
+    }
+    std::array<std::size_t, bucket> order{};
+    for (std::size_t i = 0; i < bucket; ++i) order[i] = i;
+    const auto coordinate = [&](std::size_t slot) { return coordinates_[(old * dim() + axis) * bucket + slot]; };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return coordinate(a) < coordinate(b) || (coordinate(a) == coordinate(b) && a < b);
+    });
+    const double value = 0.5 * (coordinate(order[bucket / 2 - 1]) + coordinate(order[bucket / 2]));
+
+    std::vector<double> points(bucket * dim());
+    std::array<std::uint32_t, bucket> ids{};
+    for (std::size_t i = 0; i < bucket; ++i) {
+      ids[i] = ids_[old * bucket + order[i]];
+      for (std::size_t j = 0; j < dim(); ++j) {
+        points[i * dim() + j] = coordinates_[(old * dim() + j) * bucket + order[i]];
+      }
+    }
+    const std::uint32_t left = new_leaf();
+    const std::uint32_t right = new_leaf();
+    // The left child takes over the old bucket's place, so that no bucket is left unused.
+    std::swap(nodes_[left].leaf, nodes_[at].leaf);
+    count_.pop_back();
+    coordinates_.resize(coordinates_.size() - dim() * bucket);
+    ids_.resize(ids_.size() - bucket);
+    nodes_[right].leaf = nodes_[at].leaf;
+    nodes_[at].leaf = -1;
+    nodes_[at].left = left;
+    nodes_[at].right = right;
+    nodes_[at].axis = static_cast<std::uint32_t>(axis);
+    nodes_[at].split = value;
+    for (const std::uint32_t child : {left, right}) {
+      const auto leaf = static_cast<std::size_t>(nodes_[child].leaf);
+      count_[leaf] = bucket / 2;
+      const std::size_t from = child == left ? 0 : bucket / 2;
+      for (std::size_t i = 0; i < bucket / 2; ++i) {
+        widen(child, &points[(from + i) * dim()]);
+        ids_[leaf * bucket + i] = ids[from + i];
+        for (std::size_t j = 0; j < dim(); ++j) {
+          coordinates_[(leaf * dim() + j) * bucket + i] = points[(from + i) * dim() + j];
+        }
+      }
+    }
+    return point[axis] < value ? left : right;
+  }
+
+  [[nodiscard]] double box_distance(std::uint32_t at, const double* y) const {
+    const double* box = &boxes_[at * 2 * dim()];
+    double sum = 0.0;
+    for (std::size_t j = 0; j < dim(); ++j) {
+      const double below = box[j] - y[j];
+      const double above = y[j] - box[dim() + j];
+      double d = std::max(std::max(below, above), 0.0);
+      if (period_[j] != infinity) {
+        // Around the other way: the gap to the box's far side.
+        d = std::min(d, std::max(period_[j] + std::min(below, above), 0.0));
+      }
+      sum += d * d;
+    }
+    return sum;
+  }
+
+  /// Calls `offer` for every point that may be within `limit()` (which shrinks as points are found).
+  template <class Limit, class Offer>
+  void visit(View q, const Limit& limit, const Offer& offer) const {
+    if (size_ == 0) return;
+    std::array<double, capacity> memory{};
+    std::vector<double> large;
+    const double* y = scaled(q, memory, large);
+    struct Waiting {
+      std::uint32_t node;
+      double distance;
+    };
+    // A descent leaves one entry a level; the depth is bounded only by the number of points, so beyond the fixed part
+    // entries go to the heap.
+    std::array<Waiting, 64> fixed;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
+    std::vector<Waiting> spilled;
+    std::size_t height = 0;
+    const auto push = [&](Waiting w) {
+      if (height < fixed.size()) {
+        fixed[height] = w;
+      } else {
+        spilled.push_back(w);
+      }
+      ++height;
+    };
+    const auto pop = [&] {
+      --height;
+      if (height < fixed.size()) return fixed[height];
+      const Waiting w = spilled.back();
+      spilled.pop_back();
+      return w;
+    };
+    push({0, 0.0});
+    while (height > 0) {
+      const Waiting waiting = pop();
+      if (waiting.distance > limit()) continue;
+      std::uint32_t at = waiting.node;
+      while (nodes_[at].leaf < 0) {
+        const std::uint32_t left = nodes_[at].left;
+        const std::uint32_t right = nodes_[at].right;
+        const double to_left = box_distance(left, y);
+        const double to_right = box_distance(right, y);
+        const bool left_first = to_left <= to_right;
+        const double far = left_first ? to_right : to_left;
+        if (far <= limit()) push({left_first ? right : left, far});
+        at = left_first ? left : right;
+        if ((left_first ? to_left : to_right) > limit()) break;
+      }
+      if (nodes_[at].leaf < 0) continue;
+      const auto leaf = static_cast<std::size_t>(nodes_[at].leaf);
+      std::array<double, bucket> squared{};
+      for (std::size_t j = 0; j < dim(); ++j) {
+        const double* column = &coordinates_[(leaf * dim() + j) * bucket];
+        const double centre = y[j];
+        if (period_[j] == infinity) {
+          for (std::size_t i = 0; i < bucket; ++i) {
+            const double d = column[i] - centre;
+            squared[i] += d * d;
+          }
+        } else {
+          const double period = period_[j];
+          for (std::size_t i = 0; i < bucket; ++i) {
+            double d = std::abs(column[i] - centre);
+            d = std::min(d, period - d);
+            squared[i] += d * d;
+          }
+        }
+      }
+      const double most = limit();
+      for (std::size_t i = 0; i < count_[leaf]; ++i) {
+        if (squared[i] <= most) offer(ids_[leaf * bucket + i], squared[i]);
+      }
+    }
+  }
+
+  std::size_t dimension_;
+  std::size_t size_ = 0;
+  std::vector<double> weight_;
+  std::vector<double> period_;
+  std::vector<Node> nodes_;
+  std::vector<double> boxes_;          ///< per node: the lower corner, then the upper
+  std::vector<std::size_t> count_;     ///< per bucket
+  std::vector<double> coordinates_;    ///< per bucket: one column per axis
+  std::vector<std::uint32_t> ids_;
+};
+
+std::unique_ptr<NearestIndex::Implementation> make_tree(const Space& space) {
+  switch (space.dimension()) {
+    case 1: return std::make_unique<Tree<1>>(space);
+    case 2: return std::make_unique<Tree<2>>(space);
+    case 3: return std::make_unique<Tree<3>>(space);
+    case 4: return std::make_unique<Tree<4>>(space);
+    case 6: return std::make_unique<Tree<6>>(space);
+    default: return std::make_unique<Tree<0>>(space);
+  }
+}
+
+}  // namespace
+
+NearestIndex::NearestIndex(const Space& space) : implementation_(make_tree(space)) {}
+NearestIndex::~NearestIndex() = default;
+NearestIndex::NearestIndex(NearestIndex&&) noexcept = default;
+NearestIndex& NearestIndex::operator=(NearestIndex&&) noexcept = default;
+
+std::uint32_t NearestIndex::add(View q) { return implementation_->add(q); }
+std::size_t NearestIndex::size() const { return implementation_->size(); }
+NearestIndex::Neighbour NearestIndex::nearest(View q) const { return implementation_->nearest(q); }
+void NearestIndex::k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const {
+  implementation_->k_nearest(q, k, out);
+}
+void NearestIndex::within(View q, double radius, std::vector<Neighbour>& out) const {
+  implementation_->within(q, radius, out);
+}
+
+}  // namespace trellis

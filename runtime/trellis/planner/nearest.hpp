@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+/// Exact nearest neighbours in a space's metric, wrap-around included, over points that only ever grow in number.
+/// Ties go to the point that was added first, so results do not depend on the structure inside.
+/// An incremental kd-tree of buckets with tight bounding boxes.
+class NearestIndex {
+ public:
+  struct Neighbour {
+    std::uint32_t id = 0;
+    double squared_distance = 0.0;
+  };
+
+  explicit NearestIndex(const Space& space);
+  ~NearestIndex();
+  NearestIndex(NearestIndex&&) noexcept;
+  NearestIndex& operator=(NearestIndex&&) noexcept;
+
+  /// Adds a point; ids count from 0 in the order of adding.
+  std::uint32_t add(View q);
+  [[nodiscard]] std::size_t size() const;
+  /// The nearest point; size() > 0.
+  [[nodiscard]] Neighbour nearest(View q) const;
+  /// The k nearest (fewer where there are fewer points), nearest first.
+  void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const;
+  /// All points within `radius` (closed), in order of id.
+  void within(View q, double radius, std::vector<Neighbour>& out) const;
+
+  class Implementation;
+
+ private:
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace trellis

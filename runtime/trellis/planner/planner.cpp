@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/planner/planner.hpp>
+
+#include <algorithm>
+
+#include <trellis/base/error.hpp>
+#include <trellis/planner/kinds.hpp>
+
+namespace trellis {
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::untried: return "untried";
+    case Status::solved: return "solved";
+    case Status::budget_spent: return "budget spent";
+    case Status::no_path: return "no path";
+    case Status::invalid_start: return "invalid start";
+    case Status::invalid_goal: return "invalid goal";
+    case Status::interrupted: return "interrupted";
+  }
+  throw Fault("unknown status");
+}
+
+const std::vector<PlannerKind>& planner_kinds() {
+  static const std::vector<PlannerKind> kinds = {rrt_kind(), rrt_connect_kind(), prm_kind(), lazy_prm_kind(),
+                                                 graph_search_kind()};
+  return kinds;
+}
+
+const PlannerKind* find_planner(std::string_view name) {
+  const auto& kinds = planner_kinds();
+  const auto it = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.component->name == name; });
+  return it != kinds.end() ? &*it : nullptr;
+}
+
+}  // namespace trellis

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+#include <trellis/base/error.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+void append_number(std::string& out, T value) {
+  char digits[64];  // NOLINT(modernize-avoid-c-arrays): to_chars' buffer
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  out.append(digits, end);
+}
+
+/// q1,...,qn with the separators before; missing coordinates stay empty.
+void append_coordinates(std::string& out, View q, std::size_t columns) {
+  for (std::size_t j = 0; j < columns; ++j) {
+    out += ',';
+    if (j < q.size()) append_number(out, q[j]);
+  }
+}
+
+void append_samples(std::string& out, int level, std::string_view role, const Configurations& samples,
+                    const std::vector<Fate>* fates, std::size_t columns) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    append_number(out, level);
+    out += ',';
+    out += role;
+    out += ',';
+    append_number(out, i);
+    const bool accepted = fates == nullptr || (i < fates->size() && (*fates)[i] != Fate::rejected);
+    out += accepted ? ",1" : ",0";
+    append_coordinates(out, samples[i], columns);
+    out += '\n';
+  }
+}
+
+std::string samples_csv(const RunResult& run) {
+  std::size_t columns = 0;
+  for (const auto& level : run.levels) columns = std::max(columns, level.record.space.dimension());
+  std::string out = "level,role,index,accepted";
+  for (std::size_t j = 0; j < columns; ++j) out += fmt::format(",q{}", j + 1);
+  out += '\n';
+  for (const auto& [record, own, root] : run.levels) {
+    append_samples(out, record.level, "tree", record.search.nodes, nullptr, columns);
+    append_samples(out, record.level, "expansion", record.search.proposals, &record.search.fates, columns);
+  }
+  return out;
+}
+
+std::string path_csv(const RunResult& run) {
+  const std::size_t columns =
+      run.levels.empty() ? run.run.path.dimension() : run.levels.front().record.space.dimension();
+  std::string out;
+  for (std::size_t j = 0; j < columns; ++j) out += fmt::format("{}q{}", j == 0 ? "" : ",", j + 1);
+  out += '\n';
+  for (std::size_t i = 0; i < run.run.path.size(); ++i) {
+    std::string row;
+    append_coordinates(row, run.run.path[i], columns);
+    out.append(row, std::min<std::size_t>(1, row.size()));
+    out += '\n';
+  }
+  return out;
+}
+
+/// A name as a directory: letters, digits and what no shell or file system minds; everything else becomes '-'.
+std::string safe(const std::string& name) {
+  std::string out = name;
+  for (auto& c : out) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool keep = (byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z') ||
+                      byte >= 0x80 || std::string_view("._+=@,()-").find(c) != std::string_view::npos;
+    if (!keep) c = '-';
+  }
+  if (out.empty()) return "-";
+  if (out.front() == '.') out.front() = '-';  // neither "..", nor hidden
+  return out;
+}
+
+/// Gives each name a directory of its own: two that only differ in unsafe characters are told apart by a number.
+class Directories {
+ public:
+  const std::string& operator()(const std::string& name) {
+    const auto known = names_.find(name);
+    if (known != names_.end()) return known->second;
+    std::string directory = safe(name);
+    for (int k = 2; !taken_.insert(directory).second; ++k) directory = fmt::format("{}-{}", safe(name), k);
+    return names_.emplace(name, std::move(directory)).first->second;
+  }
+
+ private:
+  std::map<std::string, std::string> names_;
+  std::set<std::string> taken_;
+};
+
+}  // namespace
+
+void write_samples(const ExperimentResult& result, const std::string& directory) {
+  Directories problems;
+  std::map<std::string, Directories> strategies;  // of each problem
+  for (const auto& run : result.runs) {
+    const fs::path place = fs::path(directory) / problems(run.problem) / strategies[run.problem](run.strategy) /
+                           fmt::format("seed-{}", run.seed);
+    std::error_code error;
+    fs::create_directories(place, error);
+    if (error) throw Error(fmt::format("cannot make the directory '{}': {}", place.string(), error.message()));
+    write_file((place / "samples.csv").string(), samples_csv(run));
+    write_file((place / "path.csv").string(), path_csv(run));
+  }
+}
+
+}  // namespace trellis

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include <trellis/scene/reader_formats.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// A node of a YAML file that knows its file and what messages call it, so that every fault can be told with its line.
+class Entry {
+ public:
+  static Entry root(const SourceText& text) {
+    try {
+      const YAML::Node node = YAML::Load(text.joined());
+      if (!node.IsMap()) throw text.error(1, "no scene that can be read: expected a circle world or a YAML map");
+      return {text, node, "the file", 1};
+    } catch (const YAML::Exception& e) {
+      const auto line = static_cast<std::size_t>(std::max(e.mark.line, 0) + 1);
+      throw text.error(line, fmt::format("no scene that can be read: neither a circle world nor YAML ({})", e.msg));
+    }
+  }
+
+  [[nodiscard]] Error error(const std::string& fault) const { return text_->error(line_, fault); }
+
+  [[nodiscard]] bool has(const std::string& key) const { return node_.IsMap() && node_[key]; }
+
+  [[nodiscard]] Entry at(const std::string& key) const {
+    if (!node_.IsMap()) throw error(fmt::format("{} is no map, expected one with '{}'", name_, key));
+    const YAML::Node child = node_[key];
+    if (!child) throw error(fmt::format("'{}' is missing, expected in {}", key, name_));
+    return {*text_, child, fmt::format("'{}'", key), line_};
+  }
+
+  [[nodiscard]] std::vector<Entry> list() const {
+    if (!node_.IsSequence()) throw error(fmt::format("{} is no list, expected one", name_));
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < node_.size(); ++i) {
+      entries.push_back({*text_, node_[i], fmt::format("entry {} of {}", i + 1, name_), line_});
+    }
+    return entries;
+  }
+
+  [[nodiscard]] std::string word() const {
+    if (!node_.IsScalar()) throw error(fmt::format("{} is no word, expected one", name_));
+    return node_.Scalar();
+  }
+
+  [[nodiscard]] double number() const {
+    double value = 0.0;
+    if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value) || !std::isfinite(value)) {
+      throw error(fmt::format("{} is {}, expected a finite number", name_,
+                              node_.IsScalar() ? fmt::format("'{}'", node_.Scalar()) : "no scalar"));
+    }
+    return value;
+  }
+
+  /// A list of numbers; `what` says what they mean: "x, y".
+  [[nodiscard]] std::vector<double> numbers(std::size_t count, std::string_view what) const {
+    if (!node_.IsSequence() || node_.size() != count) {
+      throw error(fmt::format("{} is {}, expected {} numbers: {}", name_,
+                              node_.IsSequence() ? fmt::format("a list of {}", node_.size()) : "no list", count, what));
+    }
+    std::vector<double> values;
+    for (const Entry& entry : list()) values.push_back(entry.number());
+    return values;
+  }
+
+  [[nodiscard]] Vec2 point() const {
+    const auto values = numbers(2, "x, y");
+    return {values[0], values[1]};
+  }
+
+  [[nodiscard]] Vec2 extents() const {
+    const Vec2 size = point();
+    if (size.x <= 0.0 || size.y <= 0.0) {
+      throw error(fmt::format("{} is [{}, {}], expected numbers greater than 0", name_, size.x, size.y));
+    }
+    return size;
+  }
+
+  /// The word must be `expected`: what else the format knows is not read.
+  void require(const std::string& expected) const {
+    if (word() != expected) throw error(fmt::format("{} is '{}', expected '{}'", name_, word(), expected));
+  }
+
+ private:
+  Entry(const SourceText& text, const YAML::Node& node, std::string name, std::size_t parent_line)
+      : text_(&text), node_(node), name_(std::move(name)) {
+    const auto mark = node_.Mark();
+    line_ = mark.is_null() ? parent_line : static_cast<std::size_t>(mark.line) + 1;
+  }
+
+  const SourceText* text_;
+  YAML::Node node_;
+  std::string name_;
+  std::size_t line_ = 1;
+};
+
+Box2 box_about(Vec2 centre, Vec2 size) { return {centre - 0.5 * size, centre + 0.5 * size}; }
+
+Polygon rectangle_about(Vec2 centre, Vec2 size) { return {rectangle_vertices(box_about(centre, size))}; }
+
+/// What is kept of a robot of the format: the dynamics are dropped, the first coordinates of its state remain.
+struct Kind {
+  const char* type;
+  bool trailer;
+  std::size_t state;  // length of the state in the file
+  const char* meaning;
+};
+
+constexpr std::array<Kind, 5> kinds = {{{"unicycle1_v0", false, 3, "x, y, theta"},
+                                        {"unicycle1_v1", false, 3, "x, y, theta"},
+                                        {"unicycle2_v0", false, 5, "x, y, theta, speed, angular speed"},
+                                        {"car1_v0", true, 4, "x, y, theta, theta of the trailer"},
+                                        {"quad2d_v0", false, 6, "x, y, theta and three velocities"}}};
+
+const Kind& kind_of(const Entry& type) {
+  const std::string word = type.word();
+  for (const Kind& kind : kinds) {
+    if (word == kind.type) return kind;
+  }
+  std::vector<std::string> known;
+  std::string all;
+  for (const Kind& k : kinds) {
+    known.emplace_back(k.type);
+    all += (all.empty() ? "" : ", ") + known.back();
+  }
+  throw type.error(
+      fmt::format("the robot's type '{}' is not known{}, expected one of {}", word, did_you_mean(word, known), all));
+}
+
+Robot robot_of(const Kind& kind, const std::string& scene_path) {
+  const auto folder = std::filesystem::path(scene_path).parent_path();
+  const auto path = (folder / ".." / "shared" / "models" / (std::string(kind.type) + ".yaml")).lexically_normal();
+  const SourceText text = SourceText::load(path.string());
+  const Entry model = Entry::root(text);
+
+  model.at("shape").require("box");
+  Body body;
+  body.parts = {rectangle_about({}, model.at("size").extents())};
+  body.angle_axis = 2;
+  std::vector<Body> bodies = {body};
+  if (kind.trailer) {
+    model.at("shape_trailer").require("box");
+    const double hitch = model.at("hitch_lengths").numbers(1, "from the car's centre to the trailer's")[0];
+    // The trailer hangs at the car's centre and has a heading of its own.
+    Body trailer;
+    trailer.parts = {rectangle_about({-hitch, 0.0}, model.at("size_trailer").extents())};
+    trailer.parent = 0;
+    trailer.angle_axis = 3;
+    trailer.absolute = true;
+    bodies.push_back(std::move(trailer));
+  }
+  return {kind.type, std::move(bodies)};
+}
+
+World world_of(const Entry& environment) {
+  const Entry min = environment.at("min"), max = environment.at("max");
+  const Box2 bounds{min.point(), max.point()};
+  if (bounds.lo.x >= bounds.hi.x || bounds.lo.y >= bounds.hi.y) {
+    throw max.error(fmt::format("'max' is [{}, {}], expected more than 'min', [{}, {}]", bounds.hi.x, bounds.hi.y,
+                                bounds.lo.x, bounds.lo.y));
+  }
+  std::vector<Obstacle> obstacles;
+  for (const Entry& obstacle : environment.at("obstacles").list()) {
+    obstacle.at("type").require("box");
+    const Vec2 centre = obstacle.at("center").point(), size = obstacle.at("size").extents();
+    obstacles.push_back({fmt::format("obstacle {} (box at {} {}, size {} {})", obstacles.size() + 1, centre.x, centre.y,
+                                     size.x, size.y),
+                         box_about(centre, size)});
+  }
+  return {bounds, std::move(obstacles)};
+}
+
+}  // namespace
+
+std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options) {
+  const Entry file = Entry::root(text);
+  World world = world_of(file.at("environment"));
+
+  const Entry robots = file.at("robots");
+  if (robots.list().empty()) throw robots.error("'robots' is empty, expected at least one robot");
+  const Entry robot = robots.list().front();
+  const Kind& kind = kind_of(robot.at("type"));
+  Configuration start = robot.at("start").numbers(kind.state, kind.meaning);
+  Configuration goal = robot.at("goal").numbers(kind.state, kind.meaning);
+
+  const auto scene = std::make_shared<const Scene>(Scene{std::move(world), robot_of(kind, text.path)});
+  start.resize(scene->robot.dimension());
+  goal.resize(scene->robot.dimension());
+  std::string name = file.has("name") ? file.at("name").word() : std::filesystem::path(text.path).stem().string();
+  return {problem_in(std::move(name), scene, options, std::move(start), std::move(goal))};
+}
+
+}  // namespace trellis

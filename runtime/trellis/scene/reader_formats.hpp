@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/readers.hpp>
+
+namespace trellis {
+
+// What the readers of the single formats share; read_problems is the way in.
+
+/// A text file held in memory, with the name that messages call it by.
+struct SourceText {
+  std::string path;
+  std::vector<std::string> lines;
+
+  /// Throws Error where the file cannot be read.
+  static SourceText load(const std::string& path);
+  /// An Error at a line (counted from 1).
+  [[nodiscard]] Error error(std::size_t line, const std::string& fault) const;
+  [[nodiscard]] std::string joined() const;
+};
+
+/// Words separated by blanks.
+std::vector<std::string> words_of(const std::string& line);
+
+/// A problem in the robot's default space, its angles brought into the space.
+Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options,
+                   Configuration start, Configuration goal);
+
+/// Whether the second line is the heading "x y r".
+bool is_circle_world(const SourceText& text);
+std::vector<Problem> read_circle_world(const SourceText& text, const ReadOptions& options);
+
+/// Throws Error as well where the text is no YAML at all.
+std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options);
+
+}  // namespace trellis

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/readers.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include <trellis/scene/reader_formats.hpp>
+
+namespace trellis {
+
+SourceText SourceText::load(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw Error(fmt::format("{}: the file cannot be opened", path));
+  SourceText text{path, {}};
+  std::string line;
+  while (std::getline(in, line)) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    text.lines.push_back(line);
+  }
+  // Opening a directory succeeds; reading from it does not.
+  if (in.bad() || (text.lines.empty() && !in.eof())) throw Error(fmt::format("{}: the file cannot be read", path));
+  return text;
+}
+
+Error SourceText::error(std::size_t line, const std::string& fault) const {
+  return Error(fmt::format("{}:{}: {}", path, line, fault));
+}
+
+std::string SourceText::joined() const {
+  std::string all;
+  for (const auto& line : lines) all += line + '\n';
+  return all;
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream in(line);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options,
+                   Configuration start, Configuration goal) {
+  Problem problem;
+  problem.name = std::move(name);
+  problem.space =
+      default_space(scene->robot, scene->world, options.weight == 0.0 ? 1.0 / std::numbers::pi : options.weight);
+  problem.scene = std::move(scene);
+  problem.start = std::move(start);
+  problem.goal = std::move(goal);
+  problem.space.normalise(problem.start);
+  problem.space.normalise(problem.goal);
+  problem.resolution = options.resolution;
+  problem.collision = options.collision;
+  return problem;
+}
+
+std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options) {
+  if (!std::isfinite(options.weight) || options.weight < 0.0) {
+    throw Error(
+        fmt::format("reading {}: weight must be greater than 0 (or 0 for the default), got {}", path, options.weight));
+  }
+  if (!std::isfinite(options.resolution) || options.resolution <= 0.0) {
+    throw Error(fmt::format("reading {}: resolution must be greater than 0, got {}", path, options.resolution));
+  }
+  const SourceText text = SourceText::load(path);
+  return is_circle_world(text) ? read_circle_world(text, options) : read_dynobench(text, options);
+}
+
+}  // namespace trellis

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/scene.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/polygon.hpp>
+
+namespace trellis {
+
+namespace {
+
+bool finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+
+void check_box(const Box2& box, const std::string& what) {
+  if (!finite(box.lo) || !finite(box.hi) || box.lo.x >= box.hi.x || box.lo.y >= box.hi.y) {
+    throw Error(fmt::format("{}: a box needs finite xmin < xmax and ymin < ymax, got ({}, {}) to ({}, {})", what,
+                            box.lo.x, box.lo.y, box.hi.x, box.hi.y));
+  }
+}
+
+void check_disc(const Disc& disc, const std::string& what, bool point_allowed) {
+  if (!finite(disc.centre)) {
+    throw Error(fmt::format("{}: a disc needs a finite centre, got ({}, {})", what, disc.centre.x, disc.centre.y));
+  }
+  if (!std::isfinite(disc.radius) || disc.radius < 0.0 || (disc.radius == 0.0 && !point_allowed)) {
+    throw Error(fmt::format("{}: a disc needs a finite radius {} 0, got {}", what,
+                            point_allowed ? "of at least" : "greater than", disc.radius));
+  }
+}
+
+// Checks a shape, turns polygons counter-clockwise, and appends its convex parts.
+void validate(Shape& shape, const std::string& what, bool point_allowed, std::vector<ConvexShape>& parts) {
+  if (const auto* box = std::get_if<Box2>(&shape)) {
+    check_box(*box, what);
+    parts.emplace_back(Polygon{rectangle_vertices(*box)});
+  } else if (const auto* disc = std::get_if<Disc>(&shape)) {
+    check_disc(*disc, what, point_allowed);
+    parts.emplace_back(*disc);
+  } else {
+    auto& polygon = std::get<Polygon>(shape);
+    polygon = validated_polygon(std::move(polygon), what);
+    auto convex = convex_parts(polygon);
+    parts.insert(parts.end(), std::make_move_iterator(convex.begin()), std::make_move_iterator(convex.end()));
+  }
+}
+
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  const double t = std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0);
+  return norm(p - (a + t * along));
+}
+
+// The largest disc about `p` inside a convex shape, 0 where p lies outside.
+double inscribed_in(const ConvexShape& shape, Vec2 p) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return std::max(0.0, disc->radius - norm(p - disc->centre));
+  const auto& vertices = std::get<Polygon>(shape).vertices;
+  double radius = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Vec2 a = vertices[i];
+    const Vec2 along = vertices[(i + 1) % vertices.size()] - a;
+    radius = std::min(radius, cross(along, p - a) / norm(along));
+  }
+  return std::max(0.0, radius);
+}
+
+// The largest disc about `p` inside the union of polygons, where p lies inside one of them or on a seam between them.
+double inscribed_in_union(const std::vector<Polygon>& polygons, Vec2 p) {
+  const bool touched = std::any_of(polygons.begin(), polygons.end(), [&](const Polygon& polygon) {
+    const auto& v = polygon.vertices;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      if (cross(v[(i + 1) % v.size()] - v[i], p - v[i]) < 0.0) return false;
+    }
+    return true;
+  });
+  if (!touched) return 0.0;
+  double radius = std::numeric_limits<double>::infinity();
+  const auto visit = [&](const Polygon& loop) {
+    const auto& v = loop.vertices;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      radius = std::min(radius, distance_to_segment(p, v[i], v[(i + 1) % v.size()]));
+    }
+  };
+  for (const auto& piece : polygon_union(polygons)) {
+    visit(piece.outer);
+    std::for_each(piece.holes.begin(), piece.holes.end(), visit);
+  }
+  return radius;
+}
+
+double inscribed_in_body(const Body& body, Vec2 p) {
+  double radius = 0.0;
+  std::vector<Polygon> polygons;
+  for (const auto& part : body.parts) {
+    radius = std::max(radius, inscribed_in(part, p));
+    if (const auto* polygon = std::get_if<Polygon>(&part)) polygons.push_back(*polygon);
+  }
+  // Parts of a split polygon meet at seams that are no border of the body.
+  if (polygons.size() > 1) radius = std::max(radius, inscribed_in_union(polygons, p));
+  return radius;
+}
+
+Body body_of(std::vector<ConvexShape> parts) {
+  Body body;
+  body.parts = std::move(parts);
+  return body;
+}
+
+double farthest_from(const Body& body, Vec2 p) {
+  double radius = 0.0;
+  for (const auto& part : body.parts) {
+    if (const auto* disc = std::get_if<Disc>(&part)) {
+      radius = std::max(radius, norm(disc->centre - p) + disc->radius);
+    } else {
+      for (const Vec2 v : std::get<Polygon>(part).vertices) radius = std::max(radius, norm(v - p));
+    }
+  }
+  return radius;
+}
+
+}  // namespace
+
+World::World(Box2 bounds, std::vector<Obstacle> obstacles) : bounds_(bounds), obstacles_(std::move(obstacles)) {
+  check_box(bounds_, "the world's boundary");
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    auto& obstacle = obstacles_[i];
+    if (obstacle.name.empty()) obstacle.name = fmt::format("obstacle {}", i + 1);
+    std::vector<ConvexShape> parts;
+    validate(obstacle.shape, obstacle.name, false, parts);
+    for (auto& part : parts) parts_.push_back({std::move(part), i});
+  }
+}
+
+Robot::Robot(std::string name, std::vector<Body> bodies, bool translates, Vec2 base)
+    : name_(std::move(name)), bodies_(std::move(bodies)), translates_(translates), base_(base) {
+  const auto fail = [&](const std::string& fault) -> void { throw Error(fmt::format("robot '{}': {}", name_, fault)); };
+  const int first_angle = translates_ ? 2 : 0;
+  if (!finite(base_)) fail(fmt::format("the base must be finite, got ({}, {})", base_.x, base_.y));
+
+  bool any_part = false;
+  int axes = first_angle;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    auto& body = bodies_[i];
+    const std::string what = fmt::format("body {}", i + 1);
+    if (body.parent < -1 || body.parent >= static_cast<int>(i)) {
+      fail(fmt::format("the parent of {} must be an earlier body or none, got body {}", what, body.parent + 1));
+    }
+    if (!finite(body.joint)) {
+      fail(fmt::format("the joint of {} must be finite, got ({}, {})", what, body.joint.x, body.joint.y));
+    }
+    if (body.angle_axis != -1 && body.angle_axis < first_angle) {
+      fail(fmt::format("{} must be turned by axis {} or a later one (counted from 0), got {}", what, first_angle,
+                       body.angle_axis));
+    }
+    axes = std::max(axes, body.angle_axis + 1);
+    for (std::size_t k = 0; k < body.parts.size(); ++k) {
+      any_part = true;
+      const std::string part = fmt::format("robot '{}': part {} of {}", name_, k + 1, what);
+      if (const auto* disc = std::get_if<Disc>(&body.parts[k])) {
+        check_disc(*disc, part, true);
+        continue;
+      }
+      auto& polygon = std::get<Polygon>(body.parts[k]);
+      auto convex = convex_parts(validated_polygon(std::move(polygon), part));
+      if (convex.size() != 1) throw Error(fmt::format("{}: the polygon must be convex", part));
+      polygon = std::move(convex.front());
+    }
+  }
+  if (!any_part) fail("it needs at least one body with a shape");
+
+  dimension_ = static_cast<std::size_t>(axes);
+  if (dimension_ == 0) fail("nothing moves it: it neither translates nor turns");
+  for (int axis = first_angle; axis < axes; ++axis) {
+    if (std::none_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.angle_axis == axis; })) {
+      fail(fmt::format("axis {} (counted from 0) turns no body", axis));
+    }
+  }
+
+  // A body that never turns has a known place about the reference point, so its radii are exact; of one that turns
+  // only the length of the chain that carries it is known.
+  struct Chain {
+    double length = 0.0;         // the sum of |joint|
+    std::optional<Vec2> offset;  // where the origin is, while nothing before it turns
+    bool turns = false;          // whether the body itself turns, by its own axis or its parent's
+  };
+  std::vector<Chain> chains;
+  for (const auto& body : bodies_) {
+    const Chain parent = body.parent < 0 ? Chain{0.0, Vec2{}, false} : chains[static_cast<std::size_t>(body.parent)];
+    Chain chain;
+    chain.length = parent.length + norm(body.joint);
+    if (parent.offset && !parent.turns) chain.offset = *parent.offset + body.joint;
+    chain.turns = parent.turns || body.angle_axis >= 0;
+    chains.push_back(chain);
+
+    const double radius = farthest_from(body, {});
+    body_radius_.push_back(radius);
+    if (chain.offset) {
+      const Vec2 reference = -1.0 * *chain.offset;
+      const double carried = norm(reference);
+      if (chain.turns) {
+        bounding_radius_ = std::max(bounding_radius_, carried + radius);
+        inscribed_radius_ = std::max(inscribed_radius_, inscribed_in_body(body, {}) - carried);
+      } else {
+        bounding_radius_ = std::max(bounding_radius_, farthest_from(body, reference));
+        inscribed_radius_ = std::max(inscribed_radius_, inscribed_in_body(body, reference));
+      }
+    } else {
+      bounding_radius_ = std::max(bounding_radius_, chain.length + radius);
+      inscribed_radius_ = std::max(inscribed_radius_, inscribed_in_body(body, {}) - chain.length);
+    }
+  }
+}
+
+Robot Robot::point() { return {"point", {body_of({Disc{}})}}; }
+
+Robot Robot::disc(double radius) {
+  check_disc({{}, radius}, "robot 'disc'", false);
+  return {"disc", {body_of({Disc{{}, radius}})}};
+}
+
+Robot Robot::rigid(const std::vector<Shape>& shapes, bool rotates) {
+  Body body;
+  body.angle_axis = rotates ? 2 : -1;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    Shape shape = shapes[i];
+    validate(shape, fmt::format("robot 'rigid': shape {}", i + 1), true, body.parts);
+  }
+  return {"rigid", {std::move(body)}};
+}
+
+bool Robot::is_point() const {
+  return bodies_.size() == 1 && bodies_[0].parts.size() == 1 && bodies_[0].parts[0] == ConvexShape(Disc{}) &&
+         bodies_[0].joint == Vec2{};
+}
+
+Robot Robot::scaled(double factor) const {
+  if (!std::isfinite(factor) || factor <= 0.0) {
+    throw Error(
+        fmt::format("robot '{}': the scale factor must be a finite number greater than 0, got {}", name_, factor));
+  }
+  Robot result = *this;
+  for (auto& body : result.bodies_) {
+    body.joint = factor * body.joint;
+    for (auto& part : body.parts) {
+      if (auto* disc = std::get_if<Disc>(&part)) {
+        *disc = {factor * disc->centre, factor * disc->radius};
+      } else {
+        for (Vec2& v : std::get<Polygon>(part).vertices) v = factor * v;
+      }
+    }
+  }
+  result.bounding_radius_ *= factor;
+  result.inscribed_radius_ *= factor;
+  for (double& radius : result.body_radius_) radius *= factor;
+  return result;
+}
+
+void Robot::place(View q, std::span<Pose2> out) const {
+  const Vec2 reference = translates_ ? Vec2{q[0], q[1]} : base_;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const auto& body = bodies_[i];
+    const Pose2 parent =
+        body.parent < 0 ? Pose2{reference.x, reference.y, 1.0, 0.0} : out[static_cast<std::size_t>(body.parent)];
+    const Vec2 origin = parent(body.joint);
+    Pose2 pose{origin.x, origin.y, parent.c, parent.s};
+    if (body.angle_axis >= 0) {
+      const double angle = q[static_cast<std::size_t>(body.angle_axis)];
+      const double c = std::cos(angle), s = std::sin(angle);
+      if (body.absolute || body.parent < 0) {
+        pose.c = c;
+        pose.s = s;
+      } else {
+        pose.c = parent.c * c - parent.s * s;
+        pose.s = parent.s * c + parent.c * s;
+      }
+    }
+    out[i] = pose;
+  }
+}
+
+double Robot::displacement_bound(const Space& space, View a, View b) const {
+  // Runs once per edge check: the usual sizes stay on the stack.
+  constexpr std::size_t few_bodies = 16, few_axes = 2 * few_bodies;
+  const std::size_t axes = space.dimension(), count = bodies_.size();
+  std::array<double, few_axes> axis_buffer;
+  std::array<std::pair<double, double>, few_bodies> body_buffer;
+  std::vector<double> many_axes;
+  std::vector<std::pair<double, double>> many_bodies;
+  if (axes > few_axes) many_axes.resize(axes);
+  if (count > few_bodies) many_bodies.resize(count);
+  const MutableView difference = axes > few_axes ? MutableView(many_axes) : MutableView(axis_buffer).first(axes);
+  // Per body: how far its origin moves, and how far it turns in the world.
+  const auto motion = count > few_bodies ? std::span(many_bodies) : std::span(body_buffer).first(count);
+
+  space.difference(a, b, difference);
+  const double translation = translates_ ? norm({difference[0], difference[1]}) : 0.0;
+  double bound = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& body = bodies_[i];
+    const auto [parent_way, parent_turn] =
+        body.parent < 0 ? std::pair(translation, 0.0) : motion[static_cast<std::size_t>(body.parent)];
+    double turn = parent_turn;
+    if (body.angle_axis >= 0) {
+      const double own = std::abs(difference[static_cast<std::size_t>(body.angle_axis)]);
+      turn = body.absolute ? own : parent_turn + own;
+    }
+    const double way = parent_way + (parent_turn > 0.0 ? norm(body.joint) * parent_turn : 0.0);
+    motion[i] = {way, turn};
+    bound = std::max(bound, way + body_radius_[i] * turn);
+  }
+  return bound;
+}
+
+Space default_space(const Robot& robot, const World& world, double weight) {
+  const auto& [lo, hi] = world.bounds();
+  const std::pair x{lo.x, hi.x}, y{lo.y, hi.y};
+  const std::size_t angles = robot.dimension() - (robot.translates() ? 2 : 0);
+  if (robot.translates() && angles == 0) return Space::euclidean({x, y});
+  if (robot.translates() && angles == 1) return Space::se2(x, y, weight);
+  std::vector<std::pair<double, Space>> factors;
+  if (robot.translates()) factors.emplace_back(1.0, Space::euclidean({x, y}));
+  for (std::size_t i = 0; i < angles; ++i) factors.emplace_back(1.0, Space::so2(weight));
+  const std::string turning = angles == 1 ? "SO(2)" : fmt::format("SO(2)^{}", angles);
+  return {robot.translates() ? "R^2 x " + turning : turning, Space::product(factors).axes()};
+}
+
+}  // namespace trellis

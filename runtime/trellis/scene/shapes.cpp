@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/shapes.hpp>
+
+#include <algorithm>
+
+namespace trellis {
+
+Box2 bounding_box(const ConvexShape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) {
+    const Vec2 r{disc->radius, disc->radius};
+    return {disc->centre - r, disc->centre + r};
+  }
+  const auto& vertices = std::get<Polygon>(shape).vertices;
+  Box2 box{vertices.front(), vertices.front()};
+  for (const Vec2 v : vertices) {
+    box.lo = {std::min(box.lo.x, v.x), std::min(box.lo.y, v.y)};
+    box.hi = {std::max(box.hi.x, v.x), std::max(box.hi.y, v.y)};
+  }
+  return box;
+}
+
+double circumradius(const ConvexShape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return norm(disc->centre) + disc->radius;
+  double squared = 0.0;
+  for (const Vec2 v : std::get<Polygon>(shape).vertices) squared = std::max(squared, dot(v, v));
+  return std::sqrt(squared);
+}
+
+std::vector<Vec2> rectangle_vertices(const Box2& box) {
+  return {box.lo, {box.hi.x, box.lo.y}, box.hi, {box.lo.x, box.hi.y}};
+}
+
+}  // namespace trellis

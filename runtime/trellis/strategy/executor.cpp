@@ -1,0 +1,508 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/executor.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kernels.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Charges wall-clock time to the level that is at work: solving a level below stops the clock of the one above.
+class Clock {
+ public:
+  /// Switches to `account`; returns the one before, to switch back to.
+  double* switch_to(double* account) {
+    const auto now = std::chrono::steady_clock::now();
+    if (account_ != nullptr) *account_ += std::chrono::duration<double>(now - since_).count();
+    since_ = now;
+    return std::exchange(account_, account);
+  }
+
+ private:
+  double* account_ = nullptr;
+  std::chrono::steady_clock::time_point since_;
+};
+
+class Level;
+
+/// What all levels of one run share.
+struct Run {
+  std::uint64_t seed = 0;
+  std::function<bool()> interrupted;
+  Clock clock;
+  std::vector<Level*> levels;  ///< in the order of their numbers
+};
+
+/// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
+class Prepared : public Guidance {
+ public:
+  /// Solves the instances below that are needed for the first proposal.
+  virtual void prepare() {}
+  /// The path in this level's space along which it guides now; empty where it has none.
+  [[nodiscard]] virtual Configurations guiding_path() const { return {}; }
+  /// A path in this level's space found by other means, for the searches below to go by.
+  virtual void inform(const Configurations& path) { static_cast<void>(path); }
+};
+
+std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec);
+
+/// What a level's planner draws from: the goal, uniform, the guide, and a path that another space informed it of.
+class LevelGuidance final : public Guidance {
+ public:
+  LevelGuidance(const Instance& instance, const PlannerCommon& common)
+      : instance_(instance), common_(common), uniform_(instance.space), goal_(instance.goal) {}
+
+  void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
+  [[nodiscard]] Prepared* guide() const { return guide_.get(); }
+  void inform(const Configurations& path) {
+    if (path.empty()) {
+      hint_.reset();
+      return;
+    }
+    const double robot = instance_.scene->robot.bounding_radius();
+    hint_.emplace(instance_.space, path, robot > 0.0 ? robot : 0.02 * instance_.space.diameter());
+  }
+  [[nodiscard]] bool guided() const { return guide_ != nullptr || hint_; }
+
+  Source sample(Stream& stream, MutableView out) override {
+    double u = stream.uniform();
+    drawn_ = Part::goal;
+    if (u < common_.goal_bias) return goal_.sample(stream, out);
+    if (!guided()) {
+      drawn_ = Part::uniform;
+      uniform_.sample(stream, out);
+      return 1;
+    }
+    u = (u - common_.goal_bias) / (1.0 - common_.goal_bias);
+    if (u < common_.uniform) {
+      drawn_ = Part::uniform;
+      uniform_.sample(stream, out);
+      return 1;
+    }
+    u = (u - common_.uniform) / (1.0 - common_.uniform);
+    if (hint_ && (guide_ == nullptr || u < hint_share)) {
+      drawn_ = Part::hint;
+      hint_->sample(stream, out);
+      return 2;
+    }
+    drawn_ = Part::guide;
+    return static_cast<Source>(3 + guide_->sample(stream, out));
+  }
+
+  [[nodiscard]] double density(View q) const override {
+    const double rest = 1.0 - common_.goal_bias;
+    if (!guided()) return rest * uniform_.density(q);
+    double sum = rest * common_.uniform * uniform_.density(q);
+    const double guided_share = rest * (1.0 - common_.uniform);
+    const double hint = !hint_ ? 0.0 : guide_ == nullptr ? 1.0 : hint_share;
+    if (hint > 0.0) sum += guided_share * hint * hint_->density(q);
+    if (hint < 1.0) sum += guided_share * (1.0 - hint) * guide_->density(q);
+    return sum;
+  }
+  [[nodiscard]] double atom_mass() const override { return common_.goal_bias; }
+
+  void observe(const Outcome& outcome, bool mine) override {
+    if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
+  }
+
+  [[nodiscard]] std::vector<std::string> sources() const override {
+    std::vector<std::string> all = {"goal", "uniform", "informed path"};
+    if (guide_ != nullptr) {
+      for (auto& name : guide_->sources()) all.push_back(std::move(name));
+    }
+    return all;
+  }
+
+ private:
+  enum class Part : std::uint8_t { goal, uniform, hint, guide };
+  static constexpr double hint_share = 0.5;
+
+  const Instance& instance_;
+  PlannerCommon common_;
+  UniformGuidance uniform_;
+  GoalGuidance goal_;
+  std::optional<TubeKernel> hint_;
+  std::unique_ptr<Prepared> guide_;
+  Part drawn_ = Part::goal;
+};
+
+/// One level at work: an instance, its planner, its guidance and its record.
+class Level {
+ public:
+  Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
+        const PlannerSpec& planner, const Guide* lift)
+      : run_(run),
+        parent_(parent),
+        lift_(lift),
+        instance_(std::move(instance)),
+        kind_(*find_planner(planner.name())),
+        planner_spec_(planner),
+        common_(kind_.common(planner.options())),
+        guidance_(*instance_, common_) {
+    record_.level = static_cast<int>(run.levels.size());
+    record_.parent = parent != nullptr ? parent->record_.level : -1;
+    record_.depth = parent != nullptr ? parent->record_.depth + 1 : 0;
+    record_.key = std::move(key);
+    record_.name = std::move(name);
+    record_.space = instance_->space;
+    record_.position_axes = instance_->position_axes;
+    record_.planner = planner.name();
+    record_.search.nodes = Configurations(instance_->space.dimension());
+    record_.search.proposals = Configurations(instance_->space.dimension());
+    run.levels.push_back(this);
+  }
+
+  void guide_by(const GuideSpec& spec) { guidance_.set_guide(make_guidance(run_, *this, spec)); }
+
+  /// Solves the instance, or solves it again; the instances below are solved first.
+  const Solution& solve() {
+    double* above = run_.clock.switch_to(&record_.search.seconds);
+    if (guidance_.guide() != nullptr) guidance_.guide()->prepare();
+    if (!planner_) {
+      planner_ = kind_.make(planner_spec_.options(),
+                            Planner::Task{*instance_, guidance_, Stream(run_.seed, record_.key, "proposals"),
+                                          record_.search, guidance_.guided(), run_.interrupted});
+    }
+    ++record_.solves;
+    Solution found = planner_->solve(common_.budget);
+    // A later solve that finds nothing does not undo what was found: its path may still guide.
+    if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
+    run_.clock.switch_to(above);
+    return record_.solution;
+  }
+
+  /// The record, completed once the run is over.
+  LevelRecord take_record() {
+    record_.search.checks = instance_->checks;
+    record_.search.sources = guidance_.sources();
+    record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
+    record_.root_proposals = lifted(record_.search.proposals, "lift proposals");
+    record_.valid = [validity = instance_->validity](View q) { return validity->state(q); };
+    return record_;
+  }
+
+  [[nodiscard]] Instance& instance() { return *instance_; }
+  [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
+  [[nodiscard]] const LevelRecord& record() const { return record_; }
+
+ private:
+  /// Rows of this level's space lifted to the root's by the chain of h's: each step draws from the fibre.
+  Configurations lifted(const Configurations& rows, const std::string& purpose) const {
+    Configurations current = rows;
+    for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+      Stream stream(run_.seed, record_.key, purpose + " from " + at->record_.key);
+      const std::size_t dimension = at->parent_->instance_->space.dimension();
+      Configurations next(dimension);
+      next.reserve(current.size());
+      Configuration q(dimension);
+      for (std::size_t i = 0; i < current.size(); ++i) {
+        at->lift_->lift(std::as_const(current)[i], stream, q);
+        next.push(q);
+      }
+      current = std::move(next);
+    }
+    return current;
+  }
+
+  Run& run_;
+  Level* parent_;
+  const Guide* lift_;  ///< the guide that made this level's space from the parent's; nullptr at the root
+  std::unique_ptr<Instance> instance_;
+  const PlannerKind& kind_;
+  PlannerSpec planner_spec_;
+  PlannerCommon common_;
+  LevelGuidance guidance_;
+  std::unique_ptr<Planner> planner_;
+  LevelRecord record_;
+};
+
+/// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
+class ComponentGuidance final : public Prepared {
+ public:
+  ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
+      : parent_(parent),
+        guide_(find_guide(spec.name())->make(spec.options())),
+        name_(GuideSpec::make(spec.name(), spec.options().entries()).text()),
+        resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
+    auto sub = guide_->project(parent.instance());
+    if (!sub) return;
+    level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_.get());
+    if (spec.below() != nullptr) level_->guide_by(*spec.below());
+  }
+
+  void prepare() override {
+    if (heuristic_) return;
+    if (!level_) {
+      heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
+      return;
+    }
+    const Solution& found = level_->solve();
+    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
+  }
+
+  Source sample(Stream& stream, MutableView out) override {
+    heuristic_->sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override {
+    return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
+  }
+  [[nodiscard]] double atom_mass() const override { return heuristic_ ? heuristic_->atom_mass() : 0.0; }
+
+  void observe(const Outcome& outcome, bool mine) override {
+    guide_->learn(outcome);
+    if (!heuristic_) return;
+    heuristic_->observe(outcome, mine);
+    if (!heuristic_->stale() || resolves_left_ <= 0) return;
+    --resolves_left_;
+    guide_->before_resolve();
+    const Solution& found = level_->solve();
+    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
+  }
+
+  [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
+  [[nodiscard]] Configurations guiding_path() const override {
+    return heuristic_ ? heuristic_->lifted_path() : Configurations{};
+  }
+
+  void inform(const Configurations& path) override {
+    if (!level_) return;
+    Configurations projected(level_->instance().space.dimension());
+    Configuration s(projected.dimension());
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      guide_->project(path[i], s);
+      projected.push(s);
+    }
+    level_->guidance().inform(projected);
+  }
+
+ private:
+  Level& parent_;
+  std::unique_ptr<Guide> guide_;
+  std::string name_;
+  std::unique_ptr<Level> level_;
+  std::unique_ptr<Heuristic> heuristic_;
+  std::int64_t resolves_left_;
+};
+
+/// What mixtures and sequences share: parts, one of which draws.
+class PartsGuidance : public Prepared {
+ public:
+  explicit PartsGuidance(std::vector<std::unique_ptr<Prepared>> parts) : parts_(std::move(parts)) {
+    for (const auto& part : parts_) {
+      first_source_.push_back(static_cast<Source>(sources_.size()));
+      for (auto& name : part->sources()) sources_.push_back(std::move(name));
+    }
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return sources_; }
+  void inform(const Configurations& path) override {
+    for (auto& part : parts_) part->inform(path);
+  }
+
+ protected:
+  Source draw(Stream& stream, MutableView out) {
+    return static_cast<Source>(first_source_[drawn_] + parts_[drawn_]->sample(stream, out));
+  }
+
+  std::vector<std::unique_ptr<Prepared>> parts_;
+  std::size_t drawn_ = 0;
+
+ private:
+  std::vector<Source> first_source_;
+  std::vector<std::string> sources_;
+};
+
+/// A mixture of guides.
+class MixtureGuidance final : public PartsGuidance {
+ public:
+  MixtureGuidance(const std::vector<double>& weights, std::vector<std::unique_ptr<Prepared>> parts)
+      : PartsGuidance(std::move(parts)) {
+    double total = 0.0;
+    for (const double w : weights) total += w;
+    for (const double w : weights) weights_.push_back(w / total);
+  }
+  void prepare() override {
+    for (auto& part : parts_) part->prepare();
+  }
+  Source sample(Stream& stream, MutableView out) override {
+    double u = stream.uniform();
+    drawn_ = 0;
+    while (drawn_ + 1 < parts_.size() && u >= weights_[drawn_]) u -= weights_[drawn_++];
+    return draw(stream, out);
+  }
+  [[nodiscard]] double density(View q) const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) sum += weights_[i] * parts_[i]->density(q);
+    return sum;
+  }
+  [[nodiscard]] double atom_mass() const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) sum += weights_[i] * parts_[i]->atom_mass();
+    return sum;
+  }
+  [[nodiscard]] Configurations guiding_path() const override {
+    for (const auto& part : parts_) {
+      Configurations path = part->guiding_path();
+      if (!path.empty()) return path;
+    }
+    return {};
+  }
+
+ private:
+  std::vector<double> weights_;
+};
+
+/// A sequence of guides: each serves a turn of proposals; the path that it leaves informs the next one's search. After
+/// the last the first has its turn again.
+class SequenceGuidance final : public PartsGuidance {
+ public:
+  SequenceGuidance(std::vector<std::unique_ptr<Prepared>> parts, std::int64_t turn)
+      : PartsGuidance(std::move(parts)), turn_(turn) {}
+  void prepare() override { parts_[drawn_]->prepare(); }
+  Source sample(Stream& stream, MutableView out) override {
+    if (served_ == turn_ && parts_.size() > 1) {
+      const Configurations path = parts_[drawn_]->guiding_path();
+      drawn_ = (drawn_ + 1) % parts_.size();
+      served_ = 0;
+      if (!path.empty()) parts_[drawn_]->inform(path);
+      parts_[drawn_]->prepare();
+    }
+    ++served_;
+    return draw(stream, out);
+  }
+  [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
+  [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
+  [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
+
+ private:
+  std::int64_t turn_;
+  std::int64_t served_ = 0;
+};
+
+std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
+  if (spec.kind() == GuideSpec::Kind::component) return std::make_unique<ComponentGuidance>(run, level, spec, key);
+  std::vector<double> weights;
+  std::vector<std::unique_ptr<Prepared>> parts;
+  for (const auto& term : spec.terms()) {
+    weights.push_back(term.weight);
+    // The key names the place in the hierarchy, so that no level's stream depends on its neighbours.
+    parts.push_back(make_guidance_at(run, level, term.guide, fmt::format("{}.{}", key, parts.size())));
+  }
+  if (spec.kind() == GuideSpec::Kind::mixture) return std::make_unique<MixtureGuidance>(weights, std::move(parts));
+  return std::make_unique<SequenceGuidance>(std::move(parts), spec.turn());
+}
+
+std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec) {
+  return make_guidance_at(run, level, spec, level.record().key + "/0");
+}
+
+constexpr int deepest = 64;
+
+int depth(const GuideSpec& guide) {
+  if (guide.kind() == GuideSpec::Kind::component) return 1 + (guide.below() != nullptr ? depth(*guide.below()) : 0);
+  int most = 0;
+  for (const auto& term : guide.terms()) most = std::max(most, depth(term.guide));
+  return most;
+}
+
+}  // namespace
+
+void check(const Problem& problem) {
+  if (!problem.scene) throw Error(fmt::format("problem '{}': has no scene", problem.name));
+  const auto& axes = problem.space.axes();
+  const auto& robot = problem.scene->robot;
+  if (problem.space.dimension() < robot.dimension()) {
+    throw Error(fmt::format("problem '{}': the robot needs {} coordinates and the space {} has {}", problem.name,
+                            robot.dimension(), problem.space.name(), problem.space.dimension()));
+  }
+  if (!(problem.resolution > 0.0) || !std::isfinite(problem.resolution)) {
+    throw Error(fmt::format("problem '{}': resolution must be a number greater than 0, in m, got {}", problem.name,
+                            problem.resolution));
+  }
+  if (!(problem.goal_tolerance >= 0.0) || !std::isfinite(problem.goal_tolerance)) {
+    throw Error(fmt::format("problem '{}': goal_tolerance must be a number of at least 0, in m, got {}", problem.name,
+                            problem.goal_tolerance));
+  }
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  for (const auto& [what, q] : {std::pair<const char*, const Configuration&>{"start", problem.start},
+                                std::pair<const char*, const Configuration&>{"goal", problem.goal}}) {
+    if (q.size() != axes.size()) {
+      std::vector<std::string> names;
+      for (const auto& axis : axes) names.push_back(axis.name);
+      throw Error(fmt::format("problem '{}': {} has {} coordinate{}, expected {} ({})", problem.name, what, q.size(),
+                              q.size() == 1 ? "" : "s", axes.size(), fmt::join(names, ", ")));
+    }
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      if (!std::isfinite(q[j])) {
+        throw Error(fmt::format("problem '{}': {}: coordinate {} ({}) is {}, expected a finite number", problem.name,
+                                what, j + 1, axes[j].name, q[j]));
+      }
+      if (!axes[j].periodic && (q[j] < axes[j].lo || q[j] > axes[j].hi)) {
+        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]", problem.name,
+                                what, axes[j].name, q[j], axes[j].lo, axes[j].hi));
+      }
+    }
+    if (const auto contact = checker->contact(q)) {
+      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}", problem.name, what, fmt::join(q, ", "),
+                              describe(*contact, *problem.scene)));
+    }
+  }
+}
+
+RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
+                  const ExecuteOptions& options) {
+  check(problem);
+  if (strategy.guide() != nullptr && depth(*strategy.guide()) > deepest) {
+    throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  Run run;
+  run.seed = seed;
+  run.interrupted = options.interrupted;
+  auto instance = make_instance(problem);
+  instance->space.normalise(instance->start);
+  instance->space.normalise(instance->goal);
+  Level root(run, nullptr, "0", "root", std::move(instance), strategy.planner(), nullptr);
+  double setup = 0.0;
+  run.clock.switch_to(&setup);
+  if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
+  const Solution& found = root.solve();
+  run.clock.switch_to(nullptr);
+
+  RunRecord record;
+  record.status = found.status;
+  record.solved = found.solved();
+  record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  for (Level* level : run.levels) {
+    record.validity_checks += level->instance().checks.validity;
+    record.motion_checks += level->instance().checks.motion;
+  }
+  const Checks planned = root.instance().checks;
+  if (record.solved) {
+    record.path = found.path;
+    if (options.shortcut > 0) {
+      Stream stream(seed, "0", "shortcut");
+      record.path = shortcut(root.instance(), record.path, options.shortcut, stream);
+      record.shortcut_checks = root.instance().checks.validity - planned.validity;
+      root.instance().checks = planned;
+    }
+    record.length = path_length(problem.space, record.path);
+  }
+  for (Level* level : run.levels) record.levels.push_back(level->take_record());
+  // The root's own path is the one that is reported.
+  if (record.solved) record.levels.front().solution.path = record.path;
+  return record;
+}
+
+}  // namespace trellis

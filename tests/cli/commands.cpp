@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs the built program: exit statuses, what goes where, and what is left behind.
+#include <fcntl.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/catch.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Outcome {
+  int status = -1;  ///< of the exit, or 1000 + the signal
+  std::string out;
+  std::string err;
+};
+
+/// A folder of its own for each test, gone afterwards.
+class Place {
+ public:
+  Place() : path_(fs::temp_directory_path() / ("trellis-cli-" + std::to_string(::getpid()))) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
+  ~Place() { fs::remove_all(path_); }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string script(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return *this / name;
+  }
+
+  /// Starts the program in this folder.
+  [[nodiscard]] pid_t start(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), TRELLIS_BINARY);
+    std::vector<char*> argv;
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const int out = ::open((path_ / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const int err = ::open((path_ / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      ::dup2(out, STDOUT_FILENO);
+      ::dup2(err, STDERR_FILENO);
+      if (::chdir(path_.c_str()) == 0) ::execv(TRELLIS_BINARY, argv.data());
+      ::_exit(99);
+    }
+    return child;
+  }
+  [[nodiscard]] Outcome finish(pid_t child) const {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), content(path_ / "out"),
+            content(path_ / "err")};
+  }
+  [[nodiscard]] Outcome run(std::vector<std::string> arguments) const { return finish(start(std::move(arguments))); }
+
+ private:
+  fs::path path_;
+};
+
+constexpr const char* quick = "return rrt { step = 0.5 }, scenes.cup()\n";
+// No way to the goal: a run that lasts until its budget is spent.
+constexpr const char* endless = R"(
+return experiment {
+  problems = problem {
+    world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, robot = robot.point(), start = {1, 1}, goal = {9, 9},
+  },
+  strategies = { rrt = rrt { step = 0.001 } },
+  seeds = 1000,
+}
+)";
+
+bool one_message(const Outcome& outcome) {
+  return outcome.err.starts_with("trellis: ") && outcome.err.ends_with("\n") && outcome.out.empty();
+}
+
+}  // namespace
+
+TEST_CASE("a run prints a report and ends with 0") {
+  const Place place;
+  place.script("quick.lua", quick);
+  const auto outcome = place.run({"run", "quick.lua"});
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.find("cup") != std::string::npos);
+  CHECK(outcome.err.empty());  // no progress bar where stderr is no terminal
+  const auto quiet = place.run({"run", "quick.lua", "--quiet"});
+  CHECK(quiet.status == 0);
+  CHECK(quiet.out.empty());
+  CHECK(quiet.err.empty());
+}
+
+TEST_CASE("an unsolved run is a result") {
+  const Place place;
+  place.script("hopeless.lua",
+               "return rrt { step = 0.5, proposals = 50 }, problem { world = world { bounds = {0, 0, 10, 10}, "
+               "box {4, 0, 6, 10} }, robot = robot.point(), start = {1, 1}, goal = {9, 9} }");
+  const auto outcome = place.run({"run", "hopeless.lua"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+}
+
+TEST_CASE("files are written where they are asked for") {
+  const Place place;
+  place.script("quick.lua", quick);
+  const auto outcome =
+      place.run({"run", "quick.lua", "--seeds", "2", "--seed", "5", "--json", "all.json", "--samples", "deep/samples"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  const std::string json = content(place / "all.json");
+  CHECK(json.find("\"script\"") != std::string::npos);
+  CHECK(json.find("quick.lua") != std::string::npos);
+  for (const std::string seed : {"5", "6"}) {
+    for (const std::string file : {"samples.csv", "path.csv"}) {
+      CHECK(fs::file_size(place / ("deep/samples/cup/strategy/seed-" + seed + "/" + file)) > 0);
+    }
+  }
+  CHECK_FALSE(fs::exists(place / "deep/samples/cup/strategy/seed-7"));
+}
+
+TEST_CASE("the samples do not depend on the number of jobs, or on the day") {
+  const Place place;
+  place.script("nested.lua",
+               "return experiment { problems = scenes.simple_passage(), seeds = 2, measure = false, "
+               "strategies = { nested = skeleton() >> shrink(0.5) >> lazy() >> rrt { step = 0.5 } } }");
+  for (const std::string jobs : {"1", "2"}) {
+    REQUIRE(place.run({"run", "nested.lua", "--quiet", "--jobs", jobs, "--samples", "jobs" + jobs}).status == 0);
+  }
+  REQUIRE(place.run({"run", "nested.lua", "--quiet", "--samples", "again"}).status == 0);
+  for (const std::string seed : {"seed-1", "seed-2"}) {
+    const std::string file = "/simple_passage/nested/" + seed + "/samples.csv";
+    const std::string once = content(place / ("jobs1" + file));
+    CHECK_FALSE(once.empty());
+    CHECK(once == content(place / ("jobs2" + file)));
+    CHECK(once == content(place / ("again" + file)));
+  }
+}
+
+TEST_CASE("wrong usage ends with 2 and one message") {
+  const Place place;
+  place.script("quick.lua", quick);
+  const std::vector<std::vector<std::string>> wrong = {{},
+                                                       {"walk"},
+                                                       {"run"},
+                                                       {"run", "quick.lua", "--sedes", "3"},
+                                                       {"run", "quick.lua", "another.lua"},
+                                                       {"run", "quick.lua", "--seeds"},
+                                                       {"run", "quick.lua", "--seeds", "0"},
+                                                       {"run", "quick.lua", "--seeds", "-3"},
+                                                       {"run", "quick.lua", "--seeds", "nan"},
+                                                       {"run", "quick.lua", "--seeds", "1.5"},
+                                                       {"run", "quick.lua", "--seeds", "1e3"},
+                                                       {"run", "quick.lua", "--seeds", ""},
+                                                       {"run", "quick.lua", "--seeds", "99999999999999999999"},
+                                                       {"run", "quick.lua", "--seeds", "1000001"},
+                                                       {"run", "quick.lua", "--seed", "-1"},
+                                                       {"run", "quick.lua", "--seed", "9223372036854775808"},
+                                                       {"run", "quick.lua", "--jobs", "0"},
+                                                       {"run", "quick.lua", "--jobs", "many"},
+                                                       {"check"},
+                                                       {"help", "shrnik"}};
+  for (const auto& arguments : wrong) {
+    std::string line;
+    for (const auto& argument : arguments) line += " '" + argument + "'";
+    const auto outcome = place.run(arguments);
+    INFO(line << "\n" << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK(one_message(outcome));
+  }
+}
+
+TEST_CASE("a script error ends with 2, names the line and writes nothing") {
+  const Place place;
+  place.script("wrong.lua", "\n\nreturn rrt { stp = 0.5 }, scenes.cup()\n");
+  const auto outcome = place.run({"run", "wrong.lua", "--json", "all.json", "--samples", "samples"});
+  CHECK(outcome.status == 2);
+  CHECK(one_message(outcome));
+  CHECK(outcome.err.starts_with("trellis: wrong.lua:3: rrt: unknown option 'stp' (did you mean 'step'?)"));
+  CHECK_FALSE(fs::exists(place / "all.json"));
+  CHECK_FALSE(fs::exists(place / "samples"));
+
+  const auto missing = place.run({"run", "missing.lua"});
+  CHECK(missing.status == 2);
+  CHECK(missing.err == "trellis: cannot read 'missing.lua': No such file or directory\n");
+  const auto folder = place.run({"run", "."});
+  CHECK(folder.status == 2);
+  CHECK(folder.err == "trellis: cannot read '.': it is a folder\n");
+}
+
+TEST_CASE("an output that cannot be written is found out before the run") {
+  const Place place;
+  place.script("endless.lua", endless);
+  place.script("file", "in the way");
+  for (const std::vector<std::string>& output : {std::vector<std::string>{"--json", "no/such/folder/all.json"},
+                                                 {"--json", "."},
+                                                 {"--json", "file/all.json"},
+                                                 {"--json", "/proc/none.json"},
+                                                 {"--samples", "file"},
+                                                 {"--samples", "file/samples"},
+                                                 {"--samples", "/proc/samples"}}) {
+    std::vector<std::string> arguments = {"run", "endless.lua"};
+    arguments.insert(arguments.end(), output.begin(), output.end());
+    const auto outcome = place.run(arguments);
+    INFO(output[0] << ' ' << output[1] << "\n" << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK(one_message(outcome));
+    CHECK(outcome.err.find("cannot write '" + output[1] + "'") != std::string::npos);
+  }
+  CHECK(content(place / "file") == "in the way");
+}
+
+TEST_CASE("check validates without planning") {
+  const Place place;
+  place.script("endless.lua", endless);
+  place.script("wrong.lua", "return 42\n");
+  const auto good = place.run({"check", "endless.lua"});
+  CHECK(good.status == 0);
+  CHECK(good.out.starts_with("endless.lua: 1 problem, 1 strategy, 1000 seeds\n\n  rrt: rrt { step = 0.001 }\n    rrt"));
+  const auto both = place.run({"check", "wrong.lua", "endless.lua"});
+  CHECK(both.status == 2);
+  CHECK(both.err.starts_with("trellis: wrong.lua:1: the script returns 42"));
+  CHECK(both.out.find("endless.lua: 1 problem") != std::string::npos);
+}
+
+TEST_CASE("the program tells its version and its words") {
+  const Place place;
+  CHECK(place.run({"version"}).out == "trellis " TRELLIS_VERSION "\n");
+  const auto all = place.run({"help"});
+  CHECK(all.status == 0);
+  CHECK(all.out.find("shrink") != std::string::npos);
+  CHECK(place.run({"help", "shrink"}).out.find("scale") != std::string::npos);
+  CHECK(place.run({"--help"}).status == 0);
+  CHECK(place.run({"run", "--help"}).out.find("--samples") != std::string::npos);
+}
+
+TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
+  const Place place;
+  place.script("endless.lua", endless);
+  place.script("loop.lua", "while true do pcall(error) end");
+  for (const std::string script : {"endless.lua", "loop.lua"}) {
+    INFO(script);
+    const pid_t child = place.start({"run", script, "--jobs", "2", "--json", "all.json", "--samples", "samples"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    ::kill(child, SIGINT);
+    const auto start = std::chrono::steady_clock::now();
+    const auto outcome = place.finish(child);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+    CHECK(outcome.status == 130);
+    CHECK(outcome.err.find("interrupted") != std::string::npos);
+    CHECK_FALSE(fs::exists(place / "all.json"));
+    CHECK_FALSE(fs::exists(place / "samples"));
+  }
+}
+
+TEST_CASE("the standard library can be read from a folder") {
+  const Place place;
+  fs::create_directories(place / "lib");
+  std::ofstream(place / "lib/scenes.lua") << "return { here = function() return 'here' end }\n";
+  place.script("ask.lua", "error(scenes.here(), 0)");
+  ::setenv("TRELLIS_STDLIB", (place / "lib").c_str(), 1);
+  const auto outcome = place.run({"run", "ask.lua"});
+  ::unsetenv("TRELLIS_STDLIB");
+  CHECK(outcome.err.starts_with("trellis: here\n"));
+}
+
+TEST_CASE("every example is valid") {
+  const Place place;
+  const fs::path examples = fs::path(TRELLIS_SOURCE) / "examples";
+  std::vector<std::string> arguments = {"check"};
+  for (const auto& entry : fs::directory_iterator(examples)) {
+    if (entry.path().extension() == ".lua") arguments.push_back(entry.path().string());
+  }
+  REQUIRE(arguments.size() >= 5);
+  const auto outcome = place.run(arguments);
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+}

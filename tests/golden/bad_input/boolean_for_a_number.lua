@@ -1,0 +1,1 @@
+return shrink(true) >> rrt {}, scenes.cup()

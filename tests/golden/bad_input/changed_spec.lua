@@ -1,0 +1,2 @@
+local a = rrt {}
+a.step = 0.5

@@ -1,0 +1,1 @@
+return rrt {}, scenes.cup { start = {1, 0 / 0, 0} }

@@ -1,0 +1,1 @@
+return rrt {}, scenes.cup { start = {1, "5", 0} }

@@ -1,0 +1,3 @@
+local problems = { scenes.cup() }
+problems[2] = { problems }
+return experiment { problems = problems, strategies = { plain = rrt {} } }

@@ -1,0 +1,1 @@
+return lazy() / 2 >> rrt {}, scenes.cup()

@@ -1,0 +1,2 @@
+local nothing = polygon {}
+return rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return prm { neighbours = 2.5 }, scenes.cup()

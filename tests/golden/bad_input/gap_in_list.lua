@@ -1,0 +1,1 @@
+return experiment { problems = { scenes.cup(), nil, scenes.trap() }, strategies = { rrt = rrt {} } }

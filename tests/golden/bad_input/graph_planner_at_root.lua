@@ -1,0 +1,4 @@
+return experiment {
+  problems = { scenes.cup() },
+  strategies = { graph = graph_search {} },
+}

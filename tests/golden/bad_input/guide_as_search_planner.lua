@@ -1,0 +1,1 @@
+return shrink { 0.5, planner = lazy() } >> rrt {}, scenes.cup()

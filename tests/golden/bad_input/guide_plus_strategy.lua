@@ -1,0 +1,1 @@
+return lazy() + (lazy() >> rrt {}), scenes.cup()

@@ -1,0 +1,2 @@
+
+return skeleton() >> shrink(0.5), scenes.cup()

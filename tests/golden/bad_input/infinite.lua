@@ -1,0 +1,1 @@
+return rrt { step = math.huge }, scenes.cup()

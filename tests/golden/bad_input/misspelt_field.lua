@@ -1,0 +1,1 @@
+return experiment { problem = scenes.cup(), strategies = { rrt = rrt {} } }

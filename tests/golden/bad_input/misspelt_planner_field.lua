@@ -1,0 +1,1 @@
+return lazy { planer = prm {} } >> rrt {}, scenes.cup()

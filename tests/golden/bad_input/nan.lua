@@ -1,0 +1,1 @@
+return rrt { step = 0 / 0 }, scenes.cup()

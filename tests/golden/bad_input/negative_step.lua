@@ -1,0 +1,1 @@
+return rrt { step = -1 }, scenes.cup()

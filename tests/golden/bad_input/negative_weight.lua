@@ -1,0 +1,1 @@
+return (-0.5 * lazy() + shrink(0.5)) >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return experiment { problems = {}, strategies = { rrt = rrt {} } }

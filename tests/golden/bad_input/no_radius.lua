@@ -1,0 +1,1 @@
+return disc {1, 1, 0}

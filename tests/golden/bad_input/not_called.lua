@@ -1,0 +1,1 @@
+return skeleton >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return uniform { share = 0.5 } >> rrt {}, scenes.cup()

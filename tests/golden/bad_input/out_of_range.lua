@@ -1,0 +1,1 @@
+return shrink(1.5) >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return rrt { step = 0.5 } >> lazy() >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return shrink { 0.5, prm {} } >> rrt {}, scenes.cup()

@@ -1,0 +1,2 @@
+local strategy = rrt {}
+local here = scenes.cup()

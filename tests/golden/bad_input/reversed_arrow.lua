@@ -1,0 +1,1 @@
+return rrt {} << lazy(), scenes.cup()

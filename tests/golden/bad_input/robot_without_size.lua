@@ -1,0 +1,1 @@
+return robot.rectangle(0.6, 0)

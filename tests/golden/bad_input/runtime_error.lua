@@ -1,0 +1,2 @@
+local scene
+print(scene.name)

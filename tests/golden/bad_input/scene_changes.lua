@@ -1,0 +1,1 @@
+return rrt {}, scenes.trap(3)

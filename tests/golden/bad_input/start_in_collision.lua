@@ -1,0 +1,1 @@
+return rrt {}, scenes.cup { start = {6.7, 5, 0} }

@@ -1,0 +1,2 @@
+local s = lazy() >> rrt {}
+return s >> rrt {}, scenes.cup()

@@ -1,0 +1,2 @@
+local a = rrt {}
+local b = = lazy()

@@ -1,0 +1,4 @@
+local function deep()
+  error("no such luck")
+end
+deep()

@@ -1,0 +1,1 @@
+return shrink(0.5, 0.6) >> rrt {}, scenes.cup()

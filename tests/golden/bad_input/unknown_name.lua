@@ -1,0 +1,1 @@
+return rrt_conect {}, scenes.cup()

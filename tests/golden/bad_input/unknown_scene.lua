@@ -1,0 +1,1 @@
+return rrt {}, scenes.simple_pasage()

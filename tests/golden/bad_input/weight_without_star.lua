@@ -1,0 +1,1 @@
+return 0.5 + lazy(), scenes.cup()

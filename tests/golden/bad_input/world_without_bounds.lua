@@ -1,0 +1,1 @@
+return world { box {6, 0, 7, 4} }

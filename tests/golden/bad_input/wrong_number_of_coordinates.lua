@@ -1,0 +1,3 @@
+return rrt {}, scenes.cup {
+  start = {1, 5},
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pieces of script in tests.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <dsl/language/session.hpp>
+#include <trellis/base/error.hpp>
+
+namespace trellis::test {
+
+/// What a piece of script returns, as texts.
+inline std::vector<std::string> values(const std::string& text, const dsl::SessionOptions& options = {}) {
+  return dsl::Session("", options).evaluate(text, "test.lua");
+}
+
+/// The one text that an expression gives.
+inline std::string value(const std::string& expression, const dsl::SessionOptions& options = {}) {
+  const auto all = values("return " + expression, options);
+  return all.size() == 1 ? all.front() : "not one value but " + std::to_string(all.size());
+}
+
+/// The message of a script that fails, "" where it does not.
+inline std::string failure(const std::string& text, const dsl::SessionOptions& options = {}) {
+  try {
+    values(text, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace trellis::test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <trellis/base/component.hpp>
+#include <trellis/base/configurations.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/base/random.hpp>
+
+#include "support/catch.hpp"
+
+using namespace trellis;
+
+TEST_CASE("streams depend on seed, level and purpose, and on nothing else", "[random]") {
+  Stream a(1, "0", "proposals");
+  Stream b(1, "0", "proposals");
+  Stream seed(2, "0", "proposals");
+  Stream level(1, "0/0", "proposals");
+  Stream purpose(1, "0", "lift");
+  for (int i = 0; i < 100; ++i) {
+    const auto bits = a.bits();
+    CHECK(bits == b.bits());
+    CHECK(bits != seed.bits());
+    CHECK(bits != level.bits());
+    CHECK(bits != purpose.bits());
+  }
+  // The boundary between level and purpose counts.
+  CHECK(Stream(1, "ab", "c").bits() != Stream(1, "a", "bc").bits());
+}
+
+TEST_CASE("the stream is the same on every machine", "[random][determinism]") {
+  Stream stream(42, "0", "golden");
+  const std::vector<std::uint64_t> drawn = {stream.bits(), stream.bits(), stream.bits()};
+  Stream again(42, "0", "golden");
+  CHECK(again.uniform() == static_cast<double>(drawn[0] >> 11) * 0x1.0p-53);
+  CHECK(stable_hash("") == 0xcbf29ce484222325ULL);
+  CHECK(stable_hash("a") == 0xaf63dc4c8601ec8cULL);
+}
+
+TEST_CASE("uniform, below and normal have the moments they should", "[random]") {
+  Stream stream(3, "0", "moments");
+  constexpr int n = 200000;
+  double mean = 0.0;
+  double square = 0.0;
+  double normal_mean = 0.0;
+  double normal_square = 0.0;
+  std::vector<int> counts(7, 0);
+  for (int i = 0; i < n; ++i) {
+    const double u = stream.uniform();
+    REQUIRE((u >= 0.0 && u < 1.0));
+    mean += u / n;
+    square += u * u / n;
+    const double z = stream.normal();
+    normal_mean += z / n;
+    normal_square += z * z / n;
+    ++counts[stream.below(7)];
+  }
+  CHECK(mean == Approx(0.5).margin(0.003));
+  CHECK(square == Approx(1.0 / 3.0).margin(0.003));
+  CHECK(normal_mean == Approx(0.0).margin(0.01));
+  CHECK(normal_square == Approx(1.0).margin(0.02));
+  for (const int c : counts) CHECK(c == Approx(n / 7.0).epsilon(0.03));
+}
+
+TEST_CASE("the nearest name is offered only when it is near", "[error]") {
+  const std::vector<std::string> known = {"step", "goal_bias", "uniform"};
+  CHECK(nearest_name("stepp", known) == "step");
+  CHECK(nearest_name("goalbias", known) == "goal_bias");
+  CHECK(nearest_name("colour", known).empty());
+  CHECK(did_you_mean("unifrom", known) == " (did you mean 'uniform'?)");
+}
+
+TEST_CASE("an arena keeps rows, even when one of its own is pushed", "[configurations]") {
+  Configurations rows(3);
+  rows.push(Configuration{1, 2, 3});
+  for (int i = 0; i < 100; ++i) rows.push(std::as_const(rows)[0]);
+  REQUIRE(rows.size() == 101);
+  for (std::size_t i = 0; i < rows.size(); ++i) CHECK(std::as_const(rows)[i][2] == 3.0);
+}

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <variant>
+
+#include "support/catch.hpp"
+#include "support/script.hpp"
+
+#include <dsl/language/vocabulary.hpp>
+#include <trellis/strategy/registry.hpp>
+
+namespace fs = std::filesystem;
+using namespace trellis;
+using test::failure;
+using test::value;
+using test::values;
+
+namespace {
+
+dsl::Program load(const std::string& text) { return dsl::Session("").load(text, "test.lua"); }
+
+Problem problem(const std::string& expression) {
+  return load("return rrt {}, " + expression).experiment.problems.front();
+}
+
+}  // namespace
+
+TEST_CASE("the paper's scenes are as published") {
+  const Problem passage = problem("scenes.simple_passage()");
+  CHECK(passage.name == "simple_passage");
+  CHECK(passage.start == Configuration{1, 8.5, 0});
+  CHECK(passage.goal == Configuration{9, 1.5, 0});
+  CHECK(passage.space.name() == "SE(2)");
+  CHECK(passage.space.axes()[2].weight == Approx(1 / std::numbers::pi));
+  CHECK(passage.resolution == 0.05);
+  CHECK(passage.collision == "planar");
+  const World& world = passage.scene->world;
+  CHECK(world.bounds() == Box2{{0, 0}, {10, 10}});
+  REQUIRE(world.obstacles().size() == 2);
+  CHECK(world.obstacles()[0].name == "obstacle 1 (box 4 0 6 4.75)");
+  CHECK(std::get<Box2>(world.obstacles()[1].shape) == Box2{{4, 5.25}, {6, 10}});
+  CHECK(passage.scene->robot.bounding_radius() == Approx(std::hypot(0.3, 0.1)));
+
+  const Problem trap = problem("scenes.trap()");
+  CHECK(trap.start == Configuration{1, 4, 0});
+  CHECK(trap.goal == Configuration{9, 4, 0});
+  CHECK(trap.scene->world.obstacles().size() == 10);
+  const Problem cup = problem("scenes.cup()");
+  CHECK(cup.start == Configuration{1, 5, 0});
+  CHECK(cup.goal == Configuration{9, 5, 0});
+  CHECK(cup.scene->world.obstacles().size() == 3);
+}
+
+TEST_CASE("a scene takes what shall differ") {
+  const Problem trap = problem("scenes.trap { collision = 'fcl', resolution = 0.02, start = {1, 5, 0}, weight = 1 }");
+  CHECK(trap.collision == "fcl");
+  CHECK(trap.resolution == 0.02);
+  CHECK(trap.start == Configuration{1, 5, 0});
+  CHECK(trap.goal == Configuration{9, 4, 0});
+  CHECK(trap.space.axes()[2].weight == 1);
+  CHECK(problem("scenes.trap()").collision == "planar");
+}
+
+TEST_CASE("worlds and robots are made of shapes") {
+  const Problem here = problem(
+      "problem { name = 'here', world = world { bounds = {0, 0, 8, 6}, { disc {4, 3, 0.5}, { box(1, 4, 2, 5) } }, "
+      "polygon { {6, 1}, {7, 1}, {6.2, 1.2}, {6, 2} } }, "
+      "robot = robot.rigid { box {-0.2, -0.1, 0.2, 0.1}, disc {0.2, 0, 0.1} }, start = {1, 1, 0}, goal = {7, 5, 1} }");
+  CHECK(here.name == "here");
+  CHECK(here.scene->world.obstacles().size() == 3);
+  CHECK(here.scene->world.parts().size() > 3);
+  CHECK(here.scene->robot.bodies().front().parts.size() == 2);
+  CHECK(here.space.dimension() == 3);
+  const std::string around = ", world = world { bounds = {0, 0, 8, 6} }, start = {1, 1}, goal = {2, 2} }";
+  CHECK(problem("problem { robot = robot.point()" + around).scene->robot.is_point());
+  CHECK(problem("problem { robot = robot.disc(0.3)" + around).space.dimension() == 2);
+  CHECK(problem("problem { robot = robot.rectangle { 0.3, 0.1, rotates = false }" + around).space.dimension() == 2);
+  CHECK(problem("problem { robot = robot.polygon { {0, 0}, {0.5, 0}, {0, 0.5}, rotates = false }" + around)
+            .space.name() == "R^2");
+}
+
+TEST_CASE("a problem can be read") {
+  CHECK(values("local p = scenes.cup() return p.name, p.start[2], #p.goal, p.collision, p.resolution, tostring(p)") ==
+        std::vector<std::string>{"cup", "5.0", "3", "planar", "0.05", "problem 'cup' in SE(2)"});
+  CHECK(value("tostring(scenes.cup().world)") == "world of 3 obstacles in 0 0 10 10");
+  CHECK(failure("return scenes.cup().strat").find("did you mean 'start'?") != std::string::npos);
+}
+
+TEST_CASE("an experiment holds what was given, in a known order") {
+  const auto program = load(
+      "return experiment { problems = { { scenes.cup() }, scenes.trap() }, seeds = 3, seed = 7, shortcut = 5, "
+      "strategies = { plain = rrt {}, a = lazy() >> rrt {}, nested = shrink(0.5) >> rrt {} }, "
+      "measure = tube { delta = 0.25, distance = 'full' } }");
+  const Experiment& e = program.experiment;
+  CHECK(program.seed == 7);
+  CHECK(e.seeds == std::vector<std::uint64_t>{7, 8, 9});
+  CHECK(e.shortcut == 5);
+  REQUIRE(e.problems.size() == 2);
+  CHECK(e.problems[1].name == "trap");
+  REQUIRE(e.strategies.size() == 3);
+  CHECK(e.strategies[0].first == "a");
+  CHECK(e.strategies[1].first == "nested");
+  CHECK(e.strategies[2].first == "plain");
+  REQUIRE(e.measure);
+  CHECK(e.measure->delta == 0.25);
+  CHECK(e.measure->distance == "full");
+
+  const auto listed = load(
+      "return experiment { problems = scenes.cup(), strategies = { {'z', rrt {}}, {'a', prm {}}, rrt_connect {} }, "
+      "seeds = {5, 1}, measure = false }");
+  CHECK(listed.experiment.strategies[0].first == "z");
+  CHECK(listed.experiment.strategies[1].first == "a");
+  CHECK(listed.experiment.strategies[2].first == listed.experiment.strategies[2].second.text());
+  CHECK(listed.experiment.seeds == std::vector<std::uint64_t>{5, 1});
+  CHECK_FALSE(listed.experiment.measure);
+}
+
+TEST_CASE("a script may return a strategy and a problem") {
+  for (const char* script : {"return shrink(0.5) >> rrt {}, scenes.cup()",
+                             "return { strategy = shrink(0.5) >> rrt {}, problem = scenes.cup() }"}) {
+    const auto program = load(script);
+    CHECK(program.experiment.problems.front().name == "cup");
+    CHECK(program.experiment.strategies.front().second.text() == value("tostring(shrink(0.5) >> rrt {})"));
+    CHECK(program.experiment.seeds == std::vector<std::uint64_t>{1});
+  }
+}
+
+TEST_CASE("seeds given on the command line replace the script's") {
+  const auto program =
+      load("return experiment { problems = scenes.cup(), strategies = { rrt {} }, seeds = 3, seed = 7 }");
+  const auto seeds = [&](std::optional<std::uint64_t> count, std::optional<std::uint64_t> first) {
+    auto copy = program;
+    dsl::override_seeds(copy, count, first);
+    return copy.experiment.seeds;
+  };
+  using Seeds = std::vector<std::uint64_t>;
+  CHECK(seeds({}, {}) == Seeds{7, 8, 9});
+  CHECK(seeds(2, {}) == Seeds{7, 8});
+  CHECK(seeds({}, 20) == Seeds{20, 21, 22});
+  CHECK(seeds(1, 20) == Seeds{20});
+  CHECK_THROWS_AS(seeds(0, {}), Error);
+  CHECK_THROWS_AS(seeds(dsl::most_seeds + 1, {}), Error);
+  CHECK_THROWS_AS(seeds(2, std::uint64_t{1} << 63U), Error);
+}
+
+TEST_CASE("scene files are looked for, and read, with options") {
+  CHECK(value("scenes.exists 'no/such/file.txt'") == "false");
+  CHECK(failure("scenes.load 'no/such/file.txt'").find("no file 'no/such/file.txt' (looked for ") != std::string::npos);
+  CHECK(failure("scenes.load(7)").find("the file must be a string") != std::string::npos);
+  if (value("scenes.exists 'ompl_tests/circle_obstacles.txt'") == "false") {
+    WARN("the folder of scenes is missing: reading them is not tested");
+    return;
+  }
+  CHECK(value("#scenes.load 'ompl_tests/circle_obstacles.txt'") == "100");
+  CHECK(value("scenes.load('ompl_tests/circle_obstacles.txt', { resolution = 0.25 })[1].resolution") == "0.25");
+  CHECK(failure("scenes.load('ompl_tests/circle_obstacles.txt', { resolutoin = 0.25 })")
+            .find("did you mean 'resolution'?") != std::string::npos);
+}
+
+TEST_CASE("help knows every word and each of its options") {
+  const std::string all = dsl::vocabulary_text();
+  for (const Component* component : components()) {
+    INFO(component->name);
+    CHECK(all.find("  " + component->name + " ") != std::string::npos);
+    const std::string text = dsl::help_text(component->name);
+    CHECK(text.find(component->name + " (" + std::string(to_string(component->kind)) + ")") == 0);
+    for (const auto& option : component->options) CHECK(text.find("  " + option.name + " ") != std::string::npos);
+  }
+  for (const dsl::Construct* construct : dsl::constructs()) {
+    INFO(construct->name);
+    CHECK(all.find("  " + construct->name + " ") != std::string::npos);
+    const std::string text = dsl::help_text(construct->name);
+    CHECK(text.find(construct->usage) != std::string::npos);
+    for (const auto& field : construct->fields) CHECK(text.find("  " + field.name + " ") != std::string::npos);
+  }
+  CHECK(dsl::help_text("scenes").find("simple_passage") != std::string::npos);
+  CHECK_THROWS_WITH(dsl::help_text("shrnik"), Catch::Contains("did you mean 'shrink'?"));
+}

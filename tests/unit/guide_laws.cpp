@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws that every guide keeps, on every problem and below every other guide's space.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <trellis/guide/guide.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+std::vector<Problem> problems() {
+  return {test::cup_problem(), test::simple_passage_problem(), test::point_problem(5)};
+}
+
+/// A guide whose space was solved once by its default planner.
+struct Solved {
+  std::unique_ptr<Instance> parent;
+  std::unique_ptr<Guide> guide;
+  std::unique_ptr<Instance> sub;
+  Solution found;
+  std::unique_ptr<Heuristic> h;
+};
+
+Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed = 1) {
+  Solved s;
+  s.parent = make_instance(problem);
+  s.guide = kind.make(Options::validate(*kind.component, {}));
+  s.sub = s.guide->project(*s.parent);
+  if (!s.sub) {
+    s.h = s.guide->heuristic(*s.parent, nullptr, nullptr);
+    return s;
+  }
+  const PlannerKind& planner = *find_planner(kind.default_planner);
+  const Options options = Options::validate(*planner.component, {});
+  UniformGuidance uniform(s.sub->space);
+  Search search;
+  search.nodes = Configurations(s.sub->space.dimension());
+  search.proposals = Configurations(s.sub->space.dimension());
+  s.found = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}})
+                ->solve(planner.common(options).budget);
+  s.h = s.guide->heuristic(*s.parent, s.sub.get(), &s.found);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("f maps start and goal into S, and S is what it says", "[guide][projection]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      auto parent = make_instance(problem);
+      auto guide = kind.make(Options::validate(*kind.component, {}));
+      auto sub = guide->project(*parent);
+      REQUIRE((sub == nullptr) == kind.default_planner.empty());
+      if (!sub) continue;
+      CHECK(sub->space.contains(sub->start));
+      CHECK(sub->space.contains(sub->goal));
+      Configuration s(sub->space.dimension());
+      guide->project(parent->start, s);
+      CHECK(s == sub->start);
+      guide->project(parent->goal, s);
+      CHECK(s == sub->goal);
+      CHECK((sub->graph != nullptr) == find_planner(kind.default_planner)->graph);
+    }
+  }
+}
+
+TEST_CASE("lifting draws from the fibre: f(lift(s)) = s", "[guide][projection]") {
+  for (const auto& kind : guide_kinds()) {
+    if (kind.default_planner.empty()) continue;
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      const auto solved = solve(kind, problem);
+      Stream stream(3, "0", "lift");
+      Configuration s(solved.sub->space.dimension());
+      Configuration back(s.size());
+      Configuration q(solved.parent->space.dimension());
+      for (int i = 0; i < 200; ++i) {
+        solved.sub->space.sample_uniform(stream, s);
+        solved.guide->lift(s, stream, q);
+        CHECK(solved.parent->space.contains(q));
+        solved.guide->project(q, back);
+        CHECK(back == s);
+      }
+    }
+  }
+}
+
+TEST_CASE("f maps what is valid in C to what is valid in S", "[guide][projection]") {
+  for (const auto& kind : guide_kinds()) {
+    if (kind.default_planner.empty()) continue;
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      const auto solved = solve(kind, problem);
+      Stream stream(4, "0", "valid");
+      Configuration q(solved.parent->space.dimension());
+      Configuration s(solved.sub->space.dimension());
+      for (int i = 0; i < 2000; ++i) {
+        solved.parent->space.sample_uniform(stream, q);
+        if (!solved.parent->valid(q)) continue;
+        solved.guide->project(q, s);
+        REQUIRE(solved.sub->valid(s));
+      }
+    }
+  }
+}
+
+TEST_CASE("h proposes inside C, and its density integrates to one less its atoms", "[guide][density]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      const auto solved = solve(kind, problem);
+      const auto& space = solved.parent->space;
+      Stream stream(5, "0", "density");
+      Configuration q(space.dimension());
+      if (std::isnan(solved.h->density(solved.parent->start))) continue;  // no closed form is claimed
+      // Uniform points: the mean of the density times the volume is the mass.
+      constexpr int points = 60000;
+      double sum = 0.0;
+      double squares = 0.0;
+      for (int i = 0; i < points; ++i) {
+        space.sample_uniform(stream, q);
+        const double p = solved.h->density(q) * std::exp(space.log_volume());
+        REQUIRE(p >= 0.0);
+        sum += p;
+        squares += p * p;
+      }
+      const double mass = sum / points;
+      const double error = std::sqrt((squares / points - mass * mass) / points);
+      CHECK(std::abs(mass - (1.0 - solved.h->atom_mass())) < 4.0 * error + 1e-9);
+    }
+  }
+}
+
+TEST_CASE("samples of h fall where its density says", "[guide][density]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      const auto solved = solve(kind, problem);
+      const auto& space = solved.parent->space;
+      Stream stream(6, "0", "samples");
+      Configuration q(space.dimension());
+      const bool closed = !std::isnan(solved.h->density(solved.parent->start));
+      // The probability of each cell of a grid over the first two axes, from samples and from the density.
+      constexpr int cells = 6;
+      constexpr int draws = 40000;
+      std::vector<double> drawn(cells * cells, 0.0);
+      std::vector<double> expected(cells * cells, 0.0);
+      std::vector<double> variance(cells * cells, 0.0);
+      const auto cell = [&](View x) {
+        const auto part = [&](std::size_t j) {
+          const auto& axis = space.axes()[j];
+          return std::min(cells - 1, static_cast<int>((x[j] - axis.lo) / (axis.hi - axis.lo) * cells));
+        };
+        return static_cast<std::size_t>(part(0) * cells + part(1));
+      };
+      const Configuration goal = solved.parent->goal;
+      double atoms = 0.0;
+      for (int i = 0; i < draws; ++i) {
+        solved.h->sample(stream, q);
+        REQUIRE(space.contains(q));
+        if (q == goal && solved.h->atom_mass() > 0.0) {
+          atoms += 1.0;
+        } else {
+          drawn[cell(q)] += 1.0 / draws;
+        }
+      }
+      CHECK(atoms / draws == Approx(solved.h->atom_mass()).margin(0.01));
+      if (!closed) continue;
+      constexpr int points = 120000;
+      for (int i = 0; i < points; ++i) {
+        space.sample_uniform(stream, q);
+        const double p = solved.h->density(q) * std::exp(space.log_volume());
+        expected[cell(q)] += p / points;
+        variance[cell(q)] += p * p / points / points;
+      }
+      for (std::size_t i = 0; i < drawn.size(); ++i) {
+        const double error = std::sqrt(variance[i] + expected[i] / draws + 1.0 / draws / draws);
+        CHECK(std::abs(drawn[i] - expected[i]) < 5.0 * error);
+      }
+    }
+  }
+}
+
+TEST_CASE("a shrunken robot's path keeps to the world that the larger one sees", "[guide][shrink]") {
+  const auto solved = solve(*find_guide("shrink"), test::simple_passage_problem());
+  REQUIRE(solved.found.solved());
+  CHECK(solved.sub->scene->robot.bounding_radius() ==
+        Approx(0.5 * solved.parent->scene->robot.bounding_radius()).epsilon(1e-12));
+  for (std::size_t i = 0; i < solved.found.path.size(); ++i) CHECK(solved.sub->valid(solved.found.path[i]));
+}
+
+TEST_CASE("lazy forgets its presumption where C found something invalid", "[guide][lazy]") {
+  const auto problem = test::cup_problem();
+  auto solved = solve(*find_guide("lazy"), problem);
+  const Configuration inside = {6.75, 5, 0};
+  REQUIRE(solved.sub->valid(inside));
+  CHECK(solved.sub->checks.validity == 0);
+  Outcome outcome;
+  outcome.proposal = inside;
+  outcome.near = problem.start;
+  outcome.blocked_at = inside;
+  const auto before = solved.sub->validity->epoch();
+  solved.guide->learn(outcome);
+  CHECK_FALSE(solved.sub->valid(inside));
+  CHECK(solved.sub->validity->epoch() > before);
+  CHECK_FALSE(solved.sub->motion(Configuration{5, 5, 0}, Configuration{8, 5, 0}).valid);
+  CHECK(solved.sub->motion(Configuration{5, 7, 0}, Configuration{8, 7, 0}).valid);
+}
+
+TEST_CASE("regions travel along the skeleton as the planner's nodes enter them", "[guide][skeleton]") {
+  const auto problem = test::simple_passage_problem();
+  auto solved = solve(*find_guide("skeleton"), problem);
+  REQUIRE(solved.found.solved());
+  const auto mean_x = [&] {
+    Stream stream(9, "0", "regions");
+    Configuration q(3);
+    double sum = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      solved.h->sample(stream, q);
+      sum += q[0] / 4000;
+    }
+    return sum;
+  };
+  const double before = mean_x();
+  // A walker that follows the path found in S half way through the corridor.
+  for (std::size_t i = 0; i < solved.found.path.size(); ++i) {
+    const View p = std::as_const(solved.found.path)[i];
+    if (p[0] > 5.0) break;
+    const Configuration q = {p[0], p[1], 0.0};
+    Outcome outcome;
+    outcome.fate = Fate::reached;
+    outcome.proposal = q;
+    outcome.near = q;
+    outcome.added = q;
+    solved.guide->learn(outcome);
+    solved.h->observe(outcome, false);
+  }
+  CHECK(mean_x() > before + 0.5);
+}

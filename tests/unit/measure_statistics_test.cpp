@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/measure/statistics.hpp>
+
+#include "support/catch.hpp"
+
+using namespace trellis;
+
+namespace {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+}  // namespace
+
+TEST_CASE("Student's interval gives the published figures of the sleep data") {
+  // Student 1908, differences between the two drugs; the interval as R's t.test prints it.
+  const std::vector<double> hours = {1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4};
+  const Interval i = student_interval(hours);
+  CHECK(i.value == Approx(1.58));
+  CHECK(i.lo == Approx(0.7001142).epsilon(1e-6));
+  CHECK(i.hi == Approx(2.4598858).epsilon(1e-6));
+  CHECK(i.n == 10);
+  CHECK(i.infinite == 0);
+  const Interval wide = student_interval(hours, 0.99);
+  CHECK(wide.hi - wide.lo > i.hi - i.lo);
+}
+
+TEST_CASE("Student's interval leaves NaN out, averages no infinity and needs two values") {
+  const Interval with_nan = student_interval(std::vector{1.0, not_a_number, 3.0});
+  CHECK(with_nan.value == 2.0);
+  CHECK(with_nan.n == 2);
+  CHECK(with_nan.hi - 2.0 == Approx(12.7062).epsilon(1e-5));
+
+  const Interval censored = student_interval(std::vector{1.0, infinity, 3.0, not_a_number, 2.0, 5.0});
+  CHECK(censored.value == 3.0);
+  CHECK(censored.infinite == 1);
+  CHECK(censored.n == 4);
+  CHECK(std::isnan(censored.lo));
+  CHECK(std::isnan(censored.hi));
+  CHECK(std::isinf(student_interval(std::vector{1.0, infinity, infinity}).value));
+  CHECK(std::isinf(student_interval(std::vector{infinity, infinity}).value));
+
+  const Interval single = student_interval(std::vector{4.0});
+  CHECK(single.value == 4.0);
+  CHECK(single.n == 1);
+  CHECK(std::isnan(single.lo));
+  const Interval none = student_interval(std::vector{not_a_number});
+  CHECK(std::isnan(none.value));
+  CHECK(none.n == 0);
+  const Interval equal = student_interval(std::vector{2.0, 2.0, 2.0});
+  CHECK(equal.lo == 2.0);
+  CHECK(equal.hi == 2.0);
+  CHECK_THROWS_AS(student_interval(std::vector{1.0, 2.0}, 1.0), Error);
+}
+
+TEST_CASE("Wilson's interval gives Newcombe's published figures") {
+  // Newcombe 1998, Statistics in Medicine 17, table I, method 3.
+  const Interval a = wilson_interval(81, 263);
+  CHECK(a.value == Approx(81.0 / 263.0));
+  CHECK(a.lo == Approx(0.2553).margin(5e-5));
+  CHECK(a.hi == Approx(0.3662).margin(5e-5));
+  const Interval b = wilson_interval(15, 148);
+  CHECK(b.lo == Approx(0.0624).margin(5e-5));
+  CHECK(b.hi == Approx(0.1605).margin(5e-5));
+  const Interval c = wilson_interval(0, 20);
+  CHECK(c.lo == 0.0);
+  CHECK(c.hi == Approx(0.1611).margin(5e-5));
+  const Interval d = wilson_interval(1, 29);
+  CHECK(d.lo == Approx(0.0061).margin(5e-5));
+  CHECK(d.hi == Approx(0.1718).margin(5e-5));
+  CHECK(wilson_interval(20, 20).hi == 1.0);
+  CHECK(std::isnan(wilson_interval(0, 0).value));
+  CHECK_THROWS_AS(wilson_interval(3, 2), Error);
+  CHECK_THROWS_AS(wilson_interval(1, 2, 0.0), Error);
+}
+
+TEST_CASE("The median leaves NaN out and stands infinities") {
+  CHECK(median(std::vector{3.0, 1.0, 2.0}) == 2.0);
+  CHECK(median(std::vector{4.0, not_a_number, 1.0, 2.0, 3.0}) == 2.5);
+  CHECK(median(std::vector{1.0, infinity}) == infinity);
+  CHECK(std::isnan(median(std::vector<double>{})));
+  CHECK(std::isnan(median(std::vector{not_a_number})));
+}

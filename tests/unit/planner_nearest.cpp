@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <vector>
+
+#include <trellis/planner/nearest.hpp>
+
+#include "support/catch.hpp"
+
+using namespace trellis;
+
+namespace {
+
+std::vector<Space> spaces() {
+  const auto r2 = Space::euclidean({{0, 10}, {-3, 4}});
+  return {Space::so2(),
+          r2,
+          Space::se2({0, 10}, {0, 10}),
+          Space::product({{1.0, r2}, {0.7, Space::so2()}, {2.0, Space::so2(1.0, "phi")}}),
+          Space::euclidean({{0, 1}, {0, 1}, {0, 1}, {0, 1}, {0, 1}})};
+}
+
+/// Brute force: all points by distance, then by number.
+std::vector<NearestIndex::Neighbour> sorted(const Space& space, const Configurations& points, View q) {
+  std::vector<NearestIndex::Neighbour> all;
+  for (std::uint32_t i = 0; i < points.size(); ++i) all.push_back({i, space.squared_distance(points[i], q)});
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.squared_distance < b.squared_distance; });
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("nearest neighbours agree with brute force in every space", "[nearest]") {
+  for (const auto& space : spaces()) {
+    CAPTURE(space.name());
+    Stream stream(7, space.name(), "nearest");
+    NearestIndex index(space);
+    Configurations points(space.dimension());
+    Configuration q(space.dimension());
+    std::vector<NearestIndex::Neighbour> found;
+    for (int i = 0; i < 3000; ++i) {
+      space.sample_uniform(stream, q);
+      if (i % 10 == 0 && i > 0) {  // duplicates
+        const View old = std::as_const(points)[stream.below(points.size())];
+        q.assign(old.begin(), old.end());
+      }
+      points.push(q);
+      REQUIRE(index.add(q) == static_cast<std::uint32_t>(i));
+      if (i % 29 != 0) continue;
+      space.sample_uniform(stream, q);
+      const auto expected = sorted(space, points, q);
+      CHECK(index.nearest(q).squared_distance == Approx(expected.front().squared_distance).epsilon(1e-12).margin(1e-300));
+      index.k_nearest(q, 7, found);
+      REQUIRE(found.size() == std::min<std::size_t>(7, points.size()));
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        CHECK(found[k].squared_distance == Approx(expected[k].squared_distance).epsilon(1e-9).margin(1e-15));
+      }
+      const double radius = 0.1 * space.diameter();
+      index.within(q, radius, found);
+      const auto inside = std::count_if(expected.begin(), expected.end(),
+                                        [&](const auto& n) { return n.squared_distance <= radius * radius; });
+      CHECK(found.size() == static_cast<std::size_t>(inside));
+    }
+  }
+}
+
+TEST_CASE("of equally near points the first added is returned", "[nearest]") {
+  const Space space = Space::euclidean({{0, 1}, {0, 1}});
+  NearestIndex index(space);
+  for (int i = 0; i < 200; ++i) index.add(Configuration{0.5, 0.5});
+  CHECK(index.nearest(Configuration{0.1, 0.9}).id == 0);
+  std::vector<NearestIndex::Neighbour> found;
+  index.k_nearest(Configuration{0.1, 0.9}, 5, found);
+  for (std::uint32_t i = 0; i < 5; ++i) CHECK(found[i].id == i);
+}
+
+TEST_CASE("the nearest neighbour is found across the seam of an angle", "[nearest]") {
+  const Space space = Space::se2({0, 10}, {0, 10});
+  NearestIndex index(space);
+  index.add(Configuration{5, 5, 3.1});
+  index.add(Configuration{5, 5, -2.0});
+  CHECK(index.nearest(Configuration{5, 5, -3.1}).id == 0);
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws that every sampling planner keeps, on every problem.
+#include <string>
+#include <vector>
+
+#include <trellis/planner/planner.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+struct Outcomes {
+  Solution solution;
+  Search search;
+  Checks checks;
+};
+
+Options options_of(const PlannerKind& kind, const std::vector<Options::Entry>& given) {
+  return Options::validate(*kind.component, given);
+}
+
+Outcomes run(const PlannerKind& kind, const Problem& problem, std::uint64_t seed, int solves = 1,
+             const std::vector<Options::Entry>& given = {}) {
+  auto instance = make_instance(problem);
+  UniformGuidance guidance(instance->space);
+  Outcomes out;
+  out.search.nodes = Configurations(instance->space.dimension());
+  out.search.proposals = Configurations(instance->space.dimension());
+  const Options options = options_of(kind, given);
+  auto planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), out.search, false, {}});
+  for (int i = 0; i < solves; ++i) out.solution = planner->solve(kind.common(options).budget);
+  out.checks = instance->checks;
+  return out;
+}
+
+/// A path is checked again at a quarter of the resolution.
+void check_path(const Problem& problem, const Configurations& path) {
+  REQUIRE(path.size() >= 2);
+  const auto& space = problem.space;
+  CHECK(space.distance(path.front(), problem.start) == 0.0);
+  CHECK(space.distance(path.back(), problem.goal) <= problem.goal_tolerance);
+  const auto checker = make_planar_checker(problem.scene, space, problem.resolution);
+  CHECK(checker->valid(path.front()));
+  for (std::size_t i = 1; i < path.size(); ++i) CHECK(checker->motion(path[i - 1], path[i]).valid);
+}
+
+std::vector<Problem> problems() { return {test::cup_problem(), test::trap_problem(), test::point_problem(3)}; }
+
+std::vector<const PlannerKind*> sampling_planners() {
+  std::vector<const PlannerKind*> kinds;
+  for (const auto& kind : planner_kinds()) {
+    if (!kind.graph) kinds.push_back(&kind);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+TEST_CASE("a solved problem comes with a valid path from start to goal", "[planner]") {
+  for (const auto* kind : sampling_planners()) {
+    for (const auto& problem : problems()) {
+      CAPTURE(kind->component->name, problem.name);
+      int solved = 0;
+      for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        const auto out = run(*kind, problem, seed);
+        if (!out.solution.solved()) continue;
+        ++solved;
+        check_path(problem, out.solution.path);
+      }
+      CHECK(solved >= 4);
+    }
+  }
+}
+
+TEST_CASE("every proposal has one fate, and every check is counted", "[planner]") {
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    const auto out = run(*kind, test::cup_problem(), 2);
+    CHECK(out.search.fates.size() == out.search.proposals.size());
+    CHECK(out.search.proposal_sources.size() == out.search.proposals.size());
+    CHECK(out.checks.validity >= out.checks.motion);
+    CHECK(out.search.nodes.size() >= out.solution.path.size());
+  }
+}
+
+TEST_CASE("the same seed gives the same search, another seed another", "[planner][determinism]") {
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    const auto problem = test::cup_problem();
+    const auto a = run(*kind, problem, 11);
+    const auto b = run(*kind, problem, 11);
+    const auto c = run(*kind, problem, 12);
+    CHECK(std::equal(a.search.nodes.values().begin(), a.search.nodes.values().end(), b.search.nodes.values().begin(),
+                     b.search.nodes.values().end()));
+    CHECK(a.checks.validity == b.checks.validity);
+    CHECK_FALSE(std::equal(a.search.nodes.values().begin(), a.search.nodes.values().end(),
+                           c.search.nodes.values().begin(), c.search.nodes.values().end()));
+  }
+}
+
+TEST_CASE("a budget of proposals or checks ends the search, with the way to what came nearest", "[planner]") {
+  // The goal is walled in.
+  auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
+                                    {1, 5, 0}, {9, 5, 0});
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    const auto out = run(*kind, problem, 1, 1, {{"proposals", std::int64_t{500}}});
+    CHECK(out.solution.status == Status::budget_spent);
+    CHECK(out.search.proposals.size() == 500);
+    REQUIRE_FALSE(out.solution.path.empty());
+    CHECK(problem.space.distance(out.solution.path.front(), problem.start) == 0.0);
+    const auto fewer = run(*kind, problem, 1, 1, {{"checks", std::int64_t{200}}});
+    CHECK(fewer.solution.status == Status::budget_spent);
+  }
+}
+
+TEST_CASE("an invalid start or goal is told apart from a search without success", "[planner]") {
+  auto problem = test::cup_problem();
+  problem.start = {6.75, 5, 0};
+  auto other = test::cup_problem();
+  other.goal = {6.75, 5, 0};
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    CHECK(run(*kind, problem, 1).solution.status == Status::invalid_start);
+    CHECK(run(*kind, other, 1).solution.status == Status::invalid_goal);
+  }
+}
+
+TEST_CASE("asked again after success, a planner looks for another path within the same budget", "[planner]") {
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    const auto problem = test::cup_problem();
+    const auto once = run(*kind, problem, 4);
+    const auto twice = run(*kind, problem, 4, 2);
+    REQUIRE(once.solution.solved());
+    CHECK(twice.search.proposals.size() > once.search.proposals.size());
+    if (twice.solution.solved()) check_path(problem, twice.solution.path);
+  }
+}
+
+TEST_CASE("start and goal in one place are solved at once", "[planner]") {
+  auto problem = test::cup_problem();
+  problem.goal = problem.start;
+  for (const auto* kind : sampling_planners()) {
+    CAPTURE(kind->component->name);
+    CHECK(run(*kind, problem, 1).solution.solved());
+  }
+}
+
+TEST_CASE("lazy roadmaps spend fewer checks than eager ones on an open scene", "[planner]") {
+  const auto problem = test::cup_problem();
+  std::uint64_t eager = 0;
+  std::uint64_t lazy = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    eager += run(*find_planner("prm"), problem, seed).checks.validity;
+    lazy += run(*find_planner("lazy_prm"), problem, seed).checks.validity;
+  }
+  CHECK(lazy < eager);
+}
+
+TEST_CASE("shortcutting never lengthens a path and keeps it valid", "[planner][shortcut]") {
+  const auto problem = test::cup_problem();
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const auto out = run(*find_planner("rrt"), problem, seed);
+    REQUIRE(out.solution.solved());
+    auto instance = make_instance(problem);
+    Stream stream(seed, "0", "shortcut");
+    const auto shorter = shortcut(*instance, out.solution.path, 200, stream);
+    CHECK(path_length(problem.space, shorter) < path_length(problem.space, out.solution.path));
+    check_path(problem, shorter);
+  }
+}

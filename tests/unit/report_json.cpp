@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include <trellis/report/report.hpp>
+#include "report_fixture.hpp"
+#include "support/catch.hpp"
+
+using namespace trellis;
+using nlohmann::json;
+
+namespace {
+
+json parsed() {
+  const auto [experiment, result] = fixture::passage();
+  return json::parse(report_json(experiment, result, "examples/nested.lua"));
+}
+
+void check_absent(const json& e) {
+  CHECK(e.at("value").is_null());
+  CHECK(e.at("estimator").is_null());
+  CHECK(e.at("gain").is_null());
+  CHECK(e.at("undefended").is_null());
+  CHECK(e.at("coverage").is_null());
+}
+
+}  // namespace
+
+TEST_CASE("JSON says what was run", "[report][json]") {
+  const json document = parsed();
+  CHECK(document.at("trellis").at("version") == version());
+  CHECK(document.at("script") == "examples/nested.lua");
+  const json& experiment = document.at("experiment");
+  CHECK(experiment.at("measure").at("delta") == 0.5);
+  CHECK(experiment.at("measure").at("distance") == "planar");
+  CHECK(experiment.at("seeds").size() == 15);
+  CHECK(experiment.at("problems").at(0).at("name") == "simple_passage");
+  CHECK(experiment.at("problems").at(0).at("goal") == json({9.0, 1.5, 0.0}));
+  REQUIRE(experiment.at("strategies").size() == 2);
+  const json& nested = experiment.at("strategies").at(1);
+  CHECK(nested.at("name") == "nested");
+  CHECK(nested.at("text") == fixture::nested().text());
+  CHECK(json::parse(fixture::nested().json()) == nested.at("spec"));
+  CHECK(nested.at("hash").get<std::string>().size() == 16);
+}
+
+TEST_CASE("JSON holds every run and level", "[report][json]") {
+  const auto [experiment, result] = fixture::passage();
+  const json document = parsed();
+  REQUIRE(document.at("runs").size() == result.runs.size());
+  for (std::size_t i = 0; i < result.runs.size(); ++i) {
+    const RunResult& run = result.runs[i];
+    const json& out = document.at("runs").at(i);
+    CAPTURE(i);
+    CHECK(out.at("problem") == run.problem);
+    CHECK(out.at("strategy") == run.strategy);
+    CHECK(out.at("seed") == run.seed);
+    CHECK(out.at("status") == (run.run.solved ? "solved" : "budget_spent"));
+    CHECK(out.at("solved") == run.run.solved);
+    CHECK(out.at("time_s").get<double>() == run.run.seconds);  // to the last bit
+    CHECK(out.at("validity_checks") == run.run.validity_checks);
+    CHECK(out.at("motion_checks") == run.run.motion_checks);
+    if (run.run.solved) {
+      CHECK(out.at("length").get<double>() == run.run.length);
+      REQUIRE(out.at("path").size() == run.run.path.size());
+      for (std::size_t k = 0; k < run.run.path.size(); ++k) {
+        CHECK(out.at("path").at(k).get<std::vector<double>>() ==
+              std::vector<double>(run.run.path[k].begin(), run.run.path[k].end()));
+      }
+    } else {
+      CHECK(out.at("length").is_null());
+      CHECK(out.at("path") == json::array());
+    }
+    REQUIRE(out.at("levels").size() == run.levels.size());
+    for (std::size_t l = 0; l < run.levels.size(); ++l) {
+      const LevelRecord& record = run.levels[l].record;
+      const json& level = out.at("levels").at(l);
+      CHECK(level.at("level") == record.level);
+      CHECK(level.at("name") == record.name);
+      CHECK(level.at("space") == record.space.name());
+      CHECK(level.at("dimension") == record.space.dimension());
+      CHECK(level.at("planner") == record.planner);
+      CHECK(level.at("solves") == record.solves);
+      CHECK(level.at("proposals") == record.search.proposals.size());
+      CHECK(level.at("accepted") == record.search.proposals.size() / 2);
+      CHECK(level.at("nodes") == record.search.nodes.size());
+      CHECK(level.at("validity_checks") == record.search.checks.validity);
+      CHECK(level.at("motion_checks") == record.search.checks.motion);
+      CHECK(level.at("time_s").get<double>() == record.search.seconds);
+      CHECK(level.at("solved") == record.solution.solved());
+      if (record.level == 0) {
+        CHECK(level.at("parent").is_null());
+      } else {
+        CHECK(level.at("parent") == record.parent);
+      }
+    }
+  }
+}
+
+TEST_CASE("JSON figures", "[report][json]") {
+  const auto [experiment, result] = fixture::passage();
+  const json document = parsed();
+  const json& run = document.at("runs").at(17);  // nested, seed 3
+  REQUIRE(run.at("seed") == 3);
+
+  const Efficiency& tree = result.runs[17].levels[0].own->tree;
+  const json& out = run.at("levels").at(0).at("efficiency").at("tree");
+  CHECK(out.at("value").get<double>() == tree.value);
+  CHECK(out.at("undefended").get<double>() == tree.undefended);
+  CHECK(out.at("uniform").get<double>() == tree.uniform);
+  CHECK(out.at("gain").get<double>() == tree.gain);
+  CHECK(out.at("estimator") == "knn");
+  CHECK(out.at("n") == tree.samples);
+  CHECK(out.at("flags") == json::array());
+  CHECK(run.at("levels").at(0).at("coverage") == 0.8);
+
+  // A graph search draws no proposals: no figure, never 0.
+  const json& skeleton = run.at("levels").at(3);
+  CHECK(skeleton.at("proposals") == 0);
+  check_absent(skeleton.at("efficiency").at("expansion"));
+  CHECK(skeleton.at("efficiency").at("expansion").at("n") == 0);
+  CHECK(skeleton.at("root_efficiency").at("tree").at("undefended") == "inf");
+  CHECK(skeleton.at("root_efficiency").at("tree").at("flags") == json({"censored"}));
+
+  // An unsolved run has no target: the same fields, all null.
+  const json& unsolved = document.at("runs").at(6);
+  REQUIRE(unsolved.at("solved") == false);
+  for (const char* where : {"efficiency", "root_efficiency"}) {
+    for (const char* role : {"tree", "expansion"}) {
+      check_absent(unsolved.at("levels").at(0).at(where).at(role));
+      CHECK(unsolved.at("levels").at(0).at(where).at(role).at("n").is_null());
+    }
+  }
+  CHECK(unsolved.at("levels").at(0).at("coverage").is_null());
+}
+
+TEST_CASE("JSON summary", "[report][json]") {
+  const json document = parsed();
+  REQUIRE(document.at("summary").size() == 2);
+  const json& plain = document.at("summary").at(0);
+  CHECK(plain.at("problem") == "simple_passage");
+  CHECK(plain.at("strategy") == "rrt");
+  CHECK(plain.at("runs") == 15);
+  CHECK(plain.at("solved") == 14);
+  CHECK(plain.at("success").at("value").get<double>() == Approx(14.0 / 15.0));
+  CHECK(plain.at("length").at("n") == 14);
+  const json& figure = document.at("summary").at(1).at("levels").at(1).at("efficiency").at("expansion").at("value");
+  CHECK(figure.at("statistic") == "median");
+  CHECK(figure.at("infinite") == 1);
+  CHECK(figure.at("lo").is_null());
+
+  // Several problems: one more entry per strategy, over all of them.
+  const auto [experiment, result] = fixture::queries();
+  const json many = json::parse(report_json(experiment, result, ""));
+  REQUIRE(many.at("summary").size() == 101);
+  CHECK(many.at("summary").at(100).at("problem").is_null());
+  CHECK(many.at("summary").at(100).at("runs") == 100);
+  CHECK(many.at("summary").at(100).at("solved") == 95);
+}
+
+TEST_CASE("JSON stays valid whatever the names and figures", "[report][json]") {
+  auto [experiment, result] = fixture::passage();
+  experiment.measure.reset();
+  result.runs[0].run.seconds = std::numeric_limits<double>::quiet_NaN();
+  result.runs[0].run.length = std::numeric_limits<double>::infinity();
+  const json document = json::parse(report_json(experiment, result, "\xff\"\n.lua"));
+  CHECK(document.at("experiment").at("measure").is_null());
+  CHECK(document.at("runs").at(0).at("time_s").is_null());
+  CHECK(document.at("runs").at(0).at("length").is_null());
+  CHECK(document.at("script") == "\xEF\xBF\xBD\"\n.lua");
+}

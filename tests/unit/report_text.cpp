@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+#include <trellis/report/table.hpp>
+#include "report_fixture.hpp"
+#include "support/catch.hpp"
+
+using namespace trellis;
+
+namespace {
+
+/// Compares with tests/golden/NAME; TRELLIS_UPDATE_GOLDEN=1 rewrites it instead.
+void check_golden(const std::string& name, const std::string& text) {
+  const auto path = std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;
+  const char* update = std::getenv("TRELLIS_UPDATE_GOLDEN");
+  if (update != nullptr && std::string(update) == "1") write_file(path.string(), text);
+  std::ifstream file(path);
+  INFO("golden file " << path);
+  REQUIRE(file);
+  std::ostringstream golden;
+  golden << file.rdbuf();
+  CHECK(text == golden.str());
+}
+
+std::size_t widest_line(const std::string& text) {
+  std::size_t widest = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) widest = std::max(widest, display_width(line));
+  return widest;
+}
+
+}  // namespace
+
+TEST_CASE("the report looks as it should", "[report][golden]") {
+  const auto [experiment, result] = fixture::passage();
+  check_golden("report.txt", report_text(experiment, result));
+}
+
+TEST_CASE("the report of many problems takes them together", "[report][golden]") {
+  const auto [experiment, result] = fixture::queries();
+  check_golden("report_queries.txt", report_text(experiment, result));
+}
+
+TEST_CASE("a narrow report splits its tables", "[report][golden]") {
+  const auto [experiment, result] = fixture::passage();
+  check_golden("report_narrow.txt", report_text(experiment, result, 100));
+}
+
+TEST_CASE("the report keeps to the width", "[report]") {
+  const auto [experiment, result] = fixture::passage();
+  for (const int width : {160, 140, 120, 100, 80}) {
+    CAPTURE(width);
+    CHECK(widest_line(report_text(experiment, result, width)) <= static_cast<std::size_t>(width));
+  }
+}
+
+TEST_CASE("without a measure the report has no efficiency", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  experiment.measure.reset();
+  for (auto& run : result.runs) {
+    for (auto& level : run.levels) level.own = level.root = std::nullopt;
+  }
+  const std::string text = report_text(experiment, result);
+  CHECK(text.find("nats") == std::string::npos);
+  CHECK(text.find("nan") == std::string::npos);
+  CHECK(text.find("proposals") != std::string::npos);
+}
+
+TEST_CASE("a strategy that never succeeds has dashes, not zeros", "[report]") {
+  Experiment experiment;
+  experiment.problems = {fixture::problem("wall")};
+  experiment.strategies = {{"rrt", fixture::plain()}};
+  experiment.seeds = {1, 2};
+  ExperimentResult result;
+  for (const auto seed : experiment.seeds) result.runs.push_back(fixture::plain_run("wall", seed, false));
+  const std::string text = report_text(experiment, result);
+  CHECK(text.find("solved 0/2") != std::string::npos);
+  CHECK(text.find("nan") == std::string::npos);
+  CHECK(text.find("inf") == std::string::npos);
+  const std::string summary = text.substr(text.find("summary of wall"));
+  const std::string last = summary.substr(summary.rfind("rrt "));
+  std::istringstream cells(last);
+  std::vector<std::string> words;
+  for (std::string word; cells >> word;) words.push_back(word);
+  REQUIRE(words.size() >= 6);
+  // path length, then uniform, tree, expansion and two gains
+  for (std::size_t i = words.size() - 6; i < words.size(); ++i) CHECK(words[i] == "-");
+}
+
+TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") {
+  Experiment experiment;
+  experiment.problems = {fixture::problem("passage")};
+  experiment.strategies = {{"rrt", fixture::plain()}};
+  experiment.seeds = {1};
+  experiment.measure.reset();
+  RunResult run{"passage", "rrt", 1, {}, {}};
+  const Space plane = Space::euclidean({{0, 1}, {0, 1}});
+  for (const auto& [key, name] : std::vector<std::pair<std::string, std::string>>{
+           {"0", "root"}, {"0/0", "first"}, {"0/0/0", "deep"}, {"0/1", "second"}, {"0/1/0", "deeper"}}) {
+    const auto index = static_cast<int>(run.levels.size());
+    run.levels.push_back({fixture::level(index, key, name, plane, "rrt", 10, true), {}, {}});
+  }
+  const std::string text = report_text(experiment, {{run}});
+  for (const char* label : {"0 root ", "1 ├ first ", "2 │ └ deep ", "3 └ second ", "4   └ deeper "}) {
+    CAPTURE(label);
+    CHECK(text.find(label) != std::string::npos);
+  }
+}
+
+TEST_CASE("a summary counts only what was scored", "[report]") {
+  const auto [experiment, result] = fixture::passage();
+  const RunsSummary plain = summarise(select_runs(result, "simple_passage", "rrt"));
+  CHECK(plain.runs == 15);
+  CHECK(plain.solved == 14);
+  REQUIRE(plain.levels.size() == 1);
+  CHECK(plain.levels[0].root.tree.scored == 14);
+  CHECK(plain.levels[0].root.tree.value.n == 14);
+  CHECK(plain.length.n == 14);
+
+  const RunsSummary nested = summarise(select_runs(result, "", "nested"));
+  REQUIRE(nested.levels.size() == 4);
+  CHECK(nested.levels[3].parent == 2);
+  CHECK(nested.levels[1].own.expansion.value.infinite == 1);
+  CHECK(nested.levels[3].own.expansion.scored == 0);
+  CHECK(std::isnan(nested.levels[3].own.expansion.value.value));
+  CHECK(nested.levels[3].own.expansion.uniform.value == Approx(2.39));
+  REQUIRE(nested.levels[2].own.tree.flags.size() == 2);
+  CHECK(nested.levels[2].own.tree.flags[0].second == 2);
+}
+
+TEST_CASE("text wraps at spaces", "[report]") {
+  CHECK(wrap("one two three", 7, "", "  ") == "one two\n  three\n");
+  CHECK(wrap("a-very-long-word short", 6, "> ", "  ") == "> a-very-long-word\n  short\n");
+  CHECK(wrap(std::string("a") + no_break + "b c", 3) == "a b\nc\n");
+  CHECK(display_width("±0.1 └ é") == 8);
+}

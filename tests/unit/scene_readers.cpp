@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "unit/scene_brute.hpp"
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/readers.hpp>
+#include <trellis/scene/skeleton.hpp>
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The folder of scenes made by others, "" where there is none.
+std::string scenes() {
+  const char* given = std::getenv("TRELLIS_SCENES");
+  const std::string folder = given != nullptr ? given : TRELLIS_SCENES_DEFAULT;
+  if (fs::is_directory(folder)) return folder;
+  WARN("SKIPPED: no scenes at " << folder << "; set TRELLIS_SCENES to the folder that holds them");
+  return "";
+}
+
+/// A folder that goes when the test ends.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "trellis_scene_XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::string write(const std::string& name, const std::string& content) const {
+    const fs::path path = path_ / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << content;
+    return path.string();
+  }
+
+ private:
+  fs::path path_;
+};
+
+std::string fault_of(const std::string& path, const ReadOptions& options = {}) {
+  try {
+    read_problems(path, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+const std::string circles = "units: meter\n\tx\ty\tr\n1\t27\t15\t5\n2\t15\t22.5\t4\n";
+const std::string queries = "0\tstart:\t12\t13\n0\tgoal:\t30\t25\n7\tstart:\t12\t14\n7\tgoal:\t30\t24\n";
+
+const std::string car_scene =
+    "name: small\n"
+    "environment:\n"
+    "  min: [-1, 0]\n"
+    "  max: [6, 5]\n"
+    "  obstacles:\n"
+    "    - type: box\n"
+    "      center: [3, 4]\n"
+    "      size: [2, 1]\n"
+    "robots:\n"
+    "  - type: car1_v0\n"
+    "    start: [0.5, 2, 1.5, -4]\n"
+    "    goal: [5, 2, 7, 0]\n";
+const std::string car_model =
+    "shape: box\nshape_trailer: box\nsize: [.5, .25]\nsize_trailer: [.3, .25]\nhitch_lengths: [.5]\n";
+
+}  // namespace
+
+TEST_CASE("the circle world and its queries", "[scene][readers]") {
+  const std::string folder = scenes();
+  if (folder.empty()) return;
+  const auto problems = read_problems(folder + "/ompl_tests/circle_obstacles.txt", {});
+  REQUIRE(problems.size() == 100);
+  CHECK(problems[17].name == "circles/17");
+  CHECK(problems[0].start == Configuration{42.3113, 51.0478});
+  CHECK(problems[0].goal == Configuration{59.3943, 35.0738});
+  CHECK(problems[0].space.name() == "R^2");
+  const World& world = problems[0].scene->world;
+  CHECK(world.obstacles().size() == 70);
+  for (const auto& problem : problems) {
+    CHECK(problem.scene == problems[0].scene);
+    CHECK(problem.scene->robot.is_point());
+    for (const auto& q : {problem.start, problem.goal}) {
+      CHECK(problem.space.contains(q));
+      CHECK(brute::is_free(world, {q[0], q[1]}));
+    }
+  }
+
+  // As many independent ways around as there are groups of touching discs off the boundary.
+  const Skeleton skeleton = medial_axis(world);
+  std::vector<Disc> discs;
+  for (const auto& obstacle : world.obstacles()) discs.push_back(std::get<Disc>(obstacle.shape));
+  std::vector<std::size_t> group(discs.size() + 1);
+  for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
+  const auto join = [&](std::size_t a, std::size_t b) {
+    std::replace(group.begin(), group.end(), std::size_t(group[a]), std::size_t(group[b]));
+  };
+  for (std::size_t i = 0; i < discs.size(); ++i) {
+    const Box2 box = bounding_box(discs[i]);
+    const auto [lo, hi] = world.bounds();
+    if (box.lo.x <= lo.x || box.lo.y <= lo.y || box.hi.x >= hi.x || box.hi.y >= hi.y) join(i, discs.size());
+    for (std::size_t j = 0; j < i; ++j) {
+      if (norm(discs[i].centre - discs[j].centre) <= discs[i].radius + discs[j].radius) join(i, j);
+    }
+  }
+  std::sort(group.begin(), group.end());
+  const auto groups = static_cast<std::size_t>(std::unique(group.begin(), group.end()) - group.begin());
+  CHECK(skeleton.edges.size() + 1 - skeleton.vertices.size() == groups - 1);
+}
+
+TEST_CASE("every dynobench scene is read, its start and goal inside the boundary and free", "[scene][readers]") {
+  const std::string folder = scenes();
+  if (folder.empty()) return;
+  int count = 0;
+  for (const std::string kind : {"unicycle1_v0", "unicycle1_v1", "unicycle2_v0", "car1_v0", "quad2d_v0"}) {
+    for (const auto& file : fs::directory_iterator(folder + "/dynobench/" + kind)) {
+      if (file.path().extension() != ".yaml") continue;
+      ++count;
+      INFO(file.path().string());
+      const auto problems = read_problems(file.path().string(), {});
+      REQUIRE(problems.size() == 1);
+      const auto& problem = problems[0];
+      const Robot& robot = problem.scene->robot;
+      CHECK(robot.name() == kind);
+      CHECK(problem.space.dimension() == (kind == "car1_v0" ? 4U : 3U));
+      for (const auto& q : {problem.start, problem.goal}) {
+        CHECK(problem.space.contains(q));
+        std::vector<Pose2> poses(robot.bodies().size());
+        robot.place(q, poses);
+        for (std::size_t b = 0; b < poses.size(); ++b) {
+          // Small bodies against large boxes: points along the outline tell an overlap.
+          const auto& v = std::get<Polygon>(robot.bodies()[b].parts[0]).vertices;
+          for (std::size_t i = 0; i < v.size(); ++i) {
+            for (const double t : {0.0, 0.25, 0.5, 0.75}) {
+              CHECK(brute::is_free(problem.scene->world, poses[b](v[i] + t * (v[(i + 1) % v.size()] - v[i]))));
+            }
+          }
+        }
+      }
+    }
+  }
+  CHECK(count == 8);
+  const auto kink = read_problems(folder + "/dynobench/car1_v0/kink_0.yaml", {})[0];
+  CHECK(kink.name == "car-kink_0");
+  CHECK(kink.space.name() == "R^2 x SO(2)^2");
+  CHECK(kink.space.axes()[2].weight == 1.0 / std::numbers::pi);
+  CHECK(kink.scene->world.obstacles().size() == 4);
+  // A file without a name is called by its stem.
+  CHECK(read_problems(folder + "/dynobench/unicycle1_v1/kink_0.yaml", {})[0].name == "kink_0");
+}
+
+TEST_CASE("options reach the problems", "[scene][readers]") {
+  const Folder folder;
+  folder.write("my_queries.txt", queries);
+  const std::string file = folder.write("my_obstacles.txt", circles);
+  const auto problems = read_problems(file, {.weight = 0.3, .resolution = 0.01, .collision = "fcl"});
+  REQUIRE(problems.size() == 2);
+  CHECK(problems[1].name == "circles/7");
+  CHECK(problems[1].resolution == 0.01);
+  CHECK(problems[1].collision == "fcl");
+  CHECK(problems[1].scene->world.bounds() == Box2{{11, 10}, {32, 26.5}});
+
+  folder.write("shared/models/car1_v0.yaml", car_model);
+  const auto car = read_problems(folder.write("car1_v0/a.yaml", car_scene), {.weight = 0.3})[0];
+  CHECK(car.space.axes()[3].weight == 0.3);
+
+  CHECK_THAT(fault_of(file, {.weight = -1}), Contains("weight"));
+  CHECK_THAT(fault_of(file, {.resolution = 0}), Contains("resolution"));
+}
+
+TEST_CASE("a car with a trailer is placed as the format means it", "[scene][readers]") {
+  const Folder folder;
+  folder.write("shared/models/car1_v0.yaml", car_model);
+  const auto car = read_problems(folder.write("car1_v0/a.yaml", car_scene), {})[0];
+  CHECK(car.name == "small");
+  // Angles come into the space.
+  CHECK(car.start[3] == Approx(-4 + 2 * std::numbers::pi));
+  CHECK(car.goal[2] == Approx(7 - 2 * std::numbers::pi));
+  std::vector<Pose2> poses(2);
+  car.scene->robot.place(Configuration{1, 2, 0.5, 1.2}, poses);
+  const auto& trailer = std::get<Polygon>(car.scene->robot.bodies()[1].parts[0]);
+  Vec2 centre;
+  for (const Vec2 v : trailer.vertices) centre = centre + 0.25 * poses[1](v);
+  CHECK(norm(centre - Vec2{1 - 0.5 * std::cos(1.2), 2 - 0.5 * std::sin(1.2)}) < 1e-12);
+}
+
+TEST_CASE("a malformed circle world is told with file, line and what was expected", "[scene][readers]") {
+  const Folder folder;
+  folder.write("w_queries.txt", queries);
+  const auto world = [&](const std::string& content) { return fault_of(folder.write("w_obstacles.txt", content)); };
+  CHECK_THAT(world(replaced(circles, "22.5", "here")),
+             Contains("w_obstacles.txt:4: ") && Contains("y is 'here', expected a finite number"));
+  CHECK_THAT(world(replaced(circles, "\t5\n", "\n")), Contains(":3: ") && Contains("expected 4: index x y r"));
+  CHECK_THAT(world(replaced(circles, "\t5\n", "\t0\n")), Contains(":3: ") && Contains("greater than 0"));
+  CHECK_THAT(world(replaced(circles, "\t5\n", "\tinf\n")), Contains(":3: ") && Contains("the radius"));
+  CHECK_THAT(world(replaced(circles, "1\t27", "one\t27")), Contains(":3: ") && Contains("whole number"));
+  CHECK_THAT(world("units: meter\n\tx\ty\tr\n"), Contains("no circles"));
+
+  const auto query = [&](const std::string& content) {
+    folder.write("q_queries.txt", content);
+    return fault_of(folder.write("q_obstacles.txt", circles));
+  };
+  CHECK_THAT(query(replaced(queries, "goal:", "end:")),
+             Contains("q_queries.txt:2: ") && Contains("'end:'") && Contains("'start:' or 'goal:'"));
+  CHECK_THAT(query(replaced(queries, "7\tgoal:\t30\t24\n", "")),
+             Contains(":3: ") && Contains("query 7 has no 'goal:'"));
+  CHECK_THAT(query(replaced(queries, "7\tgoal:", "0\tgoal:")), Contains(":4: ") && Contains("a second 'goal:'"));
+  CHECK_THAT(query(replaced(queries, "\t13", "")), Contains(":1: ") && Contains("expected 4"));
+  CHECK_THAT(query(""), Contains("no queries"));
+
+  CHECK_THAT(fault_of(folder.write("circles.txt", circles)), Contains("obstacles") && Contains("queries"));
+  CHECK_THAT(fault_of(folder.write("lonely_obstacles.txt", circles)),
+             Contains("lonely_queries.txt") && Contains("cannot be opened"));
+}
+
+TEST_CASE("a malformed dynobench scene is told with file, line and what was expected", "[scene][readers]") {
+  const Folder folder;
+  const std::string model = folder.write("shared/models/car1_v0.yaml", car_model);
+  const auto fault = [&](const std::string& from, const std::string& to) {
+    return fault_of(folder.write("car1_v0/bad.yaml", replaced(car_scene, from, to)));
+  };
+  CHECK(fault("small", "large").empty());
+  CHECK_THAT(fault("car1_v0", "car1_v1"), Contains("bad.yaml:10: ") && Contains("'car1_v1'") &&
+                                              Contains("did you mean 'car1_v0'?") && Contains("unicycle2_v0"));
+  CHECK_THAT(fault("type: box", "type: sphere"), Contains(":6: ") && Contains("'sphere', expected 'box'"));
+  CHECK_THAT(fault("center: [3, 4]", "center: [3, 4, 5]"),
+             Contains(":7: ") && Contains("a list of 3, expected 2 numbers: x, y"));
+  CHECK_THAT(fault("center: [3, 4]", "centre: [3, 4]"), Contains(":6: ") && Contains("'center' is missing"));
+  CHECK_THAT(fault("[3, 4]", "[3, up]"), Contains(":7: ") && Contains("'up', expected a finite number"));
+  CHECK_THAT(fault("[3, 4]", "[3, .nan]"), Contains(":7: ") && Contains("finite"));
+  CHECK_THAT(fault("size: [2, 1]", "size: [2, 0]"), Contains(":8: ") && Contains("greater than 0"));
+  CHECK_THAT(fault("max: [6, 5]", "max: [6, -5]"), Contains(":4: ") && Contains("'max'"));
+  CHECK_THAT(fault("  min: [-1, 0]\n", ""), Contains("'min' is missing"));
+  CHECK_THAT(fault("start: [0.5, 2, 1.5, -4]", "start: [0.5, 2, 1.5]"),
+             Contains(":11: ") && Contains("expected 4 numbers: x, y, theta, theta of the trailer"));
+  CHECK_THAT(fault("    goal: [5, 2, 7, 0]\n", ""), Contains("'goal' is missing"));
+  CHECK_THAT(fault("[5, 2, 7, 0]", "[5, 2, 7, 0"), Contains("bad.yaml:") && Contains("nor YAML"));
+  CHECK_THAT(fault("robots:\n", "vehicles:\n"), Contains("'robots' is missing"));
+  CHECK_THAT(fault_of(folder.write("car1_v0/bad.yaml",
+                                   "environment: {min: [0, 0], max: [1, 1], obstacles: []}\nrobots: []\n")),
+             Contains(":2: ") && Contains("at least one robot"));
+  CHECK_THAT(fault_of(folder.write("car1_v0/bad.yaml", "just a word\n")),
+             Contains("expected a circle world or a YAML map"));
+  CHECK_THAT(fault_of(folder.write("car1_v0/bad.yaml", "")), Contains("bad.yaml:1"));
+  CHECK_THAT(fault_of(folder.write("car1_v0/bad.yaml", "").substr(0, 5) + "/no/such/file"),
+             Contains("cannot be opened"));
+
+  const auto model_fault = [&](const std::string& from, const std::string& to) {
+    folder.write("shared/models/car1_v0.yaml", replaced(car_model, from, to));
+    return fault_of(folder.write("car1_v0/good.yaml", car_scene));
+  };
+  CHECK_THAT(model_fault("shape: box", "shape: sphere"), Contains("car1_v0.yaml:1: ") && Contains("expected 'box'"));
+  CHECK_THAT(model_fault("[.5, .25]", "[.5]"), Contains("car1_v0.yaml:3: ") && Contains("expected 2 numbers"));
+  CHECK_THAT(model_fault("[.5]", "[.5, .5]"), Contains("car1_v0.yaml:5: ") && Contains("expected 1 numbers"));
+  fs::remove(model);
+  CHECK_THAT(fault_of(folder.write("car1_v0/good.yaml", car_scene)),
+             Contains("models/car1_v0.yaml") && Contains("cannot be opened"));
+}

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "unit/scene_brute.hpp"
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/scene.hpp>
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+template <class F>
+std::string fault_of(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+Body box_body(const Box2& box, int parent, Vec2 joint, int axis, bool absolute = false) {
+  Body body;
+  body.parts = {Polygon{rectangle_vertices(box)}};
+  body.parent = parent;
+  body.joint = joint;
+  body.angle_axis = axis;
+  body.absolute = absolute;
+  return body;
+}
+
+Robot car_with_trailer() {
+  return {"car",
+          {box_body({{-0.25, -0.125}, {0.25, 0.125}}, -1, {}, 2),
+           box_body({{-0.65, -0.125}, {-0.35, 0.125}}, 0, {}, 3, true)}};
+}
+
+Robot arm(int links, bool absolute) {
+  std::vector<Body> bodies;
+  for (int i = 0; i < links; ++i) {
+    bodies.push_back(box_body({{0, -0.05}, {1, 0.05}}, i - 1, i == 0 ? Vec2{0, 0} : Vec2{1, 0}, i, absolute));
+  }
+  return {"arm", std::move(bodies), false, {5, 5}};
+}
+
+std::vector<Vec2> points_of(const Robot& robot, View q, const std::vector<std::pair<std::size_t, Vec2>>& marks) {
+  std::vector<Pose2> poses(robot.bodies().size());
+  robot.place(q, poses);
+  std::vector<Vec2> points;
+  for (const auto& [body, p] : marks) points.push_back(poses[body](p));
+  return points;
+}
+
+// Vertices and random inner points of every body.
+std::vector<std::pair<std::size_t, Vec2>> marks_of(const Robot& robot, Stream& stream) {
+  std::vector<std::pair<std::size_t, Vec2>> marks;
+  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
+    for (const auto& part : robot.bodies()[i].parts) {
+      if (const auto* disc = std::get_if<Disc>(&part)) {
+        const double angle = stream.uniform(0, 2 * pi);
+        marks.emplace_back(i, disc->centre + disc->radius * Vec2{std::cos(angle), std::sin(angle)});
+        continue;
+      }
+      const auto& v = std::get<Polygon>(part).vertices;
+      for (const Vec2 p : v) marks.emplace_back(i, p);
+      const double s = stream.uniform(), t = stream.uniform();
+      marks.emplace_back(i, v[0] + s * (v[1] - v[0]) + (1 - s) * t * (v[2] - v[0]));
+    }
+  }
+  return marks;
+}
+
+// The length of the way of every point along the motion, by small steps, never exceeds the bound.
+void check_displacement(const Robot& robot, const Space& space, std::uint64_t seed) {
+  Stream stream(seed, "0", "displacement");
+  double tightest = 0.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Configuration a(space.dimension()), b(space.dimension()), q(space.dimension());
+    space.sample_uniform(stream, a);
+    space.sample_uniform(stream, b);
+    if (trial % 2 == 0) {
+      for (std::size_t j = 0; j < b.size(); ++j) b[j] = a[j] + 0.05 * (b[j] - a[j]);
+      space.normalise(b);
+    }
+    const double bound = robot.displacement_bound(space, a, b);
+    const auto marks = marks_of(robot, stream);
+    auto last = points_of(robot, a, marks);
+    std::vector<double> way(marks.size(), 0.0);
+    constexpr int steps = 60;
+    for (int k = 1; k <= steps; ++k) {
+      space.interpolate(a, b, static_cast<double>(k) / steps, q);
+      const auto now = points_of(robot, q, marks);
+      for (std::size_t i = 0; i < marks.size(); ++i) way[i] += norm(now[i] - last[i]);
+      last = now;
+    }
+    const double longest = *std::max_element(way.begin(), way.end());
+    REQUIRE(longest <= bound + 1e-9);
+    tightest = std::max(tightest, longest / bound);
+  }
+  // A bound that is never nearly met would cost needless checks.
+  CHECK(tightest > 0.5);
+}
+
+}  // namespace
+
+TEST_CASE("a world checks its obstacles and names the faulty one", "[scene][world]") {
+  const Box2 bounds{{0, 0}, {10, 10}};
+  const auto fault = [&](Shape shape, const std::string& name = "obstacle 3 (mine)") {
+    return fault_of([&] { World(bounds, {{"first", Box2{{1, 1}, {2, 2}}}, {name, std::move(shape)}}); });
+  };
+  CHECK_THAT(fault(Box2{{1, 1}, {1, 2}}), Contains("obstacle 3 (mine)") && Contains("xmin < xmax"));
+  CHECK_THAT(fault(Box2{{1, 1}, {2, inf}}), Contains("obstacle 3 (mine)"));
+  CHECK_THAT(fault(Disc{{1, 1}, 0.0}), Contains("obstacle 3 (mine)") && Contains("radius greater than 0, got 0"));
+  CHECK_THAT(fault(Disc{{1, 1}, -1.0}), Contains("got -1"));
+  CHECK_THAT(fault(Disc{{inf, 1}, 1.0}), Contains("finite centre"));
+  CHECK_THAT(fault(Polygon{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}}), Contains("obstacle 3 (mine)") && Contains("meets"));
+  CHECK_THAT(fault(Disc{{1, 1}, 0.0}, ""), Contains("obstacle 2"));
+  CHECK_THAT(fault_of([] { World({{0, 0}, {0, 1}}, {}); }), Contains("boundary"));
+}
+
+TEST_CASE("a world splits polygons and remembers whose parts they are", "[scene][world]") {
+  const Polygon l{{{0, 0}, {0, 2}, {1, 2}, {1, 1}, {2, 1}, {2, 0}}};  // clockwise
+  const World world({{-1, -1}, {10, 10}}, {{"", Box2{{4, 4}, {5, 5}}}, {"l", l}, {"d", Disc{{8, 8}, 1}}});
+  CHECK(world.obstacles()[0].name == "obstacle 1");
+  CHECK(brute::area(std::get<Polygon>(world.obstacles()[1].shape)) == Approx(3.0));
+  REQUIRE(world.parts().size() == 4);
+  CHECK(world.parts()[0].obstacle == 0);
+  CHECK(world.parts()[1].obstacle == 1);
+  CHECK(world.parts()[2].obstacle == 1);
+  CHECK(world.parts()[3].obstacle == 2);
+  CHECK(world.parts()[3].shape == ConvexShape(Disc{{8, 8}, 1}));
+}
+
+TEST_CASE("a robot refuses what cannot move", "[scene][robot]") {
+  const Box2 box{{0, 0}, {1, 1}};
+  CHECK_THAT(fault_of([] { Robot("r", {}); }), Contains("robot 'r'") && Contains("at least one body"));
+  CHECK_THAT(fault_of([&] { Robot("r", {box_body(box, 0, {}, 2)}); }), Contains("body 1") && Contains("earlier body"));
+  CHECK_THAT(fault_of([&] { Robot("r", {box_body(box, -1, {}, 1)}); }), Contains("axis 2 or a later one"));
+  CHECK_THAT(fault_of([&] { Robot("r", {box_body(box, -1, {}, 3)}); }), Contains("axis 2") && Contains("no body"));
+  CHECK_THAT(fault_of([&] { Robot("r", {box_body(box, -1, {}, -1)}, false); }), Contains("nothing moves it"));
+  CHECK_THAT(fault_of([&] { Robot("r", {box_body(box, -1, {inf, 0}, 2)}); }), Contains("joint of body 1"));
+  Body bent;
+  bent.parts = {Polygon{{{0, 0}, {2, 0}, {1, 0.5}, {0, 2}}}};
+  CHECK_THAT(fault_of([&] { Robot("r", {bent}); }), Contains("part 1 of body 1") && Contains("convex"));
+  CHECK_THAT(fault_of([] { Robot::disc(0.0); }), Contains("radius greater than 0"));
+  CHECK_THAT(fault_of([] { Robot::rigid({Box2{{0, 0}, {0, 1}}}); }), Contains("shape 1"));
+}
+
+TEST_CASE("simple robots know their size", "[scene][robot]") {
+  CHECK(Robot::point().is_point());
+  CHECK(Robot::point().dimension() == 2);
+  CHECK(Robot::point().bounding_radius() == 0.0);
+  CHECK(Robot::point().inscribed_radius() == 0.0);
+
+  const Robot disc = Robot::disc(0.5);
+  CHECK_FALSE(disc.is_point());
+  CHECK(disc.bounding_radius() == 0.5);
+  CHECK(disc.inscribed_radius() == 0.5);
+
+  const Robot box = Robot::rigid({Box2{{-2, -1}, {2, 1}}});
+  CHECK(box.dimension() == 3);
+  CHECK(box.bounding_radius() == Approx(std::sqrt(5.0)));
+  CHECK(box.inscribed_radius() == Approx(1.0));
+  CHECK(Robot::rigid({Box2{{-2, -1}, {2, 1}}}, false).dimension() == 2);
+  CHECK(Robot::rigid({Box2{{1, 1}, {2, 2}}}).inscribed_radius() == 0.0);
+
+  // The seam between convex parts is no border: the largest disc reaches across it.
+  const Robot plus = Robot::rigid({Polygon{
+      {{-3, -1}, {-1, -1}, {-1, -3}, {1, -3}, {1, -1}, {3, -1}, {3, 1}, {1, 1}, {1, 3}, {-1, 3}, {-1, 1}, {-3, 1}}}});
+  CHECK(plus.bodies()[0].parts.size() > 1);
+  CHECK(plus.inscribed_radius() == Approx(std::sqrt(2.0)));
+
+  const Robot car = car_with_trailer();
+  CHECK(car.dimension() == 4);
+  CHECK(car.bounding_radius() == Approx(std::hypot(0.65, 0.125)));
+  CHECK(car.inscribed_radius() == Approx(0.125));
+  CHECK(arm(3, false).bounding_radius() == Approx(2.0 + std::hypot(1.0, 0.05)));
+
+  // A joint off the reference point: known while nothing turns, carried around by a turn.
+  CHECK(Robot("still", {box_body({{-1, -1}, {1, 1}}, -1, {0.5, 0}, -1)}).inscribed_radius() == Approx(0.5));
+  CHECK(Robot("still", {box_body({{-1, -1}, {1, 1}}, -1, {0.5, 0}, -1)}).bounding_radius() ==
+        Approx(std::hypot(1.5, 1)));
+  CHECK(Robot("turns", {box_body({{-1, -1}, {1, 1}}, -1, {0.5, 0}, 2)}).inscribed_radius() == Approx(0.5));
+  CHECK(Robot("turns", {box_body({{-1, -1}, {1, 1}}, -1, {0.5, 0}, 2)}).bounding_radius() ==
+        Approx(0.5 + std::sqrt(2.0)));
+}
+
+TEST_CASE("bodies are placed along their chain", "[scene][robot]") {
+  SECTION("an arm with relative and with absolute angles") {
+    const double a = 0.3, b = -1.1, c = 2.0;
+    const auto tip = [](const Robot& robot, const Configuration& q) { return points_of(robot, q, {{2, {1, 0}}})[0]; };
+    const Vec2 expected = Vec2{5, 5} + Vec2{std::cos(a), std::sin(a)} + Vec2{std::cos(a + b), std::sin(a + b)} +
+                          Vec2{std::cos(a + b + c), std::sin(a + b + c)};
+    CHECK(norm(tip(arm(3, false), {a, b, c}) - expected) < 1e-14);
+    CHECK(norm(tip(arm(3, true), {a, a + b, a + b + c}) - expected) < 1e-14);
+  }
+  SECTION("a trailer hangs at the car and has its own heading") {
+    const auto p = points_of(car_with_trailer(), Configuration{1, 2, 0.7, pi / 2}, {{1, {-0.5, 0}}})[0];
+    CHECK(norm(p - Vec2{1, 1.5}) < 1e-15);
+  }
+  SECTION("a body without an axis keeps its parent's angle") {
+    const Robot robot("r", {box_body({{0, 0}, {1, 1}}, -1, {}, 2), box_body({{0, 0}, {1, 1}}, 0, {2, 0}, -1)});
+    const auto p = points_of(robot, Configuration{0, 0, pi / 2}, {{1, {1, 0}}})[0];
+    CHECK(norm(p - Vec2{0, 3}) < 1e-15);
+  }
+  SECTION("the joint of a root is an offset that does not turn") {
+    const Robot robot("r", {box_body({{0, 0}, {1, 1}}, -1, {1, 0}, 2)});
+    CHECK(norm(points_of(robot, Configuration{3, 4, pi / 2}, {{0, {1, 0}}})[0] - Vec2{4, 5}) < 1e-15);
+  }
+}
+
+TEST_CASE("a scaled robot is the same figure about the reference point", "[scene][robot]") {
+  Stream stream(5, "0", "scaled");
+  for (const Robot& robot : {car_with_trailer(), Robot::rigid({Box2{{-1, 0}, {2, 1}}, Disc{{0.5, 0.5}, 1}})}) {
+    for (const double factor : {0.1, 0.5, 2.0}) {
+      const Robot small = robot.scaled(factor);
+      Configuration q(robot.dimension());
+      for (double& x : q) x = stream.uniform(-3, 3);
+      auto marks = marks_of(robot, stream);
+      const auto before = points_of(robot, q, marks);
+      for (auto& [body, p] : marks) p = factor * p;
+      const auto after = points_of(small, q, marks);
+      const Vec2 reference{q[0], q[1]};
+      for (std::size_t i = 0; i < marks.size(); ++i) {
+        CHECK(norm((after[i] - reference) - factor * (before[i] - reference)) < 1e-12);
+      }
+      CHECK(small.bounding_radius() == Approx(factor * robot.bounding_radius()));
+      CHECK(small.inscribed_radius() == Approx(factor * robot.inscribed_radius()));
+    }
+  }
+  CHECK_THROWS_AS(Robot::disc(1).scaled(0.0), Error);
+  CHECK_THROWS_AS(Robot::disc(1).scaled(-inf), Error);
+}
+
+TEST_CASE("no point moves farther than the displacement bound", "[scene][robot]") {
+  const World world({{0, 0}, {10, 10}}, {});
+  const auto check = [&](const Robot& robot, std::uint64_t seed) {
+    check_displacement(robot, default_space(robot, world, 1 / pi), seed);
+  };
+  check(Robot::rigid({Box2{{-0.5, -0.25}, {1.5, 0.25}}}), 1);
+  check(Robot::disc(0.4), 2);
+  check(car_with_trailer(), 3);
+  check(arm(1, false), 4);
+  check(arm(2, true), 5);
+  const Robot offset("offset", {box_body({{0, 0}, {1, 1}}, -1, {1, 2}, 2), box_body({{0, 0}, {1, 1}}, 0, {1, 1}, -1)});
+  check(offset, 6);
+}
+
+TEST_CASE("the displacement bound knows its cases", "[scene][robot]") {
+  const Robot bar = Robot::rigid({Box2{{-1, -0.1}, {1, 0.1}}});
+  const Space space = default_space(bar, World({{0, 0}, {10, 10}}, {}), 1 / pi);
+  const double r = std::hypot(1, 0.1);
+  CHECK(bar.displacement_bound(space, Configuration{1, 1, 0}, Configuration{4, 5, 0}) == Approx(5));
+  CHECK(bar.displacement_bound(space, Configuration{1, 1, 3}, Configuration{1, 1, -3}) == Approx(r * (2 * pi - 6)));
+  // Long chains leave the stack's buffers.
+  const Robot chain = arm(40, false);
+  const Space joints = default_space(chain, World({{0, 0}, {10, 10}}, {}), 1 / pi);
+  Configuration a(40, 0.0), b(40, 0.0);
+  b[0] = 0.1;
+  CHECK(chain.displacement_bound(joints, a, b) == Approx(0.1 * (39 + std::hypot(1, 0.05))));
+  // An absolute child does not turn with its parent.
+  const Robot car = car_with_trailer();
+  const Space c = default_space(car, World({{0, 0}, {10, 10}}, {}), 1 / pi);
+  CHECK(car.displacement_bound(c, Configuration{1, 1, 0, 0}, Configuration{1, 1, 1, 0}) ==
+        Approx(std::hypot(0.25, 0.125)));
+}
+
+TEST_CASE("every robot has a default space", "[scene][robot]") {
+  const World world({{-1, 0}, {10, 5}}, {});
+  CHECK(default_space(Robot::point(), world, 1.0) == Space::euclidean({{-1, 10}, {0, 5}}));
+  CHECK(default_space(Robot::rigid({Box2{{0, 0}, {1, 1}}}), world, 0.4) == Space::se2({-1, 10}, {0, 5}, 0.4));
+  const Space car = default_space(car_with_trailer(), world, 0.4);
+  CHECK(car.name() == "R^2 x SO(2)^2");
+  REQUIRE(car.dimension() == 4);
+  CHECK(car.axes()[2].name == "theta");
+  CHECK(car.axes()[3].name == "theta2");
+  CHECK(car.axes()[3].weight == 0.4);
+  CHECK(car.axes()[3].periodic);
+  CHECK(default_space(arm(3, false), world, 0.4).name() == "SO(2)^3");
+  CHECK(default_space(arm(1, false), world, 0.4).name() == "SO(2)");
+  CHECK(default_space(arm(3, false), world, 0.4).dimension() == 3);
+}

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& given = {}) {
+  return GuideSpec::make(name, given);
+}
+PlannerSpec rrt(const std::vector<Options::Entry>& given = {}) { return PlannerSpec::make("rrt", given); }
+
+/// Guides that search a space, one of each kind.
+std::vector<GuideSpec> searching() {
+  std::vector<GuideSpec> all;
+  for (const auto& kind : guide_kinds()) {
+    if (!kind.default_planner.empty()) all.push_back(guide(kind.component->name));
+  }
+  return all;
+}
+
+bool same(const Configurations& a, const Configurations& b) {
+  return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
+}
+
+void check_run(const Problem& problem, const RunRecord& run) {
+  std::uint64_t checks = 0;
+  for (const auto& level : run.levels) {
+    checks += level.search.checks.validity;
+    CHECK(level.root_nodes.size() == level.search.nodes.size());
+    CHECK(level.root_proposals.size() == level.search.proposals.size());
+    for (std::size_t i = 0; i < level.root_nodes.size(); i += 17) CHECK(problem.space.contains(level.root_nodes[i]));
+    for (const auto source : level.search.proposal_sources) REQUIRE(source < level.search.sources.size());
+  }
+  CHECK(checks == run.validity_checks);
+  if (!run.solved) return;
+  const auto checker = make_planar_checker(problem.scene, problem.space, problem.resolution);
+  CHECK(problem.space.distance(run.path.front(), problem.start) == 0.0);
+  CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
+  for (std::size_t i = 1; i < run.path.size(); ++i) CHECK(checker->motion(run.path[i - 1], run.path[i]).valid);
+}
+
+}  // namespace
+
+TEST_CASE("every guide composes with every other, in every way", "[executor]") {
+  const auto problem = test::cup_problem();
+  int solved = 0;
+  int runs = 0;
+  const auto try_it = [&](const StrategySpec& strategy) {
+    CAPTURE(strategy.text());
+    const auto run = execute(strategy, problem, 1);
+    check_run(problem, run);
+    ++runs;
+    solved += run.solved ? 1 : 0;
+  };
+  for (const auto& a : searching()) {
+    try_it(a >> rrt());
+    try_it(a >> PlannerSpec::make("rrt_connect", {}));
+    try_it(a >> PlannerSpec::make("prm", {}));
+    try_it(a >> PlannerSpec::make("lazy_prm", {}));
+    for (const auto& b : searching()) {
+      try_it(a >> b >> rrt());
+      try_it((a + b) >> rrt());
+      try_it(sequence({a, b}, 50) >> rrt());
+      for (const auto* bias : {"uniform", "goal_bias", "gaussian", "bridge_test"}) {
+        try_it((0.8 * (a >> b) + 0.2 * guide(bias)) >> rrt());
+        try_it(guide(bias) >> b >> rrt());
+      }
+    }
+  }
+  CHECK(solved >= runs * 95 / 100);
+}
+
+TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
+  const auto run = execute(guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt(), test::cup_problem(), 3);
+  REQUIRE(run.levels.size() == 4);
+  const std::vector<std::string> names = {"root", "lazy()", "shrink(0.5)", "skeleton()"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& level = run.levels[i];
+    CHECK(level.name == names[i]);
+    CHECK(level.level == static_cast<int>(i));
+    CHECK(level.parent == static_cast<int>(i) - 1);
+    CHECK(level.solves >= 1);
+    CHECK(level.solution.solved());
+  }
+  CHECK(run.levels[0].solves == 1);
+  CHECK(run.levels[3].space.dimension() == 2);
+  // Presuming costs nothing.
+  CHECK(run.levels[1].search.checks.validity == 0);
+}
+
+TEST_CASE("the same seed gives the same run, and times do not enter", "[executor][determinism]") {
+  const auto strategy = guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt();
+  const auto a = execute(strategy, test::cup_problem(), 5);
+  const auto b = execute(strategy, test::cup_problem(), 5);
+  REQUIRE(a.levels.size() == b.levels.size());
+  for (std::size_t i = 0; i < a.levels.size(); ++i) {
+    CHECK(same(a.levels[i].search.nodes, b.levels[i].search.nodes));
+    CHECK(same(a.levels[i].search.proposals, b.levels[i].search.proposals));
+    CHECK(same(a.levels[i].root_nodes, b.levels[i].root_nodes));
+  }
+  CHECK(same(a.path, b.path));
+}
+
+TEST_CASE("adding a level changes no other level's stream", "[executor][determinism]") {
+  // shrink's own search is the same whether or not something beside it is searched too.
+  const auto alone = execute((guide("shrink") + guide("uniform")) >> rrt(), test::cup_problem(), 7);
+  const auto beside = execute((guide("shrink") + guide("identity")) >> rrt(), test::cup_problem(), 7);
+  const auto first = [](const RunRecord& run) {
+    const auto& p = run.levels[1].search.proposals;
+    return std::vector<double>(p.values().begin(), p.values().begin() + 90);
+  };
+  REQUIRE(alone.levels[1].name == beside.levels[1].name);
+  CHECK(first(alone) == first(beside));
+}
+
+TEST_CASE("shares of a mixture and of uniform proposals are what the spec says", "[executor][mixture]") {
+  // The goal is walled in, so the budget of proposals is drawn in full.
+  const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
+                                          {1, 5, 0}, {9, 5, 0});
+  const auto strategy =
+      (0.7 * guide("uniform") + 0.3 * guide("gaussian")) >>
+      rrt({{"uniform", 0.2}, {"goal_bias", 0.1}, {"proposals", std::int64_t{20000}}});
+  const auto run = execute(strategy, problem, 1);
+  const auto& search = run.levels[0].search;
+  std::vector<double> share(search.sources.size(), 0.0);
+  for (const auto source : search.proposal_sources) share[source] += 1.0 / 20000.0;
+  const auto of = [&](const std::string& name) {
+    const auto it = std::find(search.sources.begin(), search.sources.end(), name);
+    REQUIRE(it != search.sources.end());
+    return share[static_cast<std::size_t>(it - search.sources.begin())];
+  };
+  CHECK(of("goal") == Approx(0.1).margin(0.01));
+  CHECK(of("uniform") == Approx(0.9 * 0.2).margin(0.012));
+  CHECK(of("gaussian(0.5)") == Approx(0.9 * 0.8 * 0.3).margin(0.012));
+}
+
+TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
+  // The shrunken robot's search has too small a budget to find anything.
+  const auto weak = GuideSpec::make("shrink", {}, rrt({{"proposals", std::int64_t{5}}}));
+  const auto run = execute(weak >> rrt(), test::cup_problem(), 1);
+  CHECK(run.solved);
+  CHECK(run.levels[1].solution.status == Status::budget_spent);
+}
+
+TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {
+  const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
+                                          {1, 5, 0}, {9, 5, 0});
+  const auto run = execute(sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >>
+                               rrt({{"proposals", std::int64_t{400}}}),
+                           problem, 1);
+  const auto& search = run.levels[0].search;
+  std::string order;
+  for (const auto source : search.proposal_sources) {
+    if (source >= 3 && (order.empty() || order.back() != static_cast<char>('0' + source))) {
+      order.push_back(static_cast<char>('0' + source));
+    }
+  }
+  CHECK(order.substr(0, 4) == "3434");
+  CHECK(run.levels[2].solves >= 1);
+}
+
+TEST_CASE("a problem is checked before anything runs, and the message names the obstacle", "[executor][errors]") {
+  auto problem = test::cup_problem();
+  problem.start = {6.75, 5, 0};
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("start (6.75, 5, 0) is in collision with") && Contains("obstacle 1"));
+  problem = test::cup_problem();
+  problem.goal = {9, 5};
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("goal has 2 coordinates, expected 3 (x, y, theta)"));
+  problem = test::cup_problem();
+  problem.goal = {11, 5, 0};
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("out of bounds") && Contains("x = 11") && Contains("[0, 10]"));
+  problem = test::cup_problem();
+  problem.goal = {9, std::nan(""), 0};
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("finite number"));
+  problem = test::cup_problem();
+  problem.start = {0.1, 5, 0};
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("the world's boundary"));
+  problem = test::cup_problem();
+  problem.resolution = 0.0;
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("resolution"));
+}
+
+TEST_CASE("a hierarchy without end is refused", "[executor][errors]") {
+  auto deep = guide("identity");
+  for (int i = 0; i < 80; ++i) deep = guide("identity") >> deep;
+  CHECK_THROWS_WITH(execute(deep >> rrt(), test::cup_problem(), 1), Contains("deeper than"));
+}
+
+TEST_CASE("both collision backends give the same run", "[executor]") {
+  auto planar = test::cup_problem();
+  auto fcl = planar;
+  fcl.collision = "fcl";
+  const auto a = execute(guide("shrink") >> rrt(), planar, 2);
+  const auto b = execute(guide("shrink") >> rrt(), fcl, 2);
+  CHECK(same(a.path, b.path));
+  CHECK(a.validity_checks == b.validity_checks);
+}
