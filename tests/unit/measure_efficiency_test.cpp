@@ -109,7 +109,7 @@ double truth(const Target& target, const Density& density) {
 
 }  // namespace
 
-TEST_CASE("Over four samplers with known divergence the error stays within the published table") {
+TEST_CASE("Over four samplers with known divergence the error stays near what is published") {
   struct Row {
     std::size_t n;
     double plane, se2;  // RMSE over the four cases, with room for the few repetitions

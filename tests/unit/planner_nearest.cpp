@@ -49,7 +49,7 @@ TEST_CASE("nearest neighbours agree with brute force in every space", "[nearest]
       if (i % 29 != 0) continue;
       space.sample_uniform(stream, q);
       const auto expected = sorted(space, points, q);
-      CHECK(index.nearest(q).squared_distance == Approx(expected.front().squared_distance).epsilon(1e-12).margin(1e-300));
+      CHECK(index.nearest(q).squared_distance == Approx(expected.front().squared_distance).epsilon(1e-9).margin(1e-15));
       index.k_nearest(q, 7, found);
       REQUIRE(found.size() == std::min<std::size_t>(7, points.size()));
       for (std::size_t k = 0; k < found.size(); ++k) {

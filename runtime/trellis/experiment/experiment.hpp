@@ -21,7 +21,7 @@ namespace trellis {
 
 /// Problems x strategies x seeds, and how to score them.
 struct Experiment {
-  std::vector<Problem> problems;                                  ///< names are unique
+  std::vector<Problem> problems;                                 ///< names are unique
   std::vector<std::pair<std::string, StrategySpec>> strategies;  ///< in the order of the report; names are unique
   std::vector<std::uint64_t> seeds;
   std::optional<TubeSettings> measure = TubeSettings{};  ///< none: no efficiency is computed
@@ -72,8 +72,8 @@ class Interrupted : public std::runtime_error {
 };
 
 /// Checks every problem and strategy without planning: names and seeds that repeat, coordinates, bounds, start and goal
-/// in collision (naming the obstacle), settings of the measure. Throws Error. (That planners fit their spaces is checked
-/// where specs are made.)
+/// in collision (naming the obstacle), settings of the measure. Throws Error. (That planners fit their spaces is
+/// checked where specs are made.)
 void check(const Experiment& experiment);
 
 /// Checks, runs every cell and scores it in the same thread; scoring changes no run and is not in the run's time. The

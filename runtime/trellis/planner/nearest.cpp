@@ -24,7 +24,7 @@ class NearestIndex::Implementation {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t bucket = 16;
+constexpr std::size_t bucket = 32;  // the fastest of 8, 16 and 32 from 500 to 100,000 points
 
 bool nearer(const NearestIndex::Neighbour& a, const NearestIndex::Neighbour& b) {
   return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);

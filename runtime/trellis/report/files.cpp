@@ -24,14 +24,20 @@ namespace fs = std::filesystem;
   throw Error(fmt::format("cannot write '{}': {}", path, std::strerror(reason)));  // NOLINT(concurrency-mt-unsafe)
 }
 
+struct Part {
+  int file = -1;  ///< a file descriptor, -1 with errno where there is none
+  std::string name;
+};
+
 /// Opens a new file beside `path` whose name nobody else has.
-int open_beside(const std::string& path, std::string& name) {
+Part open_beside(const std::string& path) {
+  Part part;
   for (int attempt = 0; attempt < 100; ++attempt) {
-    name = fmt::format("{}.part-{}-{}", path, ::getpid(), attempt);
-    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0 || errno != EEXIST) return file;
+    part.name = fmt::format("{}.part-{}-{}", path, ::getpid(), attempt);
+    part.file = ::open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (part.file >= 0 || errno != EEXIST) break;
   }
-  return -1;
+  return part;
 }
 
 /// 0 or what went wrong. Closes the file in any case.
@@ -77,13 +83,12 @@ void write_file(const std::string& path, const std::string& content) {
   // rename() would refuse too, but only after all has been written.
   if (fs::is_directory(target, ignored)) fail(path, EISDIR);
 
-  std::string part;
-  const int file = open_beside(target, part);
-  if (file < 0) fail(path, errno);
-  int reason = write_all(file, content);
-  if (reason == 0 && std::rename(part.c_str(), target.c_str()) != 0) reason = errno;
+  const Part part = open_beside(target);
+  if (part.file < 0) fail(path, errno);
+  int reason = write_all(part.file, content);
+  if (reason == 0 && std::rename(part.name.c_str(), target.c_str()) != 0) reason = errno;
   if (reason != 0) {
-    ::unlink(part.c_str());
+    ::unlink(part.name.c_str());
     fail(path, reason);
   }
 }

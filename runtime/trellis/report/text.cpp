@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -68,20 +69,18 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-constexpr Note notes[] = {
-    // NOLINT(modernize-avoid-c-arrays)
+constexpr std::array<Note, 4> notes = {{
     {'c', "censored", "censored: no sample in the target, the figure is a floor"},
     {'p', "partial", "partial: covers less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
-};
+}};
 constexpr char median_mark = 'm';
 constexpr char other_mark = 'x';
 
 char mark_of(const std::string& flag) {
-  const auto* const it =
-      std::find_if(std::begin(notes), std::end(notes), [&](const Note& n) { return n.flag == flag; });
-  return it != std::end(notes) ? it->mark : other_mark;
+  const auto* const it = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.flag == flag; });
+  return it != notes.end() ? it->mark : other_mark;
 }
 
 /// Where a figure stands: a row and a column of the table.
@@ -538,7 +537,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
       rows.push_back({name, summarise(select_runs(result, problem, name))});
       const RunsSummary& summary = rows.back().summary;
       const std::string text = spec.text();
-      out += '\n' + wrap(name == text ? name : name + " = " + text, columns, "", "    ");
+      out += '\n' + wrap(name == text ? name : fmt::format("{} = {}", name, text), columns, "", "    ");
       out += wrap(fmt::format("solved {}/{} runs ({} %, 95 % Wilson) · {}", summary.solved, summary.runs,
                               wilson_text(summary.success), shares_text(spec)),
                   columns, "", "    ");

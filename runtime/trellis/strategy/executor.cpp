@@ -189,6 +189,9 @@ class Level {
     return record_;
   }
 
+  /// Adds time spent for this level outside its solves: making its instance by f.
+  void charge(double seconds) { record_.search.seconds += seconds; }
+
   [[nodiscard]] Instance& instance() { return *instance_; }
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
@@ -232,9 +235,13 @@ class ComponentGuidance final : public Prepared {
         guide_(find_guide(spec.name())->make(spec.options())),
         name_(GuideSpec::make(spec.name(), spec.options().entries()).text()),
         resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
+    double seconds = 0.0;
+    double* above = run.clock.switch_to(&seconds);
     auto sub = guide_->project(parent.instance());
+    run.clock.switch_to(above);
     if (!sub) return;
     level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_.get());
+    level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
 
