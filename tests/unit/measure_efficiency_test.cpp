@@ -339,3 +339,25 @@ TEST_CASE("Efficiencies repeat to the last bit") {
     CHECK(a.uniform_coverage == b.uniform_coverage);
   }
 }
+
+TEST_CASE("A tree cannot reach the invalid part of a target with the support \"all\": its divergence is infinite") {
+  const Space space = Space::euclidean({{0, 10}, {0, 10}});
+  const auto half = [](View x) { return x[0] < 4.0; };
+  TubeSettings settings = tube("full");
+  settings.support = "all";
+  const Target target(space, path_in(space), {}, settings, half, 7);
+  Configurations valid(2);
+  const Configurations drawn = uniform_samples(space, 2000, 3);
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (half(drawn[i])) valid.push(drawn[i]);
+  }
+  const Efficiency tree = efficiency(target, valid, Held::valid_only);
+  CHECK(std::isinf(tree.undefended));
+  CHECK(std::find(tree.flags.begin(), tree.flags.end(), "cannot reach") != tree.flags.end());
+  // The defended value stays finite, and pays log(1/eps) for the share that is out of reach.
+  CHECK(std::isfinite(tree.value));
+  CHECK(tree.value > efficiency(target, drawn).value + 1.0);
+  // With the support "free" the same tree has nothing that it cannot reach.
+  settings.support = "free";
+  CHECK(std::isfinite(efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, Held::valid_only).undefended));
+}

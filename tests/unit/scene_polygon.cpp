@@ -136,6 +136,7 @@ TEST_CASE("unions have the area that inclusion and exclusion gives", "[scene][po
   SECTION("random stars against membership, in any order") {
     Stream stream(2, "0", "union");
     std::vector<Polygon> stars;
+    stars.reserve(12);
     for (int i = 0; i < 12; ++i) {
       stars.push_back(brute::random_star(stream, {stream.uniform(0, 6), stream.uniform(0, 6)}, 0.3, 1.5, 5 + i));
     }

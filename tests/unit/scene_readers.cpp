@@ -23,7 +23,7 @@ namespace {
 /// The folder of scenes made by others, "" where there is none.
 std::string scenes() {
   const char* given = std::getenv("TRELLIS_SCENES");
-  const std::string folder = given != nullptr ? given : TRELLIS_SCENES_DEFAULT;
+  std::string folder = given != nullptr ? given : TRELLIS_SCENES_DEFAULT;
   if (fs::is_directory(folder)) return folder;
   WARN("SKIPPED: no scenes at " << folder << "; set TRELLIS_SCENES to the folder that holds them");
   return "";
@@ -135,7 +135,7 @@ TEST_CASE("every dynobench scene is read, its start and goal inside the boundary
   if (folder.empty()) return;
   int count = 0;
   for (const std::string kind : {"unicycle1_v0", "unicycle1_v1", "unicycle2_v0", "car1_v0", "quad2d_v0"}) {
-    for (const auto& file : fs::directory_iterator(folder + "/dynobench/" + kind)) {
+    for (const auto& file : fs::directory_iterator(fs::path(folder) / "dynobench" / kind)) {
       if (file.path().extension() != ".yaml") continue;
       ++count;
       INFO(file.path().string());

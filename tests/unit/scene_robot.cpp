@@ -48,6 +48,7 @@ Robot car_with_trailer() {
 
 Robot arm(int links, bool absolute) {
   std::vector<Body> bodies;
+  bodies.reserve(static_cast<std::size_t>(links));
   for (int i = 0; i < links; ++i) {
     bodies.push_back(box_body({{0, -0.05}, {1, 0.05}}, i - 1, i == 0 ? Vec2{0, 0} : Vec2{1, 0}, i, absolute));
   }
@@ -58,6 +59,7 @@ std::vector<Vec2> points_of(const Robot& robot, View q, const std::vector<std::p
   std::vector<Pose2> poses(robot.bodies().size());
   robot.place(q, poses);
   std::vector<Vec2> points;
+  points.reserve(marks.size());
   for (const auto& [body, p] : marks) points.push_back(poses[body](p));
   return points;
 }

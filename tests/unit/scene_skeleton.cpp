@@ -339,6 +339,7 @@ TEST_CASE("a scene's skeleton is made once, whoever asks", "[scene][skeleton]") 
   std::vector<std::shared_ptr<const Skeleton>> found(8);
   {
     std::vector<std::thread> threads;
+    threads.reserve(found.size());
     for (auto& f : found) threads.emplace_back([&f, &scene] { f = cached_medial_axis(scene); });
     for (auto& t : threads) t.join();
   }

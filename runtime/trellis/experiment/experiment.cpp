@@ -50,8 +50,8 @@ struct Cell {
         seed(experiment.seeds[index % experiment.seeds.size()]) {}
 };
 
-Efficiency score(const Target& target, const Configurations& samples) {
-  if (!target.empty() && !samples.empty()) return efficiency(target, samples);
+Efficiency score(const Target& target, const Configurations& samples, Held held = Held::anything) {
+  if (!target.empty() && !samples.empty()) return efficiency(target, samples, held);
   Efficiency none;  // no figure; what uniform sampling would have had stands where there is a target
   none.samples = samples.size();
   if (target.empty()) {
@@ -79,12 +79,17 @@ void score(RunResult& result, const TubeSettings& settings, const std::function<
   for (auto& level : result.levels) {
     if (interrupted()) throw Interrupted();
     const LevelRecord& record = level.record;
-    if (root) level.root = Scores{score(*root, record.root_nodes), score(*root, record.root_proposals)};
+    // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
+    const Held held = find_planner(record.planner)->unverified ? Held::anything : Held::valid_only;
+    if (root) {
+      level.root = Scores{score(*root, record.root_nodes, record.level == 0 ? held : Held::anything),
+                          score(*root, record.root_proposals)};
+    }
     if (&record == &top) {
       level.own = level.root;
     } else if (record.solution.solved() && !record.solution.path.empty()) {
       const Target own = make_target(record, record.solution.path, settings, result.seed);
-      level.own = Scores{score(own, record.search.nodes), score(own, record.search.proposals)};
+      level.own = Scores{score(own, record.search.nodes, held), score(own, record.search.proposals)};
     }
   }
 }

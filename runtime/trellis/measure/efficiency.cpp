@@ -144,7 +144,7 @@ void score(const Target& target, std::span<const double> log_density, Efficiency
 
 }  // namespace
 
-Efficiency efficiency(const Target& target, const Configurations& samples) {
+Efficiency efficiency(const Target& target, const Configurations& samples, Held held) {
   const measure::Frame frame(target.space());
   const std::size_t d = frame.dimension();
   Efficiency result;
@@ -184,6 +184,15 @@ Efficiency efficiency(const Target& target, const Configurations& samples) {
     if (nearest <= delta * delta || atoms.any_within(y, delta * delta)) ++covered;
     const double hit = std::min(1.0, std::exp(ball.log_volume(y, delta) - target.space().log_volume()));
     uniformly_covered -= std::expm1(total * std::log1p(-hit));
+  }
+  if (held == Held::valid_only && target.settings().support == "all") {
+    bool reaches = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (target.valid(target.pool()[i])) continue;
+      log_density[i] = -std::numeric_limits<double>::infinity();
+      reaches = false;
+    }
+    if (!reaches) result.flags.emplace_back("cannot reach");
   }
   score(target, log_density, result);
   if (density.censored()) {

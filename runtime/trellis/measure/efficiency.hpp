@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,7 +29,8 @@ struct Efficiency {
   std::size_t in_target = 0;  ///< n, samples in A
   std::string estimator = "knn";
   /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
-  /// (coverage below uniform's), "too few samples" (fewer than k that are no atoms), "empty target".
+  /// (coverage below uniform's), "too few samples" (fewer than k that are no atoms), "empty target", "cannot reach"
+  /// (part of T is invalid, and the samples can never be).
   std::vector<std::string> flags;
 };
 
@@ -36,7 +38,10 @@ struct Efficiency {
 /// wrap-around and atoms (exact duplicates carry mass but no density).
 /// \param samples  N configurations of the target's space; not sorted, may hold duplicates; those outside of C count in
 ///                 N but can reach no point of A
+/// \param held     what Q can hold at all: a tree has no density on invalid configurations, so that with the support
+///                 "all" its divergence is infinite
 /// Throws Error for samples of another dimension or with coordinates that are not finite.
-Efficiency efficiency(const Target& target, const Configurations& samples);
+enum class Held : std::uint8_t { anything, valid_only };
+Efficiency efficiency(const Target& target, const Configurations& samples, Held held = Held::anything);
 
 }  // namespace trellis

@@ -36,11 +36,13 @@ class Target {
 
   /// \param space     the space that the path lies in
   /// \param path      P, at least one configuration (one point gives a ball)
-  /// \param position  indices of the axes that hold the reference point's position (planar distance); empty: full
-  /// metric \param valid     validity in the space; not counted in any level's checks \param seed      of the quasi
-  /// Monte Carlo shift Calls `valid` for points of the tube only, about pool / free share times and at most 16 pool
-  /// times. Throws Error for settings out of range, a path outside the space, an empty path; a tube without any valid
-  /// configuration makes an empty target (log_volume = -inf), which scores nothing.
+  /// \param position  axes of the reference point's position, for the planar distance; empty: the full metric
+  /// \param valid     validity in the space; not counted in any level's checks
+  /// \param seed      of the quasi Monte Carlo shift
+  ///
+  /// Calls `valid` for points of the tube only, about pool / free share times and at most 16 pool times. Throws Error
+  /// for settings out of range, a path outside the space, an empty path; a tube without any valid configuration makes
+  /// an empty target (log_volume = -inf), which scores nothing.
   Target(const Space& space, const Configurations& path, std::vector<std::size_t> position,
          const TubeSettings& settings, const Valid& valid, std::uint64_t seed);
 
@@ -55,6 +57,8 @@ class Target {
   [[nodiscard]] double free_share() const { return free_share_; }
   /// Whether x lies in A (geometry and, for "free" support, validity).
   [[nodiscard]] bool contains(View x) const;
+  /// Validity of x, whatever the support; true where the target was made without a validity.
+  [[nodiscard]] bool valid(View x) const { return !valid_ || valid_(x); }
   /// The distance from x to P in the target's sense (planar or full). P is thinned: waypoints within delta / 1000 of
   /// the line that replaces them are left out.
   [[nodiscard]] double distance(View x) const;

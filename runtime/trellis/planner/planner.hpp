@@ -90,6 +90,8 @@ struct PlannerKind {
   std::unique_ptr<Planner> (*make)(const Options&, Planner::Task) = nullptr;
   /// Searches explicit graphs (and only these).
   bool graph = false;
+  /// Its nodes may be invalid: it looks at a few of them only.
+  bool unverified = false;
 };
 
 /// All planners, in the order of the reference.

@@ -281,7 +281,7 @@ PlannerKind lazy_prm_kind() {
             return std::make_unique<RoadmapPlanner>(
                 settings, RoadmapPlanner::Mode{true, settings.samples, settings.batch}, std::move(task));
           },
-          false};
+          false, true};
 }
 
 }  // namespace trellis

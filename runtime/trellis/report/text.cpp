@@ -69,11 +69,12 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-constexpr std::array<Note, 4> notes = {{
+constexpr std::array<Note, 5> notes = {{
     {'c', "censored", "censored: no sample in the target, the figure is a floor"},
     {'p', "partial", "partial: covers less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
+    {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};
 constexpr char median_mark = 'm';
 constexpr char other_mark = 'x';

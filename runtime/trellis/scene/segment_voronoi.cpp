@@ -45,10 +45,10 @@ SegmentVoronoi segment_voronoi(const std::vector<Vec2>& points,
   for (auto v = graph.finite_vertices_begin(); v != graph.finite_vertices_end(); ++v) {
     const auto& site = v->site();
     if (site.is_point()) {
-      found.push_back({{vec(site.point()), vec(site.point()), true}, v});
+      found.emplace_back(SegmentVoronoi::Site{vec(site.point()), vec(site.point()), true}, v);
     } else {
       const Vec2 a = vec(site.source()), b = vec(site.target());
-      found.push_back({before(b, a) ? SegmentVoronoi::Site{b, a, false} : SegmentVoronoi::Site{a, b, false}, v});
+      found.emplace_back(before(b, a) ? SegmentVoronoi::Site{b, a, false} : SegmentVoronoi::Site{a, b, false}, v);
     }
   }
   const auto site_key = [](const SegmentVoronoi::Site& s) { return std::tuple(s.a.x, s.a.y, s.b.x, s.b.y, s.point); };

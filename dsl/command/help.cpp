@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/language/vocabulary.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+int help(const std::string& topic, const std::string& usage) {
+  if (topic.empty()) {
+    print_all(
+        fmt::format("{}\n{}\n'trellis help WORD' tells what is known about a word, 'trellis run --help' about a "
+                    "command.\n",
+                    usage, dsl::vocabulary_text()));
+  } else {
+    print_all(dsl::help_text(topic));
+  }
+  return success;
+}
+
+int version() {
+  print_all(fmt::format("trellis {}\n", trellis::version()));
+  return success;
+}
+
+}  // namespace trellis::command

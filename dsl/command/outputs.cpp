@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/outputs.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const std::string& reason) {
+  throw Error(fmt::format("cannot write '{}': {}", path, reason));
+}
+
+std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread yet
+
+/// Makes and removes a file in the folder: permissions alone do not tell, as on file systems that are read only.
+void try_folder(const fs::path& folder, const std::string& output) {
+  const std::string probe = (folder / fmt::format(".trellis-{}", ::getpid())).string();
+  const int file = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) fail(output, reason_of(errno));
+  ::close(file);
+  ::unlink(probe.c_str());
+}
+
+}  // namespace
+
+void require_writable_file(const std::string& path) {
+  if (path.empty()) fail(path, "the name is empty");
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (fs::is_directory(status)) fail(path, reason_of(EISDIR));
+  if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) fail(path, reason_of(errno));
+  if (fs::exists(status) && !fs::is_regular_file(status)) return;  // a terminal, a pipe: written as a stream
+  // The file that a link names is replaced, not the link.
+  const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, error)) fail(path, fmt::format("there is no folder '{}'", folder.string()));
+  if (target.filename().empty()) fail(path, reason_of(EISDIR));
+  try_folder(folder, path);
+}
+
+OutputFolder::OutputFolder(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code error;
+  const bool existed = fs::exists(path, error);
+  if (existed && !fs::is_directory(path, error)) fail(path, reason_of(ENOTDIR));
+  if (!existed) {
+    fs::create_directories(path, error);
+    if (error) fail(path, error.message());
+    made_ = path;
+  }
+  try_folder(path, path);
+}
+
+OutputFolder::~OutputFolder() {
+  // Only where it is empty still: remove() takes nothing else.
+  std::error_code ignored;
+  if (!made_.empty()) fs::remove(made_, ignored);
+}
+
+void print_all(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    fail("standard output", reason_of(errno));
+  }
+}
+
+}  // namespace trellis::command

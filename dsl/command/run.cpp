@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/interrupt.hpp>
+#include <dsl/command/numbers.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/progress.hpp>
+#include <dsl/language/session.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+constexpr std::uint64_t most_jobs = 1024;
+constexpr int unbounded_width = 160;
+
+ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
+  const InterruptibleRun interruptible;
+  Progress progress(!quiet);
+  progress.show(0, experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size());
+  return run(experiment, {.jobs = jobs,
+                          .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
+                          .interrupted = InterruptibleRun::requested});
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  const auto seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
+  const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
+  const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
+
+  dsl::SessionOptions session;
+  session.seed = seed.value_or(session.seed);
+  dsl::Program program = dsl::load_script(options.script, session);
+  dsl::override_seeds(program, seeds, seed);
+
+  // A run may take hours: what would make its results impossible to keep is found out first.
+  if (!options.json.empty()) require_writable_file(options.json);
+  OutputFolder samples(options.samples);
+
+  const ExperimentResult result = run_cells(program.experiment, static_cast<unsigned>(jobs.value_or(1)), options.quiet);
+
+  // One output that fails does not take the others with it.
+  std::optional<Error> failure;
+  const auto attempt = [&](const std::function<void()>& write) {
+    try {
+      write();
+    } catch (const Error& error) {
+      if (!failure) failure = error;
+    }
+  };
+  if (!options.quiet) {
+    attempt([&] { print_all(report_text(program.experiment, result, report_width(unbounded_width))); });
+  }
+  if (!options.json.empty()) {
+    attempt([&] { write_file(options.json, report_json(program.experiment, result, options.script)); });
+  }
+  if (!options.samples.empty()) {
+    attempt([&] { write_samples(result, options.samples); });
+    samples.keep();
+  }
+  if (failure) throw Error(*failure);
+  return success;
+}
+
+}  // namespace trellis::command

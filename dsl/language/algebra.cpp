@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/algebra.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <trellis/strategy/registry.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Value;
+
+/// Composition distributes over mixtures, so a few operators can ask for more components than any memory holds.
+constexpr std::size_t most_components = 1000;
+
+std::size_t sum_over_terms(const GuideSpec& guide, std::size_t (*count)(const GuideSpec&)) {
+  std::size_t sum = 0;
+  for (const auto& term : guide.terms()) sum += count(term.guide);
+  return sum;
+}
+
+std::size_t components_of(const GuideSpec& guide) {
+  if (guide.kind() != GuideSpec::Kind::component) return sum_over_terms(guide, components_of);
+  return 1 + (guide.below() != nullptr ? components_of(*guide.below()) : 0);
+}
+
+/// The components without a guide of their own: where a guide put in front is copied to.
+std::size_t ends_of(const GuideSpec& guide) {
+  if (guide.kind() != GuideSpec::Kind::component) return sum_over_terms(guide, ends_of);
+  return guide.below() != nullptr ? ends_of(*guide.below()) : 1;
+}
+
+void check_size(std::size_t components) {
+  if (components <= most_components) return;
+  throw Error(
+      fmt::format("the composition would have {} components; at most {} are allowed", components, most_components));
+}
+
+/// Throws where an operand is a constructor that was not called: the slip that every message about types would hide.
+void check_called(const char* symbol, Value a, Value b) {
+  for (const Value& operand : {a, b}) {
+    if (const auto* constructor = operand.get<Constructor>()) {
+      throw Error(fmt::format("'{}': '{}' is a constructor: call it, as in {}()", symbol, constructor->component->name,
+                              constructor->component->name));
+    }
+  }
+}
+
+[[noreturn]] void reject(const char* symbol, Value a, Value b, const std::string& why) {
+  throw Error(fmt::format("'{}' cannot compose {} and {}: {}", symbol, describe(a), describe(b), why));
+}
+
+int nest(Stack& call) {
+  const Value a = call[1], b = call[2];
+  check_called(">>", a, b);
+  const auto* above = a.get<GuideSpec>();
+  if (above == nullptr) {
+    if (a.get<PlannerSpec>() != nullptr) {
+      reject(">>", a, b, "a planner cannot guide; it ends a strategy, so write guide >> planner");
+    }
+    if (a.get<StrategySpec>() != nullptr) {
+      reject(">>", a, b, "a strategy is closed by its planner and cannot guide; put guides in front of the planner");
+    }
+    reject(">>", a, b, "the left side must be a guide");
+  }
+  if (const auto* guided = b.get<GuideSpec>()) {
+    check_size(components_of(*guided) + ends_of(*guided) * components_of(*above));
+    return call.result(*above >> *guided);
+  }
+  const auto strategy = as_strategy(b);
+  if (!strategy) reject(">>", a, b, "the right side must be a guide, a planner or a strategy");
+  if (const auto* guided = strategy->guide()) {
+    check_size(components_of(*guided) + ends_of(*guided) * components_of(*above));
+  }
+  return call.result(*above >> *strategy);
+}
+
+/// Why `+` and `..` refuse what is no guide.
+std::string guides_only(const char* symbol, Value a, Value b) {
+  const auto planner = [](Value v) { return v.get<PlannerSpec>() != nullptr; };
+  const auto strategy = [](Value v) { return v.get<StrategySpec>() != nullptr; };
+  if (planner(a) || planner(b)) {
+    return fmt::format("a planner is no guide; compose the guides first: (a {} b) >> planner", symbol);
+  }
+  if (strategy(a) || strategy(b)) {
+    return fmt::format("a strategy is closed by its planner; compose the guides first: (a {} b) >> planner", symbol);
+  }
+  return "both sides must be guides";
+}
+
+int mix(Stack& call) {
+  const Value a = call[1], b = call[2];
+  check_called("+", a, b);
+  const auto* left = a.get<GuideSpec>();
+  const auto* right = b.get<GuideSpec>();
+  if (left == nullptr || right == nullptr) {
+    const bool number = a.number().has_value() || b.number().has_value();
+    reject("+", a, b, guides_only("+", a, b) + (number ? "; a weight is written 0.5 * guide" : ""));
+  }
+  check_size(components_of(*left) + components_of(*right));
+  return call.result(*left + *right);
+}
+
+int weigh(Stack& call) {
+  Value number = call[1], guide = call[2];
+  check_called("*", number, guide);
+  if (guide.number()) std::swap(number, guide);
+  if (!number.number() || guide.get<GuideSpec>() == nullptr) {
+    reject("*", call[1], call[2], "it weights a guide by a number, as in 0.5 * guide");
+  }
+  return call.result(*number.number() * *guide.get<GuideSpec>());
+}
+
+int follow(Stack& call) {
+  const Value a = call[1], b = call[2];
+  check_called("..", a, b);
+  const auto* left = a.get<GuideSpec>();
+  const auto* right = b.get<GuideSpec>();
+  if (left == nullptr || right == nullptr) {
+    const bool text = a.string().has_value() || b.string().has_value();
+    reject("..", a, b, guides_only("..", a, b) + (text ? "; tostring(guide) gives its text" : ""));
+  }
+  check_size(components_of(*left) + components_of(*right));
+  return call.result(sequence({*left, *right}));
+}
+
+template <class T>
+int equal(Stack& call) {
+  const auto* a = call[1].get<T>();
+  const auto* b = call[2].get<T>();
+  return call.result(a != nullptr && b != nullptr && *a == *b);
+}
+
+template <>
+int equal<StrategySpec>(Stack& call) {
+  const auto* left = call[1].get<PlannerSpec>();
+  const auto* right = call[2].get<PlannerSpec>();
+  if (left != nullptr && right != nullptr) return call.result(*left == *right);
+  // A planner is a strategy.
+  const auto a = as_strategy(call[1]);
+  const auto b = as_strategy(call[2]);
+  return call.result(a && b && *a == *b);
+}
+
+template <class T>
+int to_text(Stack& call) {
+  const auto* spec = call[1].get<T>();
+  return call.result(spec != nullptr ? spec->text() : call[1].describe());
+}
+
+int constructor_text(Stack& call) {
+  const auto* constructor = call[1].get<Constructor>();
+  if (constructor == nullptr) return call.result(call[1].describe());
+  const auto& [kind, name, summary, source, options, positional] = *constructor->component;
+  return call.result(fmt::format("{}: {}, {}", name, to_string(kind), summary));
+}
+
+int construct(Stack& call) {
+  const auto* constructor = call[1].get<Constructor>();
+  if (constructor == nullptr) throw Error("not a constructor");
+  const Component& component = *constructor->component;
+  Origin origin;
+  if (const auto position = call.where()) origin = {position->script, position->line};
+  if (component.kind == Component::Kind::planner) {
+    Given given = read_options(component, call, 2, false);
+    return call.result(PlannerSpec::make(component.name, given.options, origin));
+  }
+  Given given = read_options(component, call, 2, true);
+  return call.result(GuideSpec::make(component.name, given.options, std::move(given.planner), origin));
+}
+
+/// What can be asked of a spec that can be executed.
+int inspect(Stack& call) {
+  const std::vector<std::string> known = {"tree", "json", "hash"};
+  const auto asked = call[2].string();
+  const auto found = asked ? std::find(known.begin(), known.end(), *asked) : known.end();
+  if (found == known.end()) {
+    throw Error(fmt::format("{} has no field {}{}; it has: tree(), json(), hash()", describe(call[1]),
+                            call[2].describe(), asked ? did_you_mean(*asked, known) : ""));
+  }
+  call.push_function([what = *found](Stack& method) {
+    const auto strategy = as_strategy(method[1]);
+    if (!strategy) throw Error(fmt::format("{} is called with a colon: strategy:{}()", what, what));
+    if (what == "tree") return method.result(strategy->tree());
+    if (what == "json") return method.result(strategy->json());
+    return method.result(fmt::format("{:016x}", strategy->hash()));
+  });
+  return 1;
+}
+
+int no_fields(Stack& call) { throw Error(fmt::format("{} has no field {}", describe(call[1]), call[2].describe())); }
+
+int immutable(Stack& call) {
+  throw Error(fmt::format("{} cannot be changed: specs are values; write a new one", describe(call[1])));
+}
+
+/// The operators that mean nothing for specs, so that using one says what would.
+void add_refusals(lua::Metamethods& metamethods) {
+  constexpr std::array<std::pair<const char*, const char*>, 13> binary = {{{"__sub", "-"},
+                                                                           {"__div", "/"},
+                                                                           {"__mod", "%"},
+                                                                           {"__pow", "^"},
+                                                                           {"__idiv", "//"},
+                                                                           {"__band", "&"},
+                                                                           {"__bor", "|"},
+                                                                           {"__bxor", "~"},
+                                                                           {"__shl", "<<"},
+                                                                           {"__lt", "<"},
+                                                                           {"__le", "<="},
+                                                                           {"__unm", "-"},
+                                                                           {"__bnot", "~"}}};
+  for (const auto& [event, symbol] : binary) {
+    metamethods.emplace_back(
+        event,
+        [symbol = symbol,
+         unary = std::string_view(event) == "__unm" || std::string_view(event) == "__bnot"](Stack& call) -> int {
+          constexpr const char* offer = "guides compose with '>>', '+', '*' and '..'";
+          check_called(symbol, call[1], call[2]);
+          if (unary) throw Error(fmt::format("'{}' means nothing for {}: {}", symbol, describe(call[1]), offer));
+          reject(symbol, call[1], call[2], offer);
+        });
+  }
+  metamethods.emplace_back(
+      "__len", [](Stack& call) -> int { throw Error(fmt::format("'#' means nothing for {}", describe(call[1]))); });
+  metamethods.emplace_back("__newindex", immutable);
+}
+
+lua::Metamethods operators(lua::Callback text) {
+  lua::Metamethods all = {
+      {"__shr", nest}, {"__add", mix}, {"__mul", weigh}, {"__concat", follow}, {"__tostring", std::move(text)}};
+  add_refusals(all);
+  return all;
+}
+
+template <class T>
+void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index) {
+  auto metamethods = operators(to_text<T>);
+  metamethods.emplace_back("__eq", std::move(equality));
+  metamethods.emplace_back("__index", std::move(index));
+  metamethods.emplace_back("__call", [](Stack& call) -> int {
+    throw Error(fmt::format("{} is made already and cannot be called", describe(call[1])));
+  });
+  stack.declare<T>(std::move(metamethods));
+}
+
+struct SequenceSettings {
+  std::int64_t turn = default_turn;
+};
+
+const Settings<SequenceSettings>& sequence_settings() {
+  static const auto settings =
+      Settings<SequenceSettings>(Component::Kind::combinator, "sequence", "guides that take turns", "")
+          .integer("turn", &SequenceSettings::turn, "proposals", Range::at_least(1),
+                   "proposals that each part serves before the next one's turn");
+  return settings;
+}
+
+int make_sequence(Stack& call) {
+  const Arguments arguments(sequence_construct(), call);
+  std::vector<GuideSpec> parts;
+  std::size_t components = 0;
+  arguments.each([&](std::size_t i, Value value) {
+    const auto* guide = value.get<GuideSpec>();
+    if (guide == nullptr) {
+      throw Error(fmt::format("sequence: element {} must be a guide, got {}", i, describe(value)));
+    }
+    parts.push_back(*guide);
+    components += components_of(*guide);
+  });
+  if (parts.empty()) throw Error("sequence: it needs at least one guide");
+  check_size(components);
+  return call.result(sequence(parts, sequence_settings().read(arguments.options()).turn));
+}
+
+}  // namespace
+
+std::optional<StrategySpec> as_strategy(Value value) {
+  if (const auto* strategy = value.get<StrategySpec>()) return *strategy;
+  if (const auto* planner = value.get<PlannerSpec>()) return StrategySpec(*planner);
+  return {};
+}
+
+const Construct& sequence_construct() {
+  static const Construct construct = {
+      .name = "sequence",
+      .usage = "sequence { a, b, turn = 200 }",
+      .summary = "guides that take turns, each informing the next; a .. b is sequence { a, b }",
+      .list = "guides",
+      .fields = {},
+      .options = sequence_settings().component()};
+  return construct;
+}
+
+void open_algebra(Stack& stack) {
+  declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect);
+  declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields);
+  declare_spec<StrategySpec>(stack, equal<StrategySpec>, inspect);
+  auto constructor = operators(constructor_text);
+  constructor.emplace_back("__call", construct);
+  constructor.emplace_back("__index", no_fields);
+  stack.declare<Constructor>(std::move(constructor));
+  for (const Component* component : components()) {
+    if (component->kind != Component::Kind::planner && component->kind != Component::Kind::guide) continue;
+    stack.push_object(Constructor{component});
+    stack.set_global(component->name);
+  }
+  stack.push_function(make_sequence);
+  stack.set_global(sequence_construct().name);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <dsl/language/construct.hpp>
+#include <dsl/lua/stack.hpp>
+
+namespace trellis::dsl {
+
+/// Makes the specs and their operators known, and a constructor of each planner and guide of the registry.
+void open_algebra(lua::Stack& stack);
+
+/// sequence { a, b, turn = 200 }.
+const Construct& sequence_construct();
+
+/// A planner or strategy as a strategy, none for anything else.
+std::optional<StrategySpec> as_strategy(lua::Value value);
+
+}  // namespace trellis::dsl

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/construct.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Type;
+using lua::Value;
+
+std::vector<std::string> names_of(const Construct& construct) {
+  std::vector<std::string> names;
+  for (const auto& field : construct.fields) names.push_back(field.name);
+  for (const auto& option : construct.options.options) names.push_back(option.name);
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+/// The value as an option holds it; none where an option cannot hold it.
+std::optional<OptionValue> option_value(Value value) {
+  if (value.is_integer()) return OptionValue(*value.integer());
+  if (const auto number = value.number()) return OptionValue(*number);
+  if (const auto boolean = value.boolean()) return OptionValue(*boolean);
+  if (const auto text = value.string()) return OptionValue(*text);
+  return {};
+}
+
+/// Adds what was given for an option. Whether the option exists is left to Options::validate, which knows what to say.
+void add_option(const Component& component, const std::string& name, Value value, std::vector<Options::Entry>& given) {
+  const auto taken = std::any_of(given.begin(), given.end(), [&](const auto& entry) { return entry.first == name; });
+  if (taken) {
+    throw Error(fmt::format("{}: option '{}' is given twice, with its name and without", component.name, name));
+  }
+  const auto converted = option_value(value);
+  if (const Option* option = component.find(name); option != nullptr && !converted) {
+    throw Error(
+        fmt::format("{}: option '{}' must be {}, got {}", component.name, name, expectation(*option), describe(value)));
+  }
+  given.emplace_back(name, converted.value_or(false));
+}
+
+std::string unnamed(const Component& component) {
+  if (component.positional.empty()) return "takes no option without a name";
+  return fmt::format("takes {} without a name ({})",
+                     component.positional.size() == 1 ? std::string("one option")
+                                                      : fmt::format("{} options", component.positional.size()),
+                     joined(component.positional));
+}
+
+/// Reads one call's options; see read_options.
+class OptionReader {
+ public:
+  OptionReader(const Component& component, bool planner) : component_(component), takes_planner_(planner) {}
+
+  void unnamed_option(Value value) {
+    if (const auto* planner = value.get<PlannerSpec>(); planner != nullptr && takes_planner_) {
+      throw Error(fmt::format("{}: a planner is given by name: planner = {}", component_.name, planner->text()));
+    }
+    if (next_ >= component_.positional.size()) {
+      throw Error(fmt::format("{}: {}, got {}; name the others, as in {} {{ name = value }}", component_.name,
+                              unnamed(component_), describe(value), component_.name));
+    }
+    const std::string& name = component_.positional[next_++];
+    if (!value.given()) throw Error(fmt::format("{}: option '{}' is nil", component_.name, name));
+    add_option(component_, name, value, given_.options);
+  }
+
+  void table(Value table) {
+    const lua::Keys keys = table.keys();
+    if (!keys.odd.empty()) {
+      throw Error(fmt::format("{}: options are named, or given in order; got {}", component_.name, keys.odd));
+    }
+    table.each([&](std::size_t, Value value) { unnamed_option(value); });
+    for (const auto& name : keys.names) named(name, table.field(name));
+  }
+
+  Given take() { return std::move(given_); }
+
+ private:
+  void named(const std::string& name, Value value) {
+    constexpr const char* planner_name = "planner";
+    if (takes_planner_ && name == planner_name) {
+      const auto* planner = value.get<PlannerSpec>();
+      if (planner == nullptr) {
+        throw Error(fmt::format("{}: option 'planner' must be a planner, as rrt_connect {{}}, got {}", component_.name,
+                                describe(value)));
+      }
+      given_.planner = *planner;
+      return;
+    }
+    if (takes_planner_ && component_.find(name) == nullptr) {
+      std::vector<std::string> known = {planner_name};
+      for (const auto& option : component_.options) known.push_back(option.name);
+      if (nearest_name(name, known) == planner_name) {
+        throw Error(fmt::format("{}: unknown option '{}'{}", component_.name, name, did_you_mean(name, known)));
+      }
+    }
+    add_option(component_, name, value, given_.options);
+  }
+
+  const Component& component_;
+  bool takes_planner_;
+  std::size_t next_ = 0;  // of the unnamed options
+  Given given_;
+};
+
+}  // namespace
+
+Arguments::Arguments(const Construct& construct, lua::Stack& call) : construct_(construct), call_(call) {
+  const auto fail = [&](const std::string& fault) -> void { throw Error(construct.name + ": " + fault); };
+  if (call.count() == 1 && call[1].type() == Type::table) {
+    table_ = call[1];
+    const lua::Keys keys = table_->keys();
+    if (!keys.odd.empty()) fail(fmt::format("fields have names, elements the numbers 1, 2, ...; got {}", keys.odd));
+    count_ = keys.length;
+    const auto known = names_of(construct);
+    for (const auto& name : keys.names) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      fail(fmt::format("unknown field '{}'{}{}", name, did_you_mean(name, known),
+                       known.empty() ? "; it has none" : "; its fields are: " + joined(known)));
+    }
+  } else {
+    count_ = static_cast<std::size_t>(call.count());
+  }
+  if (count_ > 0 && construct.list.empty()) {
+    std::string first;
+    each([&](std::size_t i, Value value) { first = i == 1 ? describe(value) : first; });
+    fail(fmt::format("takes named fields only, as in {}; got {}", construct.usage, first));
+  }
+  for (const auto& field : construct.fields) {
+    if (field.required && !(*this)[field.name].given()) {
+      fail(fmt::format("field '{}' is missing: {}, {}", field.name, field.expects, field.doc));
+    }
+  }
+}
+
+void Arguments::each(const std::function<void(std::size_t, Value)>& visit) const {
+  if (table_) {
+    table_->each(visit);
+  } else {
+    for (std::size_t i = 1; i <= count_; ++i) visit(i, call_[static_cast<int>(i)]);
+  }
+}
+
+Value Arguments::operator[](const std::string& name) const {
+  if (table_) return table_->field(name);
+  call_.push_nil();
+  return call_.top();
+}
+
+std::optional<std::string> Arguments::string(const std::string& name) const {
+  const Value value = (*this)[name];
+  if (!value.given()) return {};
+  auto text = value.string();
+  if (!text) reject(name);
+  return text;
+}
+
+Options Arguments::options() const {
+  std::vector<Options::Entry> given;
+  for (const auto& option : construct_.options.options) {
+    const Value value = (*this)[option.name];
+    if (value.given()) add_option(construct_.options, option.name, value, given);
+  }
+  return Options::validate(construct_.options, given);
+}
+
+void Arguments::reject(const std::string& name) const {
+  const auto& fields = construct_.fields;
+  const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
+  if (field == fields.end()) throw Fault(construct_.name + " has no field " + name);
+  throw Error(
+      fmt::format("{}: field '{}' must be {}, got {}", construct_.name, name, field->expects, describe((*this)[name])));
+}
+
+Given read_options(const Component& component, lua::Stack& call, int first, bool planner) {
+  OptionReader reader(component, planner);
+  const int last = call.count();
+  for (int i = first; i <= last; ++i) {
+    const Value value = call[i];
+    if (value.type() != Type::table) {
+      reader.unnamed_option(value);
+    } else if (i == last) {
+      reader.table(value);
+    } else {
+      throw Error(fmt::format("{}: one table of options ends the call; there is more after it", component.name));
+    }
+  }
+  return reader.take();
+}
+
+std::vector<double> read_numbers(Value value, const std::string& what) {
+  if (value.type() != Type::table)
+    throw Error(fmt::format("{} must be a list of numbers, got {}", what, describe(value)));
+  const lua::Keys keys = value.keys();
+  if (!keys.odd.empty()) throw Error(fmt::format("{} must be a list of numbers, got one with {}", what, keys.odd));
+  if (!keys.names.empty()) {
+    throw Error(fmt::format("{} must be a list of numbers, got one with the field '{}'", what, keys.names.front()));
+  }
+  std::vector<double> numbers;
+  value.each([&](std::size_t i, Value element) {
+    const auto number = element.number();
+    if (!number || !std::isfinite(*number)) {
+      throw Error(fmt::format("{} must be a list of finite numbers, got {} as number {}", what, describe(element), i));
+    }
+    numbers.push_back(*number);
+  });
+  return numbers;
+}
+
+lua::Callback missing_field(const std::string& module) {
+  return [module](lua::Stack& call) -> int {
+    const auto name = call[2].string();
+    const auto known = call[1].keys().names;
+    if (!name) throw Error(fmt::format("{} has no field {}", module, describe(call[2])));
+    throw Error(fmt::format("{} has no '{}'{}; it has: {}", module, *name, did_you_mean(*name, known), joined(known)));
+  };
+}
+
+std::string describe(Value value) {
+  const auto quoted = [](const char* type, std::string text) {
+    constexpr std::size_t longest = 100;
+    if (text.size() > longest) text.replace(longest, std::string::npos, "...");
+    return fmt::format("the {} '{}'", type, text);
+  };
+  if (const auto* planner = value.get<PlannerSpec>()) return quoted("planner", planner->text());
+  if (const auto* guide = value.get<GuideSpec>()) return quoted("guide", guide->text());
+  if (const auto* strategy = value.get<StrategySpec>()) return quoted("strategy", strategy->text());
+  if (const auto* constructor = value.get<Constructor>()) {
+    const std::string& name = constructor->component->name;
+    return fmt::format("the constructor '{}' (call it: {}())", name, name);
+  }
+  return value.describe();
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <dsl/language/types.hpp>
+#include <dsl/lua/stack.hpp>
+
+namespace trellis::dsl {
+
+/// Lists in lists are opened down to this depth.
+inline constexpr std::size_t deepest_list = 50;
+
+/// A named field of a constructor that holds more than an option can: a list, a world, a planner.
+struct Field {
+  std::string name;
+  std::string expects;  ///< "a list of numbers"
+  std::string doc;
+  bool required = false;
+};
+
+/// A constructor that is no component: world, problem, experiment, ... Described once; unknown and missing fields,
+/// messages and help come from here.
+struct Construct {
+  std::string name;
+  std::string usage;  ///< an example in the language
+  std::string summary;
+  std::string list;  ///< what its unnamed elements are, "" where it takes none
+  std::vector<Field> fields;
+  Component options;  ///< the fields that are plain options; none where it has no name
+};
+
+/// What a call of a construct was given: one table, or only unnamed elements.
+class Arguments {
+ public:
+  /// Throws Error for fields that the construct does not have, keys that are no names, and required fields that are
+  /// missing.
+  Arguments(const Construct& construct, lua::Stack& call);
+
+  /// Calls `visit` with each unnamed element and its number, from 1.
+  void each(const std::function<void(std::size_t, lua::Value)>& visit) const;
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// The field's value, nil where it was not given.
+  [[nodiscard]] lua::Value operator[](const std::string& name) const;
+  /// The field's string; none where it was not given. Throws Error where it is something else.
+  [[nodiscard]] std::optional<std::string> string(const std::string& name) const;
+  /// The options of the construct, validated.
+  [[nodiscard]] Options options() const;
+  /// Throws an Error that the field is not what is expected.
+  [[noreturn]] void reject(const std::string& name) const;
+
+ private:
+  const Construct& construct_;
+  lua::Stack& call_;
+  std::optional<lua::Value> table_;
+  std::size_t count_ = 0;
+};
+
+/// The options that a component was given in a call, from argument `first`: unnamed ones by the component's
+/// `positional`, then named ones of a table.
+struct Given {
+  std::vector<Options::Entry> options;
+  std::optional<PlannerSpec> planner;
+};
+/// \param planner  the component may be given a planner of its own search, as `planner = ...`
+Given read_options(const Component& component, lua::Stack& call, int first, bool planner);
+
+/// The finite numbers in a list. `what` names it in messages: "problem: field 'start'".
+std::vector<double> read_numbers(lua::Value value, const std::string& what);
+
+/// For lua::Stack::on_missing: reading a field that a module does not have is an error with the nearest name.
+lua::Callback missing_field(const std::string& module);
+
+/// What a value is, for messages: specs with their text, constructors with a hint.
+std::string describe(lua::Value value);
+
+}  // namespace trellis::dsl

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/experiment.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <dsl/language/algebra.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+struct ExperimentSettings {
+  std::int64_t seed = 1;
+  std::int64_t shortcut = 0;
+};
+
+const Settings<ExperimentSettings>& experiment_settings() {
+  static const auto settings =
+      Settings<ExperimentSettings>(Component::Kind::target, "experiment", "problems x strategies x seeds", "")
+          .integer("seed", &ExperimentSettings::seed, "", Range::non_negative(),
+                   "the first of consecutive seeds, where 'seeds' is their number")
+          .integer("shortcut", &ExperimentSettings::shortcut, "rounds", Range::non_negative(),
+                   "rounds of shortcutting on each found path before it is reported");
+  return settings;
+}
+
+/// Reads problems from a problem, a list of problems, and lists in it, in order.
+class ProblemReader {
+ public:
+  void read(const std::string& what, Value value) {
+    if (const auto* problem = value.get<Problem>()) {
+      problems_.push_back(*problem);
+      return;
+    }
+    if (value.type() != Type::table) {
+      throw Error(fmt::format("experiment: {} must be a problem or a list of problems, got {}", what, describe(value)));
+    }
+    const void* list = value.identity();
+    if (std::find(within_.begin(), within_.end(), list) != within_.end()) {
+      throw Error(fmt::format("experiment: {} is a list that contains itself (a cycle)", what));
+    }
+    const lua::Keys keys = value.keys();
+    if (!keys.names.empty() || !keys.odd.empty()) {
+      throw Error(fmt::format("experiment: {} must be a problem or a list of problems, got a table with {}", what,
+                              keys.names.empty() ? keys.odd : "the field '" + keys.names.front() + "'"));
+    }
+    if (within_.size() >= deepest_list) {
+      throw Error(fmt::format("experiment: lists of problems are nested over {} deep", deepest_list));
+    }
+    within_.push_back(list);
+    value.each([&](std::size_t i, Value element) { read(fmt::format("element {} of {}", i, what), element); });
+    within_.pop_back();
+  }
+
+  std::vector<Problem> take() { return std::move(problems_); }
+
+ private:
+  std::vector<Problem> problems_;
+  std::vector<const void*> within_;  // the lists that are being read
+};
+
+/// A strategy, or an error that says what is missing. `container`: the table it stands in.
+StrategySpec read_strategy(const std::string& what, Value value, const void* container) {
+  if (auto strategy = as_strategy(value)) return *strategy;
+  if (value.get<GuideSpec>() != nullptr) {
+    throw Error(fmt::format("{} has no planner at its root: {} only guides; end it with >> rrt {{}} or another planner",
+                            what, describe(value)));
+  }
+  const bool cycle = value.type() == Type::table && value.identity() == container;
+  throw Error(fmt::format("{} must be a strategy, as guide >> planner, or a planner, got {}", what,
+                          cycle ? "the table that it stands in (a cycle)" : describe(value)));
+}
+
+std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Arguments& arguments) {
+  const Value table = arguments["strategies"];
+  if (table.type() != Type::table) arguments.reject("strategies");
+  const lua::Keys keys = table.keys();
+  if (!keys.odd.empty()) {
+    throw Error(fmt::format("experiment: field 'strategies' maps names to strategies, got {}", keys.odd));
+  }
+  std::vector<std::pair<std::string, StrategySpec>> strategies;
+  table.each([&](std::size_t i, Value element) {
+    const std::string what = fmt::format("experiment: strategy {}", i);
+    if (element.type() != Type::table) {
+      auto strategy = read_strategy(what, element, table.identity());
+      std::string text = strategy.text();
+      strategies.emplace_back(std::move(text), std::move(strategy));
+      return;
+    }
+    const lua::Keys pair = element.keys();
+    const bool is_pair = pair.length == 2 && pair.names.empty() && pair.odd.empty();
+    std::vector<Value> values;
+    std::optional<std::string> name;
+    std::optional<StrategySpec> strategy;
+    if (is_pair) {
+      element.each([&](std::size_t k, Value part) {
+        if (k == 1) {
+          name = part.string();
+        } else if (name) {
+          strategy = read_strategy(fmt::format("experiment: strategy '{}'", *name), part, table.identity());
+        }
+      });
+    }
+    if (!name || !strategy) {
+      throw Error(fmt::format(
+          "{} must be a strategy or a pair {{\"name\", strategy}}, got {}", what,
+          element.identity() == table.identity() ? "the table that it stands in (a cycle)" : describe(element)));
+    }
+    strategies.emplace_back(*name, std::move(*strategy));
+  });
+  for (const auto& name : keys.names) {
+    strategies.emplace_back(
+        name, read_strategy(fmt::format("experiment: strategy '{}'", name), table.field(name), table.identity()));
+  }
+  return strategies;
+}
+
+std::vector<std::uint64_t> read_seeds(const Arguments& arguments, std::uint64_t first) {
+  constexpr std::uint64_t default_seeds = 1;
+  const Value value = arguments["seeds"];
+  if (!value.given()) return consecutive_seeds(first, default_seeds);
+  if (value.type() == Type::number) {
+    const auto count = value.integer();
+    if (!count || *count < 1 || static_cast<std::uint64_t>(*count) > most_seeds) arguments.reject("seeds");
+    return consecutive_seeds(first, static_cast<std::uint64_t>(*count));
+  }
+  if (value.type() != Type::table) arguments.reject("seeds");
+  const lua::Keys keys = value.keys();
+  if (!keys.names.empty() || !keys.odd.empty()) arguments.reject("seeds");
+  std::vector<std::uint64_t> seeds;
+  value.each([&](std::size_t i, Value element) {
+    const auto seed = element.integer();
+    if (!seed || *seed < 0) {
+      throw Error(fmt::format("experiment: field 'seeds' must hold integers of at least 0, got {} as number {}",
+                              describe(element), i));
+    }
+    seeds.push_back(static_cast<std::uint64_t>(*seed));
+  });
+  return seeds;
+}
+
+int make_experiment(Stack& call) {
+  const Arguments arguments(experiment_construct(), call);
+  const auto settings = experiment_settings().read(arguments.options());
+  Program program;
+  program.seed = static_cast<std::uint64_t>(settings.seed);
+  Experiment& experiment = program.experiment;
+  ProblemReader problems;
+  problems.read("field 'problems'", arguments["problems"]);
+  experiment.problems = problems.take();
+  experiment.strategies = read_strategies(arguments);
+  experiment.seeds = read_seeds(arguments, program.seed);
+  experiment.shortcut = settings.shortcut;
+  if (const Value measure = arguments["measure"]; measure.given()) {
+    if (const auto* tube = measure.get<TubeSettings>()) {
+      experiment.measure = *tube;
+    } else if (measure.boolean() == false) {
+      experiment.measure.reset();
+    } else {
+      arguments.reject("measure");
+    }
+  }
+  check(experiment);
+  return call.result(std::move(program));
+}
+
+int make_tube(Stack& call) {
+  const Component& component = tube_settings().component();
+  const Given given = read_options(component, call, 1, false);
+  return call.result(tube_settings().read(Options::validate(component, given.options)));
+}
+
+int tube_text(Stack& call) {
+  const auto* tube = call[1].get<TubeSettings>();
+  if (tube == nullptr) return call.result(call[1].describe());
+  return call.result(fmt::format("tube {{ delta = {:g}, distance = \"{}\", support = \"{}\" }}", tube->delta,
+                                 tube->distance, tube->support));
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+int experiment_text(Stack& call) {
+  const auto* program = call[1].get<Program>();
+  if (program == nullptr) return call.result(call[1].describe());
+  const Experiment& experiment = program->experiment;
+  return call.result(fmt::format("experiment of {}, {}, {}", counted(experiment.problems.size(), "problem", "problems"),
+                                 counted(experiment.strategies.size(), "strategy", "strategies"),
+                                 counted(experiment.seeds.size(), "seed", "seeds")));
+}
+
+Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>& read) {
+  ProblemReader problems;
+  read(problems);
+  Program program;
+  program.experiment.problems = problems.take();
+  program.experiment.strategies.emplace_back("strategy", std::move(strategy));
+  program.experiment.seeds = consecutive_seeds(program.seed, 1);
+  check(program.experiment);
+  return program;
+}
+
+}  // namespace
+
+const Construct& experiment_construct() {
+  static const Construct construct = {
+      .name = "experiment",
+      .usage = "experiment { problems = {p}, strategies = { plain = rrt {} }, seeds = 15, measure = tube {} }",
+      .summary = "problems x strategies x seeds, and how they are scored",
+      .list = "",
+      .fields = {{"problems", "a problem or a list of problems", "lists in the list are opened", true},
+                 {"strategies", "a table of strategies",
+                  "{ name = strategy }, reported in the order of the names, or a list of strategies or of pairs "
+                  "{\"name\", strategy}, reported in its order",
+                  true},
+                 {"seeds", fmt::format("an integer in [1, {}], or a list of seeds", most_seeds),
+                  "how many consecutive seeds, or which ones; 1 by default"},
+                 {"measure", "a measure, as tube { delta = 0.5 }, or false",
+                  "the target; false computes no efficiency"}},
+      .options = experiment_settings().component()};
+  return construct;
+}
+
+Program read_program(Stack& stack, int first) {
+  const int count = stack.size() - first + 1;
+  const std::string offer = "end it with 'return experiment { ... }' or 'return strategy, problem'";
+  const Value value = stack[first];
+  if (count < 1 || !value.given()) throw Error("the script returns nothing; " + offer);
+  if (const auto* program = value.get<Program>()) {
+    if (count > 1) throw Error(fmt::format("the script returns {} values; an experiment stands alone", count));
+    return *program;
+  }
+  if (value.type() == Type::table && count == 1) {
+    const lua::Keys keys = value.keys();
+    if (keys.names == std::vector<std::string>{"problem", "strategy"} && keys.length == 0 && keys.odd.empty()) {
+      auto strategy =
+          read_strategy("field 'strategy' of what the script returns", value.field("strategy"), value.identity());
+      return single(std::move(strategy),
+                    [&](ProblemReader& reader) { reader.read("field 'problem'", value.field("problem")); });
+    }
+    throw Error("the script returns a table that is no { strategy = ..., problem = ... }; " + offer);
+  }
+  if (value.get<GuideSpec>() != nullptr || as_strategy(value)) {
+    auto strategy = read_strategy("the strategy that the script returns", value, nullptr);
+    if (count != 2) {
+      throw Error(fmt::format("the script returns a strategy with {}; {}",
+                              count == 1 ? "no problem" : "more than a problem", offer));
+    }
+    return single(std::move(strategy),
+                  [&](ProblemReader& reader) { reader.read("what follows the strategy", stack[first + 1]); });
+  }
+  throw Error(fmt::format("the script returns {}; {}", describe(value), offer));
+}
+
+void open_experiment(Stack& stack) {
+  stack.declare<TubeSettings>({{"__tostring", tube_text}});
+  stack.declare<Program>({{"__tostring", experiment_text}});
+  stack.push_function(make_tube);
+  stack.set_global(tube_settings().component().name);
+  stack.push_function(make_experiment);
+  stack.set_global(experiment_construct().name);
+}
+
+}  // namespace trellis::dsl

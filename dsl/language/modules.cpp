@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/modules.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <dsl/language/construct.hpp>
+#include <dsl/language/problem.hpp>
+#include <dsl/language/stdlib.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+/// Letters, digits and underscores, in parts that dots separate: no way out of the folder.
+bool is_module_name(const std::string& name) {
+  bool part = false;
+  for (const char c : name) {
+    if (c == '.') {
+      if (!part) return false;
+      part = false;
+    } else if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_') {
+      part = true;
+    } else {
+      return false;
+    }
+  }
+  return part;
+}
+
+struct Source {
+  std::string text;
+  std::string chunk;
+  bool standard = false;
+};
+
+/// Finds and runs modules, each once.
+class Modules {
+ public:
+  explicit Modules(std::string script_folder) : folder_(std::move(script_folder)) {}
+
+  /// Pushes the module's value. `loaded` is the table of those that are there already.
+  void require(Stack& stack, const std::string& name) {
+    const Value loaded = registry(stack);
+    const Value known = loaded.field(name);
+    if (known.given()) return;
+    if (std::find(loading_.begin(), loading_.end(), name) != loading_.end()) {
+      std::string way;
+      for (const auto& module : loading_) way += module + " -> ";
+      throw Error(fmt::format("require: the modules need each other in a cycle: {}{}", way, name));
+    }
+    const Source source = find(name);
+    stack.load(source.text, source.chunk);
+    int arguments = 1;
+    stack.push(name);
+    if (source.standard) {
+      push_natives(stack);
+      ++arguments;
+    }
+    const int before = stack.size() - arguments - 1;
+    {
+      // Lua's errors unwind C++ objects too, so the mark goes whatever happens.
+      const Mark mark(loading_, name);
+      stack.call(arguments);
+    }
+    stack.resize(before + 1);
+    if (!stack.top().given()) {
+      stack.resize(before);
+      stack.push(true);
+    }
+    if (source.standard && stack.top().type() == Type::table) stack.on_missing(stack.top(), missing_field(name));
+    stack.push(stack.top());
+    stack.set_field(loaded, name);
+  }
+
+ private:
+  class Mark {
+   public:
+    Mark(std::vector<std::string>& list, const std::string& name) : list_(list) { list_.push_back(name); }
+    ~Mark() { list_.pop_back(); }
+    Mark(const Mark&) = delete;
+    Mark& operator=(const Mark&) = delete;
+
+   private:
+    std::vector<std::string>& list_;
+  };
+
+  [[nodiscard]] Source find(const std::string& name) const {
+    if (!is_module_name(name)) {
+      throw Error(fmt::format("require: '{}' is no module name (letters, digits, '_', parts separated by '.')", name));
+    }
+    if (auto text = module_text(name)) return {std::move(*text), "=stdlib/" + name + ".lua", true};
+    std::string file = name;
+    std::replace(file.begin(), file.end(), '.', '/');
+    const auto path = (std::filesystem::path(folder_) / (file + ".lua")).lexically_normal().string();
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) {
+      const auto standard = module_names();
+      throw Error(fmt::format("require: no module '{}'{}: neither in the standard library nor at '{}'", name,
+                              did_you_mean(name, standard), path));
+    }
+    return {without_shebang(read_file(path)), "@" + path, false};
+  }
+
+  /// What only the standard library is given.
+  void push_natives(Stack& stack) const {
+    const Value natives = stack.push_table();
+    stack.push_function(scene_loader(folder_));
+    stack.set_field(natives, "load_scene");
+    stack.push_function(scene_finder(folder_));
+    stack.set_field(natives, "scene_exists");
+    stack.push_function([](Stack& call) -> int { throw Error(call[1].text()); });
+    stack.set_field(natives, "fail");
+  }
+
+  /// The table of loaded modules, which lives where scripts do not reach.
+  static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
+
+  std::string folder_;
+  std::vector<std::string> loading_;
+};
+
+}  // namespace
+
+std::string without_shebang(std::string text) {
+  if (text.starts_with('#')) text.erase(0, std::min(text.find('\n'), text.size()));
+  return text;
+}
+
+void open_modules(Stack& stack, const std::string& script_folder) {
+  const auto modules = std::make_shared<Modules>(script_folder);
+  stack.push_function([modules](Stack& call) {
+    const auto name = call[1].string();
+    if (!name) throw Error(fmt::format("require: the module's name must be a string, got {}", describe(call[1])));
+    modules->require(call, *name);
+    return 1;
+  });
+  stack.set_global("require");
+  const int before = stack.size();
+  stack.on_missing(stack.push_globals(), [modules](Stack& call) {
+    const auto name = call[2].string();
+    if (!name) throw Error(fmt::format("no global is called {}", call[2].describe()));
+    constexpr std::array<std::string_view, 6> left_out = {"io", "os", "debug", "package", "dofile", "loadfile"};
+    if (std::find(left_out.begin(), left_out.end(), *name) != left_out.end()) {
+      throw Error(fmt::format(
+          "there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter", *name));
+    }
+    auto known = module_names();
+    if (std::binary_search(known.begin(), known.end(), *name)) {
+      modules->require(call, *name);
+      call.push(call.top());
+      call.set_global(*name);
+      return 1;
+    }
+    const auto globals = call.push_globals().keys().names;
+    known.insert(known.end(), globals.begin(), globals.end());
+    throw Error(fmt::format("unknown name '{}'{}", *name, did_you_mean(*name, known)));
+  });
+  stack.resize(before);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/problem.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include <trellis/scene/readers.hpp>
+#include <trellis/strategy/executor.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+// The settings of problems made here and of problems read from files share these.
+struct LoadSettings {
+  double weight = 1.0 / std::numbers::pi;
+  double resolution = Problem{}.resolution;
+  std::string collision = "planar";
+};
+struct ProblemSettings {
+  double weight = LoadSettings{}.weight;
+  double resolution = LoadSettings{}.resolution;
+  std::string collision = "planar";
+  double goal_tolerance = Problem{}.goal_tolerance;
+};
+
+template <class S>
+Settings<S> with_scene_options(Settings<S> settings) {
+  return settings.number("weight", &S::weight, "m/rad", Range::positive(), "metres of the metric per radian of turning")
+      .number("resolution", &S::resolution, "m", Range::positive(),
+              "how far the robot's fastest point moves between two checked configurations")
+      .choice("collision", &S::collision, {"planar", "fcl"}, "the collision backend");
+}
+
+const Settings<ProblemSettings>& problem_settings() {
+  static const auto settings =
+      with_scene_options(Settings<ProblemSettings>(Component::Kind::scene, "problem", "a planning problem", ""))
+          .number("goal_tolerance", &ProblemSettings::goal_tolerance, "m", Range::non_negative(),
+                  "a configuration this near to the goal in the metric is the goal");
+  return settings;
+}
+
+const Settings<LoadSettings>& load_settings() {
+  static const auto settings =
+      with_scene_options(Settings<LoadSettings>(Component::Kind::scene, "scenes.load", "reads a scene file", ""));
+  return settings;
+}
+
+std::string axes_of(const Space& space) {
+  std::string names;
+  for (const auto& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  return names;
+}
+
+Configuration read_configuration(const Arguments& arguments, const std::string& name, const Space& space) {
+  auto q = read_numbers(arguments[name], fmt::format("problem: field '{}'", name));
+  if (q.size() != space.dimension()) {
+    throw Error(fmt::format("problem: field '{}' must have {} coordinates ({}), got {}", name, space.dimension(),
+                            axes_of(space), q.size()));
+  }
+  return q;
+}
+
+int make_problem(Stack& call) {
+  const Arguments arguments(problem_construct(), call);
+  const auto* world = arguments["world"].get<World>();
+  if (world == nullptr) arguments.reject("world");
+  const auto* robot = arguments["robot"].get<Robot>();
+  if (robot == nullptr) arguments.reject("robot");
+  const auto settings = problem_settings().read(arguments.options());
+
+  Problem problem;
+  problem.name = arguments.string("name").value_or("problem");
+  if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
+  problem.scene = std::make_shared<const Scene>(Scene{*world, *robot});
+  problem.space = default_space(*robot, *world, settings.weight);
+  problem.start = read_configuration(arguments, "start", problem.space);
+  problem.goal = read_configuration(arguments, "goal", problem.space);
+  problem.goal_tolerance = settings.goal_tolerance;
+  problem.resolution = settings.resolution;
+  problem.collision = settings.collision;
+  check(problem);
+  return call.result(std::move(problem));
+}
+
+void push_coordinates(Stack& call, const Configuration& q) {
+  const Value list = call.push_table();
+  for (const double x : q) {
+    call.push(x);
+    call.append(list);
+  }
+}
+
+/// What a script may read of a problem.
+const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
+  static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
+      {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
+      {"world", [](Stack& call, const Problem& p) { call.push_object(p.scene->world); }},
+      {"robot", [](Stack& call, const Problem& p) { call.push_object(p.scene->robot); }},
+      {"start", [](Stack& call, const Problem& p) { push_coordinates(call, p.start); }},
+      {"goal", [](Stack& call, const Problem& p) { push_coordinates(call, p.goal); }},
+      {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
+      {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
+      {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }}};
+  return fields;
+}
+
+int read_field(Stack& call) {
+  const auto* problem = call[1].get<Problem>();
+  const auto name = call[2].string();
+  const auto field = name ? readable().find(*name) : readable().end();
+  if (problem == nullptr || field == readable().end()) {
+    std::vector<std::string> known;
+    for (const auto& [key, read] : readable()) known.push_back(key);
+    throw Error(fmt::format("a problem has no field {}{}", call[2].describe(), name ? did_you_mean(*name, known) : ""));
+  }
+  field->second(call, *problem);
+  return 1;
+}
+
+int problem_text(Stack& call) {
+  const auto* problem = call[1].get<Problem>();
+  if (problem == nullptr) return call.result(call[1].describe());
+  return call.result(fmt::format("problem '{}' in {}", problem->name, problem->space.name()));
+}
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+
+std::string scenes_folder() {
+  const char* folder = std::getenv("TRELLIS_SCENES");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  return folder != nullptr && *folder != '\0' ? folder : TRELLIS_SCENES_FOLDER;
+}
+
+std::string file_argument(Stack& call, const char* function) {
+  const auto file = call[1].string();
+  if (!file || file->empty()) {
+    throw Error(fmt::format("{}: the file must be a string, as in {} \"ompl_tests/circle_obstacles.txt\", got {}",
+                            function, function, describe(call[1])));
+  }
+  return *file;
+}
+
+}  // namespace
+
+const Construct& problem_construct() {
+  static const Construct construct = {
+      .name = "problem",
+      .usage = "problem { world = w, robot = r, start = {1, 8.5, 0}, goal = {9, 1.5, 0} }",
+      .summary = "a planning problem: what the robot is, where it is, and where it is to go",
+      .list = "",
+      .fields = {{"name", "a string", "how the report calls it; \"problem\" by default"},
+                 {"world", "a world", "as world { ... } makes it", true},
+                 {"robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
+                 {"start", "a list of numbers", "the start configuration, in metres and radians", true},
+                 {"goal", "a list of numbers", "the goal configuration, in metres and radians", true}},
+      .options = problem_settings().component()};
+  return construct;
+}
+
+const Construct& load_construct() {
+  static const Construct construct = {
+      .name = "scenes.load",
+      .usage = "scenes.load(\"ompl_tests/circle_obstacles.txt\", { resolution = 0.1 })",
+      .summary = "the problems in a scene file made by others; scenes.exists(FILE) tells whether there is one",
+      .list = "",
+      .fields = {},
+      .options = load_settings().component()};
+  return construct;
+}
+
+std::string find_scene(const std::string& file, const std::string& script_folder, std::vector<std::string>* looked) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> places;
+  if (fs::path(file).is_absolute()) {
+    places = {file};
+  } else {
+    places = {fs::path(script_folder) / file, fs::path(scenes_folder()) / file};
+  }
+  for (const auto& place : places) {
+    if (looked != nullptr) looked->push_back(place.lexically_normal().string());
+    if (is_file(place)) return place.lexically_normal().string();
+  }
+  return "";
+}
+
+lua::Callback scene_loader(std::string script_folder) {
+  return [folder = std::move(script_folder)](Stack& call) {
+    const std::string file = file_argument(call, "scenes.load");
+    std::vector<std::string> looked;
+    const std::string path = find_scene(file, folder, &looked);
+    if (path.empty()) {
+      std::string tried;
+      for (const auto& place : looked) tried += (tried.empty() ? "" : ", ") + place;
+      throw Error(fmt::format("scenes.load: no file '{}' (looked for {})", file, tried));
+    }
+    const Given given = read_options(load_settings().component(), call, 2, false);
+    const auto settings = load_settings().read(Options::validate(load_settings().component(), given.options));
+    auto problems = read_problems(path, {settings.weight, settings.resolution, settings.collision});
+    const Value list = call.push_table();
+    for (auto& problem : problems) {
+      call.push_object(std::move(problem));
+      call.append(list);
+    }
+    return 1;
+  };
+}
+
+lua::Callback scene_finder(std::string script_folder) {
+  return [folder = std::move(script_folder)](Stack& call) {
+    return call.result(!find_scene(file_argument(call, "scenes.exists"), folder).empty());
+  };
+}
+
+void open_problem(Stack& stack) {
+  stack.declare<Problem>({{"__tostring", problem_text}, {"__index", read_field}});
+  stack.push_function(make_problem);
+  stack.set_global(problem_construct().name);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <dsl/language/construct.hpp>
+#include <dsl/lua/stack.hpp>
+
+namespace trellis::dsl {
+
+/// Makes `problem` known.
+void open_problem(lua::Stack& stack);
+
+const Construct& problem_construct();
+/// scenes.load "FILE", { resolution = 0.02 }: only the options.
+const Construct& load_construct();
+
+/// The file that a script means: as it is where absolute, else in the script's folder, else in the folder of scenes
+/// (the environment's TRELLIS_SCENES, by default the one beside the project). "" where there is none.
+/// \param looked  if not null: receives the paths that were tried
+std::string find_scene(const std::string& file, const std::string& script_folder,
+                       std::vector<std::string>* looked = nullptr);
+
+/// scenes.load(file, options): a list of problems. The callback keeps the script's folder.
+lua::Callback scene_loader(std::string script_folder);
+/// scenes.exists(file).
+lua::Callback scene_finder(std::string script_folder);
+
+}  // namespace trellis::dsl

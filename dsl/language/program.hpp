@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <trellis/experiment/experiment.hpp>
+
+namespace trellis::dsl {
+
+/// What a script returns.
+struct Program {
+  Experiment experiment;
+  std::uint64_t seed = 1;  ///< the first of consecutive seeds
+};
+
+/// The largest number of seeds that one experiment may ask for: more is a slip of the pen.
+inline constexpr std::uint64_t most_seeds = 1'000'000;
+
+/// `count` consecutive seeds from `first`. Throws Error for none, too many, or seeds that a script cannot write (over
+/// 2^63 - 1).
+std::vector<std::uint64_t> consecutive_seeds(std::uint64_t first, std::uint64_t count);
+
+/// Replaces the seeds by consecutive ones: `count` of them (none: as many as there are) from `first` (none: the
+/// program's own). Without either the program stays as it is.
+void override_seeds(Program& program, std::optional<std::uint64_t> count, std::optional<std::uint64_t> first);
+
+}  // namespace trellis::dsl

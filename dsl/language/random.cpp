@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/random.hpp>
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <memory>
+
+#include <trellis/base/random.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Value;
+
+Stream stream_of(std::uint64_t seed) { return {seed, "script", "math.random"}; }
+
+std::int64_t integer_argument(Stack& call, int i) {
+  const auto value = call[i].integer();
+  if (!value) throw Error(fmt::format("math.random: argument {} must be an integer, got {}", i, call[i].describe()));
+  return *value;
+}
+
+int draw(Stack& call, Stream& stream) {
+  if (call.count() == 0) return call.result(stream.uniform());
+  if (call.count() > 2) throw Error(fmt::format("math.random: takes at most 2 arguments, got {}", call.count()));
+  std::int64_t lo = 1;
+  std::int64_t hi = integer_argument(call, call.count());
+  if (call.count() == 2) {
+    lo = integer_argument(call, 1);
+  } else if (hi == 0) {
+    return call.result(static_cast<std::int64_t>(stream.bits()));  // all bits random, as Lua has it
+  }
+  if (lo > hi) throw Error(fmt::format("math.random: the interval from {} to {} is empty", lo, hi));
+  // Unsigned arithmetic wraps, so that the widest intervals work too.
+  const std::uint64_t size = static_cast<std::uint64_t>(hi) - static_cast<std::uint64_t>(lo) + 1;
+  const std::uint64_t offset = size == 0 ? stream.bits() : stream.below(size);
+  return call.result(static_cast<std::int64_t>(static_cast<std::uint64_t>(lo) + offset));
+}
+
+/// Integers and equal floats give one seed, as in Lua; any other number gives its bits.
+std::uint64_t seed_argument(Stack& call) {
+  if (const auto whole = call[1].integer()) return static_cast<std::uint64_t>(*whole);
+  if (const auto number = call[1].number()) return std::bit_cast<std::uint64_t>(*number);
+  throw Error(fmt::format("math.randomseed: the seed must be a number, got {}", call[1].describe()));
+}
+
+}  // namespace
+
+void open_random(Stack& stack, std::uint64_t seed) {
+  const auto stream = std::make_shared<Stream>(stream_of(seed));
+  const int before = stack.size();
+  const Value math = stack.push_global("math");
+  stack.push_function([stream](Stack& call) { return draw(call, *stream); });
+  stack.set_field(math, "random");
+  stack.push_function([stream, seed](Stack& call) {
+    const std::uint64_t key = call.count() == 0 ? seed : seed_argument(call);
+    *stream = stream_of(key);
+    return call.result(static_cast<std::int64_t>(key));
+  });
+  stack.set_field(math, "randomseed");
+  stack.resize(before);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/session.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <dsl/language/algebra.hpp>
+#include <dsl/language/experiment.hpp>
+#include <dsl/language/modules.hpp>
+#include <dsl/language/problem.hpp>
+#include <dsl/language/random.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <dsl/language/world.hpp>
+#include <dsl/lua/state.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+/// What is wrong with a script's result is blamed on its last line, where the result is returned.
+lua::Position last_line(const std::string& text, const std::string& name) {
+  auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+  if (text.empty() || !text.ends_with('\n')) ++lines;
+  return {name, lines};
+}
+
+}  // namespace
+
+struct Session::Interpreter {
+  lua::State state;
+};
+
+Session::Session(const std::string& folder, const SessionOptions& options)
+    : interpreter_(new Interpreter{lua::State(options.memory)}) {
+  interpreter_->state.run([&](lua::Stack& stack) {
+    open_libraries(stack);
+    open_random(stack, options.seed);
+    open_algebra(stack);
+    open_world(stack);
+    open_problem(stack);
+    open_experiment(stack);
+    open_modules(stack, folder);
+  });
+}
+
+Session::~Session() = default;
+
+Program Session::load(const std::string& text, const std::string& name) {
+  Program program;
+  interpreter_->state.run([&](lua::Stack& stack) {
+    stack.load(text, "@" + name);
+    stack.call(0);
+    try {
+      program = read_program(stack, 1);
+    } catch (const Error& error) {
+      throw lua::Located(last_line(text, name).prefix() + error.what());
+    }
+  });
+  return program;
+}
+
+std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
+  std::vector<std::string> results;
+  interpreter_->state.run([&](lua::Stack& stack) {
+    stack.load(text, "@" + name);
+    stack.call(0);
+    for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());
+  });
+  return results;
+}
+
+Program load_script(const std::string& path, const SessionOptions& options) {
+  const std::string text = without_shebang(read_file(path));
+  Session session(std::filesystem::path(path).parent_path().string(), options);
+  return session.load(text, path);
+}
+
+}  // namespace trellis::dsl

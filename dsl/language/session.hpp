@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <dsl/language/program.hpp>
+
+namespace trellis::dsl {
+
+struct SessionOptions {
+  std::uint64_t seed = 1;                      ///< of math.random
+  std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
+};
+
+/// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
+/// clock. One thread at a time.
+class Session {
+ public:
+  /// \param folder  where the script's own modules and scenes are looked for
+  explicit Session(const std::string& folder, const SessionOptions& options = {});
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Runs a script that returns an experiment, or a strategy with a problem. `name` stands in messages. Throws Error
+  /// with the script's line and, where the script itself threw, a traceback.
+  Program load(const std::string& text, const std::string& name);
+  /// Runs a piece of script and returns the texts of what it returns.
+  std::vector<std::string> evaluate(const std::string& text, const std::string& name);
+
+ private:
+  struct Interpreter;
+  std::unique_ptr<Interpreter> interpreter_;
+};
+
+/// Reads a script file and runs it in a session of its own.
+Program load_script(const std::string& path, const SessionOptions& options = {});
+
+}  // namespace trellis::dsl

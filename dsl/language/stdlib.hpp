@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trellis::dsl {
+
+/// A module of the standard library as it was compiled in.
+struct Module {
+  std::string_view name;
+  std::string_view text;
+};
+std::span<const Module> embedded_modules();
+
+/// The names of the standard library's modules: those compiled in or, where the environment's TRELLIS_STDLIB names a
+/// folder, the files NAME.lua in it. Throws Error where that folder cannot be read.
+std::vector<std::string> module_names();
+/// A module's text, from the same place; none where there is no such module.
+std::optional<std::string> module_text(const std::string& name);
+
+/// A whole file. Throws Error naming the path and the reason.
+std::string read_file(const std::string& path);
+
+}  // namespace trellis::dsl

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/world.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <trellis/scene/shapes.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+const Field name_field = {"name", "a string", "how messages call it"};
+
+const Construct box_construct = {.name = "box",
+                                 .usage = "box { xmin, ymin, xmax, ymax, name = \"left wall\" }",
+                                 .summary = "an axis-aligned rectangle, in metres",
+                                 .list = "its four numbers",
+                                 .fields = {name_field},
+                                 .options = {}};
+const Construct disc_construct = {.name = "disc",
+                                  .usage = "disc { x, y, radius, name = \"pillar\" }",
+                                  .summary = "a disc, in metres",
+                                  .list = "its three numbers",
+                                  .fields = {name_field},
+                                  .options = {}};
+const Construct polygon_construct = {.name = "polygon",
+                                     .usage = "polygon { {x, y}, {x, y}, {x, y}, name = \"rock\" }",
+                                     .summary = "a simple polygon, convex or not, in metres",
+                                     .list = "its vertices in order",
+                                     .fields = {name_field},
+                                     .options = {}};
+const Construct world_construct = {
+    .name = "world",
+    .usage = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.75}, ... }",
+    .summary = "a planar workspace: a boundary box that the whole robot stays in, and obstacles",
+    .list = "obstacles: box, disc, polygon, and lists of these",
+    .fields = {{"bounds", "a list of 4 numbers: xmin, ymin, xmax, ymax", "the boundary box, in metres", true}},
+    .options = {}};
+const Construct point_construct = {.name = "robot.point",
+                                   .usage = "robot.point()",
+                                   .summary = "a point that moves in the plane",
+                                   .list = "",
+                                   .fields = {},
+                                   .options = {}};
+const Construct disc_robot_construct = {.name = "robot.disc",
+                                        .usage = "robot.disc(0.2)",
+                                        .summary = "a disc that moves in the plane",
+                                        .list = "its radius, in metres",
+                                        .fields = {},
+                                        .options = {}};
+
+struct RigidSettings {
+  bool rotates = true;
+};
+
+const Settings<RigidSettings>& rigid_settings() {
+  static const auto settings = Settings<RigidSettings>(Component::Kind::scene, "robot", "a rigid robot", "")
+                                   .boolean("rotates", &RigidSettings::rotates, "it turns as well as moves");
+  return settings;
+}
+
+const Construct& rectangle_construct() {
+  static const Construct construct = {.name = "robot.rectangle",
+                                      .usage = "robot.rectangle(0.6, 0.2)",
+                                      .summary = "a rectangle about its reference point, that moves and turns",
+                                      .list = "its width and height, in metres",
+                                      .fields = {},
+                                      .options = rigid_settings().component()};
+  return construct;
+}
+const Construct& polygon_robot_construct() {
+  static const Construct construct = {.name = "robot.polygon",
+                                      .usage = "robot.polygon { {x, y}, {x, y}, {x, y} }",
+                                      .summary = "a simple polygon, its reference point at (0, 0)",
+                                      .list = "its vertices in order",
+                                      .fields = {},
+                                      .options = rigid_settings().component()};
+  return construct;
+}
+const Construct& rigid_construct() {
+  static const Construct construct = {.name = "robot.rigid",
+                                      .usage = "robot.rigid { box {-0.3, -0.1, 0.3, 0.1}, disc {0.3, 0, 0.15} }",
+                                      .summary = "one rigid body of several shapes, its reference point at (0, 0)",
+                                      .list = "its shapes: box, disc, polygon",
+                                      .fields = {},
+                                      .options = rigid_settings().component()};
+  return construct;
+}
+
+/// Exactly `count` finite numbers.
+std::vector<double> elements(const Construct& construct, const Arguments& arguments, std::size_t count) {
+  std::vector<double> numbers;
+  arguments.each([&](std::size_t i, Value value) {
+    const auto number = value.number();
+    if (!number) {
+      throw Error(fmt::format("{}: element {} must be a number, got {}", construct.name, i, describe(value)));
+    }
+    numbers.push_back(*number);
+  });
+  if (numbers.size() != count) {
+    throw Error(fmt::format("{} takes {} number{}, as in {}; got {}", construct.name, count, count == 1 ? "" : "s",
+                            construct.usage, numbers.size()));
+  }
+  return numbers;
+}
+
+Polygon vertices(const Construct& construct, const Arguments& arguments) {
+  Polygon polygon;
+  arguments.each([&](std::size_t i, Value value) {
+    const auto xy = read_numbers(value, fmt::format("{}: vertex {}", construct.name, i));
+    if (xy.size() != 2) {
+      throw Error(fmt::format("{}: vertex {} must be two numbers {{x, y}}, got {}", construct.name, i, xy.size()));
+    }
+    polygon.vertices.push_back({xy[0], xy[1]});
+  });
+  return polygon;
+}
+
+/// A shape as a value, checked by the very code that checks obstacles.
+int shape(Stack& call, const Arguments& arguments, std::string text, Shape shape) {
+  NamedShape named{arguments.string("name").value_or(""), std::move(text), std::move(shape)};
+  static_cast<void>(World({{0, 0}, {1, 1}}, {{named.text, named.shape}}));
+  return call.result(std::move(named));
+}
+
+int make_box(Stack& call) {
+  const Arguments arguments(box_construct, call);
+  const auto n = elements(box_construct, arguments, 4);
+  return shape(call, arguments, fmt::format("box {:g} {:g} {:g} {:g}", n[0], n[1], n[2], n[3]),
+               Box2{{n[0], n[1]}, {n[2], n[3]}});
+}
+
+int make_disc(Stack& call) {
+  const Arguments arguments(disc_construct, call);
+  const auto n = elements(disc_construct, arguments, 3);
+  return shape(call, arguments, fmt::format("disc {:g} {:g} {:g}", n[0], n[1], n[2]), Disc{{n[0], n[1]}, n[2]});
+}
+
+int make_polygon(Stack& call) {
+  const Arguments arguments(polygon_construct, call);
+  Polygon polygon = vertices(polygon_construct, arguments);
+  std::string text = fmt::format("polygon of {} vertices", polygon.vertices.size());
+  return shape(call, arguments, std::move(text), std::move(polygon));
+}
+
+/// Reads the shapes of a list, and of lists in it, in order.
+class ShapeReader {
+ public:
+  explicit ShapeReader(std::string owner) : owner_(std::move(owner)) {}
+
+  void read(std::size_t i, Value value) {
+    if (const auto* shape = value.get<NamedShape>()) {
+      shapes_.push_back(*shape);
+      return;
+    }
+    if (value.type() != Type::table) {
+      throw Error(fmt::format("{}: element {} must be a box, disc or polygon, got {}", owner_, i, describe(value)));
+    }
+    const void* list = value.identity();
+    if (std::find(within_.begin(), within_.end(), list) != within_.end()) {
+      throw Error(fmt::format("{}: element {} is a list that contains itself (a cycle)", owner_, i));
+    }
+    if (within_.size() >= deepest_list)
+      throw Error(fmt::format("{}: lists are nested over {} deep", owner_, deepest_list));
+    within_.push_back(list);
+    const lua::Keys keys = value.keys();
+    if (!keys.names.empty() || !keys.odd.empty()) {
+      throw Error(fmt::format("{}: element {} must be a box, disc or polygon or a list of these, got a table with {}",
+                              owner_, i, keys.names.empty() ? keys.odd : "the field '" + keys.names.front() + "'"));
+    }
+    value.each([this](std::size_t k, Value element) { read(k, element); });
+    within_.pop_back();
+  }
+
+  [[nodiscard]] const std::vector<NamedShape>& shapes() const { return shapes_; }
+
+ private:
+  std::string owner_;
+  std::vector<NamedShape> shapes_;
+  std::vector<const void*> within_;  // the lists that are being read
+};
+
+int make_world(Stack& call) {
+  const Arguments arguments(world_construct, call);
+  const auto bounds = read_numbers(arguments["bounds"], "world: field 'bounds'");
+  if (bounds.size() != 4) arguments.reject("bounds");
+  ShapeReader reader(world_construct.name);
+  arguments.each([&](std::size_t i, Value value) { reader.read(i, value); });
+  std::vector<Obstacle> obstacles;
+  for (const auto& [name, text, shape] : reader.shapes()) {
+    obstacles.push_back({fmt::format("obstacle {} ({})", obstacles.size() + 1, name.empty() ? text : name), shape});
+  }
+  return call.result(World({{bounds[0], bounds[1]}, {bounds[2], bounds[3]}}, std::move(obstacles)));
+}
+
+bool rotates(const Arguments& arguments) { return rigid_settings().read(arguments.options()).rotates; }
+
+int make_point(Stack& call) {
+  const Arguments arguments(point_construct, call);
+  return call.result(Robot::point());
+}
+
+int make_disc_robot(Stack& call) {
+  const Arguments arguments(disc_robot_construct, call);
+  return call.result(Robot::disc(elements(disc_robot_construct, arguments, 1)[0]));
+}
+
+int make_rectangle(Stack& call) {
+  const Arguments arguments(rectangle_construct(), call);
+  const auto size = elements(rectangle_construct(), arguments, 2);
+  if (!(size[0] > 0) || !(size[1] > 0)) {
+    throw Error(
+        fmt::format("robot.rectangle: width and height must be greater than 0, got {:g} and {:g}", size[0], size[1]));
+  }
+  const Vec2 half{size[0] / 2, size[1] / 2};
+  return call.result(Robot::rigid({Box2{-1.0 * half, half}}, rotates(arguments)));
+}
+
+int make_polygon_robot(Stack& call) {
+  const Arguments arguments(polygon_robot_construct(), call);
+  return call.result(Robot::rigid({vertices(polygon_robot_construct(), arguments)}, rotates(arguments)));
+}
+
+int make_rigid(Stack& call) {
+  const Arguments arguments(rigid_construct(), call);
+  ShapeReader reader(rigid_construct().name);
+  arguments.each([&](std::size_t i, Value value) { reader.read(i, value); });
+  std::vector<Shape> shapes;
+  for (const auto& named : reader.shapes()) shapes.push_back(named.shape);
+  if (shapes.empty()) throw Error(fmt::format("robot.rigid: it needs a shape, as in {}", rigid_construct().usage));
+  return call.result(Robot::rigid(shapes, rotates(arguments)));
+}
+
+template <class T>
+lua::Callback text_of(std::string (*text)(const T&)) {
+  return [text](Stack& call) {
+    const auto* object = call[1].get<T>();
+    return call.result(object != nullptr ? text(*object) : call[1].describe());
+  };
+}
+
+}  // namespace
+
+std::vector<const Construct*> world_constructs() {
+  return {&box_construct,    &disc_construct,       &polygon_construct,     &world_construct,
+          &point_construct,  &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
+          &rigid_construct()};
+}
+
+void open_world(Stack& stack) {
+  stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })}});
+  stack.declare<World>({{"__tostring", text_of<World>([](const World& world) {
+                           const auto& [lo, hi] = world.bounds();
+                           return fmt::format("world of {} obstacles in {:g} {:g} {:g} {:g}", world.obstacles().size(),
+                                              lo.x, lo.y, hi.x, hi.y);
+                         })}});
+  stack.declare<Robot>(
+      {{"__tostring", text_of<Robot>([](const Robot& robot) { return fmt::format("robot '{}'", robot.name()); })}});
+
+  for (const auto& [construct, make] :
+       std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct, make_box},
+                                                                 {&disc_construct, make_disc},
+                                                                 {&polygon_construct, make_polygon},
+                                                                 {&world_construct, make_world}}) {
+    stack.push_function(make);
+    stack.set_global(construct->name);
+  }
+  const Value robots = stack.push_table();
+  for (const auto& [name, make] : std::vector<std::pair<std::string, int (*)(Stack&)>>{{"point", make_point},
+                                                                                       {"disc", make_disc_robot},
+                                                                                       {"rectangle", make_rectangle},
+                                                                                       {"polygon", make_polygon_robot},
+                                                                                       {"rigid", make_rigid}}) {
+    stack.push_function(make);
+    stack.set_field(robots, name);
+  }
+  stack.on_missing(robots, missing_field("robot"));
+  stack.set_global("robot");
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include <dsl/language/construct.hpp>
+#include <dsl/lua/stack.hpp>
+
+namespace trellis::dsl {
+
+/// Makes box, disc, polygon, world and the robots known.
+void open_world(lua::Stack& stack);
+
+/// The constructs of this file, for help.
+std::vector<const Construct*> world_constructs();
+
+}  // namespace trellis::dsl

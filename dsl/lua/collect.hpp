@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <lua.hpp>
+
+namespace trellis::lua {
+
+/// The __gc of every userdata of ours, and the mark by which they are known. For the sources of this folder only.
+int collect(lua_State* state);
+
+}  // namespace trellis::lua

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/interrupt.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
+
+namespace {
+
+using namespace trellis;  // NOLINT(google-build-using-namespace): the program's own
+
+int dispatch(int argc, char** argv) {
+  CLI::App app("Trellis runs scripts that declare hierarchies of guiding spaces for motion planning.", "trellis");
+  app.require_subcommand(1);
+
+  command::RunOptions options;
+  auto* run = app.add_subcommand("run", "run a script's experiment and print the report");
+  run->add_option("SCRIPT", options.script, "a Lua script")->required();
+  run->add_option("--seeds", options.seeds, "the number of consecutive seeds, instead of the script's");
+  run->add_option("--seed", options.seed, "the first seed, instead of the script's");
+  run->add_option("--jobs", options.jobs, "runs at the same time (default 1)");
+  run->add_option("--json", options.json, "write all figures to a file");
+  run->add_option("--samples", options.samples, "write all samples and paths into a folder");
+  run->add_flag("--quiet", options.quiet, "print neither report nor progress");
+
+  std::vector<std::string> scripts;
+  auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
+  check->add_option("SCRIPT", scripts, "Lua scripts")->required();
+
+  const auto* version = app.add_subcommand("version", "print the version");
+
+  std::string topic;
+  auto* help = app.add_subcommand("help", "print what is known about a word of the language");
+  help->add_option("TOPIC", topic, "a planner, guide, constructor or module");
+
+  const std::string usage = app.help();  // once parsed, it is the command's
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
+    throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
+  }
+  for (const char* name : {"--seeds", "--seed", "--jobs", "--json", "--samples"}) {
+    const auto* option = run->get_option(name);
+    if (option->count() > 0 && option->as<std::string>().empty()) throw Error(fmt::format("{} is empty", name));
+  }
+  if (run->parsed()) return command::run(options);
+  if (check->parsed()) return command::check(scripts);
+  if (version->parsed()) return command::version();
+  return command::help(topic, usage);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  command::catch_interrupts();
+  try {
+    return dispatch(argc, argv);
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "trellis: interrupted\n");
+    return command::was_interrupted;
+  } catch (const Error& error) {
+    fmt::print(stderr, "trellis: {}\n", error.what());
+    return command::their_fault;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trellis: a fault of trellis itself, please report it: {}\n", error.what());
+    return command::our_fault;
+  }
+}

@@ -1,0 +1,23 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- Skeletons feeding shrunken robots feeding lazy checks: a hierarchy of guiding spaces, beside a plain RRT.
+--
+--   trellis run examples/nested.lua
+--
+-- Read `>>` as "guides". The tree of the RRT at the right end grows in the robot's own configuration space; each guide
+-- to its left searches a simpler space and tells the level to its right where to look:
+--
+--   skeleton()    the medial axis of the free workspace: where there is room at all
+--   shrink(0.5)   the same world with a robot of half the size: which of the ways a robot can take
+--   lazy()        the world without obstacles, where edges found invalid are taken out again: a first whole path
+--
+-- The report has a row for each level: what it cost, and how well its samples tell where the final path lies (the
+-- sampling efficiency, in nats, lower is better), in its own space and lifted to the robot's.
+
+local nested = skeleton() >> shrink(0.5) >> lazy() >> rrt { step = 0.5 }
+
+return experiment {
+  problems   = { scenes.simple_passage() },
+  strategies = { rrt = rrt { step = 0.5 }, nested = nested },
+  seeds      = 15,
+  measure    = tube { delta = 0.5 },
+}
