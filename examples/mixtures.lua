@@ -15,7 +15,8 @@ local short = sequence { skeleton(), shrink(0.5), turn = 50 } >> rrt { step = 0.
 -- (skeleton() >> shrink(0.7)) + (skeleton() >> lazy()).
 local nested = skeleton() >> (shrink(0.7) + lazy()) >> rrt { step = 0.5 }
 
--- A loop computes a family of spaces: robots of a quarter, a half and three quarters of the size, each guiding the next.
+-- A loop computes a family of spaces: robots of a quarter, a half and three quarters of the size, each guiding the
+-- next.
 local growing = rrt { step = 0.5 }
 for _, scale in ipairs { 0.75, 0.5, 0.25 } do growing = shrink(scale) >> growing end
 

@@ -247,7 +247,7 @@ void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index) {
   metamethods.emplace_back("__call", [](Stack& call) -> int {
     throw Error(fmt::format("{} is made already and cannot be called", describe(call[1])));
   });
-  stack.declare<T>(std::move(metamethods));
+  stack.declare<T>(metamethods);
 }
 
 struct SequenceSettings {
@@ -305,7 +305,7 @@ void open_algebra(Stack& stack) {
   auto constructor = operators(constructor_text);
   constructor.emplace_back("__call", construct);
   constructor.emplace_back("__index", no_fields);
-  stack.declare<Constructor>(std::move(constructor));
+  stack.declare<Constructor>(constructor);
   for (const Component* component : components()) {
     if (component->kind != Component::Kind::planner && component->kind != Component::Kind::guide) continue;
     stack.push_object(Constructor{component});

@@ -230,7 +230,10 @@ lua::Callback missing_field(const std::string& module) {
 std::string describe(Value value) {
   const auto quoted = [](const char* type, std::string text) {
     constexpr std::size_t longest = 100;
-    if (text.size() > longest) text.replace(longest, std::string::npos, "...");
+    if (text.size() > longest) {
+      text.resize(longest);
+      text += "...";
+    }
     return fmt::format("the {} '{}'", type, text);
   };
   if (const auto* planner = value.get<PlannerSpec>()) return quoted("planner", planner->text());

@@ -180,7 +180,7 @@ int make_tube(Stack& call) {
 int tube_text(Stack& call) {
   const auto* tube = call[1].get<TubeSettings>();
   if (tube == nullptr) return call.result(call[1].describe());
-  return call.result(fmt::format("tube {{ delta = {:g}, distance = \"{}\", support = \"{}\" }}", tube->delta,
+  return call.result(fmt::format(R"(tube {{ delta = {:g}, distance = "{}", support = "{}" }})", tube->delta,
                                  tube->distance, tube->support));
 }
 

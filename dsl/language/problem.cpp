@@ -19,7 +19,6 @@ namespace trellis::dsl {
 namespace {
 
 using lua::Stack;
-using lua::Type;
 using lua::Value;
 
 // The settings of problems made here and of problems read from files share these.

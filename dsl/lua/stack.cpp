@@ -149,7 +149,7 @@ void Stack::push_object(std::unique_ptr<Object> object, const char* type) {
   lua_setmetatable(state_, -2);
 }
 
-void Stack::declare(const char* type, Metamethods metamethods) {
+void Stack::declare(const char* type, const Metamethods& metamethods) {
   room(state_, 3);
   if (luaL_newmetatable(state_, type) == 0) throw Fault(fmt::format("type '{}' declared twice", type));
   const Value table = top();
@@ -158,8 +158,8 @@ void Stack::declare(const char* type, Metamethods metamethods) {
   // What getmetatable answers; the metatable itself stays out of the script's reach.
   push(type);
   set_field(table, "__metatable");
-  for (auto& [name, callback] : metamethods) {
-    push_function(std::move(callback));
+  for (const auto& [name, callback] : metamethods) {
+    push_function(callback);
     set_field(table, name);
   }
   lua_pop(state_, 1);

@@ -97,8 +97,8 @@ class Stack {
 
   /// Makes a type known. Each type once, before the first object.
   template <class T>
-  void declare(Metamethods metamethods) {
-    declare(TypeName<T>::value, std::move(metamethods));
+  void declare(const Metamethods& metamethods) {
+    declare(TypeName<T>::value, metamethods);
   }
   /// Gives a table a metatable out of the script's reach: `missing` is called with the table and a key that it lacks.
   void on_missing(Value table, Callback missing);
@@ -120,7 +120,7 @@ class Stack {
 
  private:
   void push_object(std::unique_ptr<Object> object, const char* type);
-  void declare(const char* type, Metamethods metamethods);
+  void declare(const char* type, const Metamethods& metamethods);
 
   lua_State* state_;
   int count_;

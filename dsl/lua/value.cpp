@@ -66,7 +66,10 @@ std::string Value::describe() const {
       return is_integer() ? fmt::format("{}", lua_tointeger(state_, index_)) : fmt::format("{:g}", *number());
     case Type::string: {
       std::string text = *string();
-      if (text.size() > longest) text.replace(longest, std::string::npos, "...");
+      if (text.size() > longest) {
+        text.resize(longest);
+        text += "...";
+      }
       return fmt::format("\"{}\"", text);
     }
     default: break;

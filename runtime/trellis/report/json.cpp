@@ -37,6 +37,7 @@ Json array(const Configurations& path) {
 /// Names for programs: they stay what docs/formats.md says, whatever the printed report calls them.
 std::string_view status_name(Status status) {
   switch (status) {
+    case Status::untried: return "untried";
     case Status::solved: return "solved";
     case Status::budget_spent: return "budget_spent";
     case Status::no_path: return "no_path";

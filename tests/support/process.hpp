@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs the built program (TRELLIS_BINARY) in a folder of its own, as a user would.
+#pragma once
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trellis::test {
+
+namespace fs = std::filesystem;
+
+inline std::string content(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Outcome {
+  int status = -1;  ///< of the exit, or 1000 + the signal
+  std::string out;
+  std::string err;
+};
+
+/// A folder of its own for each test, gone afterwards.
+class Place {
+ public:
+  Place() : path_(fs::temp_directory_path() / ("trellis-cli-" + std::to_string(::getpid()))) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
+  ~Place() { fs::remove_all(path_); }
+  Place(const Place&) = delete;
+  Place& operator=(const Place&) = delete;
+
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string script(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return *this / name;
+  }
+
+  /// Starts the program in this folder.
+  [[nodiscard]] pid_t start(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), TRELLIS_BINARY);
+    std::vector<char*> argv;
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const int out = ::open((path_ / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const int err = ::open((path_ / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      ::dup2(out, STDOUT_FILENO);
+      ::dup2(err, STDERR_FILENO);
+      if (::chdir(path_.c_str()) == 0) ::execv(TRELLIS_BINARY, argv.data());
+      ::_exit(99);
+    }
+    return child;
+  }
+  [[nodiscard]] Outcome finish(pid_t child) const {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), content(path_ / "out"),
+            content(path_ / "err")};
+  }
+  [[nodiscard]] Outcome run(std::vector<std::string> arguments) const { return finish(start(std::move(arguments))); }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace trellis::test
