@@ -34,8 +34,8 @@ return experiment {
 )";
 
 StrategySpec through_cpp() {
-  return GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >> GuideSpec::make("lazy", {}) >>
-         PlannerSpec::make("rrt", {{"step", 0.5}});
+  return GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
+         GuideSpec::make("lazy", {}) >> PlannerSpec::make("rrt", {{"step", 0.5}});
 }
 
 double execute_all(const StrategySpec& strategy, const Problem& problem) {

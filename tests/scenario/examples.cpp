@@ -124,7 +124,8 @@ SCENARIO("the other examples run to their end", "[examples]") {
       CHECK(result.outcome.status == 0);
       REQUIRE(result.document["runs"].size() >= 1);
       const auto& runs = result.document["runs"];
-      const auto solved = std::count_if(runs.begin(), runs.end(), [](const Json& run) { return run["solved"] == true; });
+      const auto solved =
+          std::count_if(runs.begin(), runs.end(), [](const Json& run) { return run["solved"] == true; });
       CHECK(solved * 10 >= static_cast<std::ptrdiff_t>(runs.size()) * 9);
     }
   }

@@ -31,10 +31,10 @@ inline const Rectangles& simple_passage() {
   return all;
 }
 inline const Rectangles& trap() {
-  static const Rectangles all = {
-      {4.5, 0, 5.5, 1.925},   {4.5, 2.075, 5.5, 3.325}, {4.5, 3.475, 5.5, 4.525}, {4.5, 4.675, 5.5, 5.05},
-      {5.3, 5.05, 5.5, 5.55}, {4.5, 5.55, 5.5, 5.925},  {4.5, 6.075, 5.5, 6.95},  {5.3, 6.95, 5.5, 7.45},
-      {4.5, 7.45, 5.5, 8.75}, {4.5, 9.25, 5.5, 10}};
+  static const Rectangles all = {{4.5, 0, 5.5, 1.925},    {4.5, 2.075, 5.5, 3.325}, {4.5, 3.475, 5.5, 4.525},
+                                 {4.5, 4.675, 5.5, 5.05}, {5.3, 5.05, 5.5, 5.55},   {4.5, 5.55, 5.5, 5.925},
+                                 {4.5, 6.075, 5.5, 6.95}, {5.3, 6.95, 5.5, 7.45},   {4.5, 7.45, 5.5, 8.75},
+                                 {4.5, 9.25, 5.5, 10}};
   return all;
 }
 inline const Rectangles& cup() {
@@ -72,7 +72,8 @@ inline Problem point_problem(std::uint64_t seed, int discs = 12) {
   std::vector<Obstacle> obstacles;
   while (static_cast<int>(obstacles.size()) < discs) {
     const Disc disc{{stream.uniform(0, 10), stream.uniform(0, 10)}, stream.uniform(0.2, 0.9)};
-    if (norm(disc.centre - Vec2{0.5, 0.5}) < disc.radius + 0.6 || norm(disc.centre - Vec2{9.5, 9.5}) < disc.radius + 0.6) {
+    if (norm(disc.centre - Vec2{0.5, 0.5}) < disc.radius + 0.6 ||
+        norm(disc.centre - Vec2{9.5, 9.5}) < disc.radius + 0.6) {
       continue;
     }
     obstacles.push_back({fmt::format("disc {}", obstacles.size() + 1), disc});

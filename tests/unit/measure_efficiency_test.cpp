@@ -359,5 +359,6 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   CHECK(tree.value > efficiency(target, drawn).value + 1.0);
   // With the support "free" the same tree has nothing that it cannot reach.
   settings.support = "free";
-  CHECK(std::isfinite(efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, Held::valid_only).undefended));
+  CHECK(std::isfinite(
+      efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, Held::valid_only).undefended));
 }

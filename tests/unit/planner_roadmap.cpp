@@ -101,9 +101,7 @@ TEST_CASE("repairing after one edge is deleted expands a fraction of what a sear
   std::vector<std::vector<std::uint32_t>> id(columns, std::vector<std::uint32_t>(rows));
   for (std::uint32_t x = 0; x < columns; ++x) {
     for (std::uint32_t y = 0; y < rows; ++y) {
-      id[x][y] = x == 0 && y == 0                    ? 0
-                 : x == columns - 1 && y == rows - 1 ? 1
-                                                     : graph.add_vertex(heuristic(x, y));
+      id[x][y] = x == 0 && y == 0 ? 0 : x == columns - 1 && y == rows - 1 ? 1 : graph.add_vertex(heuristic(x, y));
       if (x > 0) graph.add_edge(id[x - 1][y], id[x][y], 1.0);
       if (y > 0) graph.add_edge(id[x][y - 1], id[x][y], 1.0);
     }

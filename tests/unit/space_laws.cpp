@@ -141,7 +141,8 @@ TEST_CASE("volumes are those of the metric coordinates", "[space]") {
 }
 
 TEST_CASE("a product multiplies its factors' metrics by their weights and keeps names apart", "[space]") {
-  const auto space = Space::product({{1.0, Space::euclidean({{0, 1}, {0, 1}})}, {2.0, Space::so2(1.0)}, {3.0, Space::so2(1.0)}});
+  const auto space =
+      Space::product({{1.0, Space::euclidean({{0, 1}, {0, 1}})}, {2.0, Space::so2(1.0)}, {3.0, Space::so2(1.0)}});
   CHECK(space.name() == "R^2 x SO(2) x SO(2)");
   CHECK(space.axes()[3].name == "theta2");
   CHECK(space.distance(Configuration{0, 0, 0, 0}, Configuration{0, 0, 0.5, 0}) == Approx(1.0));

@@ -90,6 +90,8 @@ TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
     CHECK(level.parent == static_cast<int>(i) - 1);
     CHECK(level.solves >= 1);
     CHECK(level.solution.solved());
+    // The deepest first, the root last.
+    CHECK(level.solved_as == 3 - static_cast<int>(i));
   }
   CHECK(run.levels[0].solves == 1);
   CHECK(run.levels[3].space.dimension() == 2);
@@ -126,9 +128,8 @@ TEST_CASE("shares of a mixture and of uniform proposals are what the spec says",
   // The goal is walled in, so the budget of proposals is drawn in full.
   const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                           {1, 5, 0}, {9, 5, 0});
-  const auto strategy =
-      (0.7 * guide("uniform") + 0.3 * guide("gaussian")) >>
-      rrt({{"uniform", 0.2}, {"goal_bias", 0.1}, {"proposals", std::int64_t{20000}}});
+  const auto strategy = (0.7 * guide("uniform") + 0.3 * guide("gaussian")) >>
+                        rrt({{"uniform", 0.2}, {"goal_bias", 0.1}, {"proposals", std::int64_t{20000}}});
   const auto run = execute(strategy, problem, 1);
   const auto& search = run.levels[0].search;
   std::vector<double> share(search.sources.size(), 0.0);
@@ -154,9 +155,9 @@ TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {
   const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                           {1, 5, 0}, {9, 5, 0});
-  const auto run = execute(sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >>
-                               rrt({{"proposals", std::int64_t{400}}}),
-                           problem, 1);
+  const auto run = execute(
+      sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >> rrt({{"proposals", std::int64_t{400}}}),
+      problem, 1);
   const auto& search = run.levels[0].search;
   std::string order;
   for (const auto source : search.proposal_sources) {
@@ -171,7 +172,8 @@ TEST_CASE("a sequence gives each space a turn and informs the next", "[executor]
 TEST_CASE("a problem is checked before anything runs, and the message names the obstacle", "[executor][errors]") {
   auto problem = test::cup_problem();
   problem.start = {6.75, 5, 0};
-  CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("start (6.75, 5, 0) is in collision with") && Contains("obstacle 1"));
+  CHECK_THROWS_WITH(execute(rrt(), problem, 1),
+                    Contains("start (6.75, 5, 0) is in collision with") && Contains("obstacle 1"));
   problem = test::cup_problem();
   problem.goal = {9, 5};
   CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("goal has 2 coordinates, expected 3 (x, y, theta)"));

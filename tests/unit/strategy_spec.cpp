@@ -52,23 +52,27 @@ TEST_CASE("weights are normalised, sums and sequences are flat", "[spec][laws]")
 }
 
 TEST_CASE("what does not compose says why", "[spec][errors]") {
-  CHECK_THROWS_WITH(guide("shrink") >> guide("goal_bias"), Contains("searches no space") && Contains("shrink(0.5) + goal_bias"));
+  CHECK_THROWS_WITH(guide("shrink") >> guide("goal_bias"),
+                    Contains("searches no space") && Contains("shrink(0.5) + goal_bias"));
   CHECK_THROWS_WITH(0.0 * guide("shrink"), Contains("weight") && Contains("greater than 0"));
   CHECK_THROWS_WITH(-1.0 * guide("shrink"), Contains("greater than 0"));
   CHECK_THROWS_WITH(StrategySpec(PlannerSpec::make("graph_search", {})), Contains("graph_search") && Contains("root"));
-  CHECK_THROWS_WITH(GuideSpec::make("shrink", {}, PlannerSpec::make("graph_search", {})), Contains("no explicit graph"));
+  CHECK_THROWS_WITH(GuideSpec::make("shrink", {}, PlannerSpec::make("graph_search", {})),
+                    Contains("no explicit graph"));
   CHECK_THROWS_WITH(GuideSpec::make("skeleton", {}, rrt()), Contains("searched exactly"));
   CHECK_THROWS_WITH(GuideSpec::make("uniform", {}, rrt()), Contains("takes no planner"));
   CHECK_THROWS_WITH(sequence({}), Contains("at least one guide"));
 }
 
 TEST_CASE("options are validated with the nearest right name", "[spec][errors]") {
-  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"stepp", 0.5}}), Contains("unknown option 'stepp'") && Contains("'step'"));
+  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"stepp", 0.5}}),
+                    Contains("unknown option 'stepp'") && Contains("'step'"));
   CHECK_THROWS_WITH(PlannerSpec::make("rtr", {}), Contains("unknown planner 'rtr'"));
   CHECK_THROWS_WITH(GuideSpec::make("shrnk", {}), Contains("did you mean 'shrink'?"));
   CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", 0.0}}), Contains("'step'") && Contains("greater than 0"));
   CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::nan("")}}), Contains("'step'"));
-  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::string("long")}}), Contains("a number") && Contains("\"long\""));
+  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::string("long")}}),
+                    Contains("a number") && Contains("\"long\""));
   CHECK_THROWS_WITH(GuideSpec::make("shrink", {{"scale", 1.5}}), Contains("in (0, 1]") && Contains("1.5"));
   CHECK_THROWS_WITH(GuideSpec::make("lazy", {{"patience", 2.5}}), Contains("an integer"));
 }

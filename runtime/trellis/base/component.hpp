@@ -93,7 +93,8 @@ class Options {
 /// Binds a component's options to the fields of its settings struct, so that name, type, unit, default, range and
 /// meaning of an option stand in one place. The default is the field's initialiser.
 ///
-///     static const Settings<RrtSettings> settings = Settings<RrtSettings>(Component::Kind::planner, "rrt", "...", "LaValle 1998")
+///     static const Settings<RrtSettings> settings = Settings<RrtSettings>(Component::Kind::planner, "rrt", "...",
+///     "LaValle 1998")
 ///         .number("step", &RrtSettings::step, "m", Range::positive(), "longest extension in the metric");
 template <class S>
 class Settings {

@@ -45,18 +45,19 @@ Settings<NearObstacleSettings> near_obstacle(Settings<NearObstacleSettings> sett
 }
 
 const Settings<NearObstacleSettings>& gaussian_settings() {
-  static const Settings<NearObstacleSettings> settings = near_obstacle(
-      {Component::Kind::guide, "gaussian",
-       "valid configurations near invalid ones: of a pair at Gaussian distance with one of each, the valid one; S = {0}",
-       "Boor, Overmars and van der Stappen 1999"});
+  static const Settings<NearObstacleSettings> settings =
+      near_obstacle({Component::Kind::guide, "gaussian",
+                     "valid configurations near invalid ones: of a pair at Gaussian distance with one of each, the "
+                     "valid one; S = {0}",
+                     "Boor, Overmars and van der Stappen 1999"});
   return settings;
 }
 
 const Settings<NearObstacleSettings>& bridge_test_settings() {
-  static const Settings<NearObstacleSettings> settings = near_obstacle(
-      {Component::Kind::guide, "bridge_test",
-       "valid middles of short bridges between two invalid configurations: narrow passages; S = {0}",
-       "Hsu, Jiang, Reif and Sun 2003"});
+  static const Settings<NearObstacleSettings> settings =
+      near_obstacle({Component::Kind::guide, "bridge_test",
+                     "valid middles of short bridges between two invalid configurations: narrow passages; S = {0}",
+                     "Hsu, Jiang, Reif and Sun 2003"});
   return settings;
 }
 

@@ -20,8 +20,9 @@ const Settings<LazySettings>& lazy_settings() {
           "the world without obstacle checks: everything is presumed valid until C finds it is not; what it finds "
           "invalid is taken out of S, and S is solved again",
           "Bohlin and Kavraki 2000, Path planning using lazy PRM")
-          .number("margin", &LazySettings::margin, "m in the metric", Range::non_negative(),
-                  "radius about a configuration found invalid that S takes for invalid too; 0: the checking resolution"));
+          .number(
+              "margin", &LazySettings::margin, "m in the metric", Range::non_negative(),
+              "radius about a configuration found invalid that S takes for invalid too; 0: the checking resolution"));
   return settings;
 }
 
@@ -29,7 +30,8 @@ const Settings<LazySettings>& lazy_settings() {
 /// found invalid. Costs no collision checks.
 class PresumedValidity final : public Validity {
  public:
-  PresumedValidity(Space space, double margin) : space_(std::move(space)), margin_(margin), invalid_(space_), points_(space_.dimension()) {}
+  PresumedValidity(Space space, double margin)
+      : space_(std::move(space)), margin_(margin), invalid_(space_), points_(space_.dimension()) {}
 
   void forbid(View q) {
     if (!state(q)) return;

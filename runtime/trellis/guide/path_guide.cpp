@@ -28,8 +28,8 @@ PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurati
       patience_(patience),
       centres_(space.dimension()) {
   const double length = tube_.length();
-  const auto bins = static_cast<std::size_t>(
-      std::clamp(std::ceil(length / tube_.radius()), 1.0, static_cast<double>(most_bins)));
+  const auto bins =
+      static_cast<std::size_t>(std::clamp(std::ceil(length / tube_.radius()), 1.0, static_cast<double>(most_bins)));
   bin_ = length / static_cast<double>(bins);
   covered_.assign(bins, 0);
   Configuration centre(space.dimension());

@@ -24,9 +24,10 @@ struct PathGuideSettings {
 template <class S>
 Settings<S> with_path_options(Settings<S> settings) {
   settings
-      .number("radius", &S::radius, "m in the metric", Range::non_negative(),
-              "radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or "
-              "1 % of the space's diameter for a point")
+      .number(
+          "radius", &S::radius, "m in the metric", Range::non_negative(),
+          "radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or "
+          "1 % of the space's diameter for a point")
       .number("window", &S::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
               "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
       .integer("patience", &S::patience, "proposals", Range::at_least(1),

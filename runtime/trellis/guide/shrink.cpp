@@ -11,13 +11,13 @@ struct ShrinkSettings : PathGuideSettings {
 };
 
 const Settings<ShrinkSettings>& shrink_settings() {
-  static const Settings<ShrinkSettings> settings =
-      with_path_options(Settings<ShrinkSettings>(Component::Kind::guide, "shrink",
-                                                 "the same world for a smaller robot, scaled about its reference point",
-                                                 "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints")
-                            .number("scale", &ShrinkSettings::scale, "share of its size", Range{.lo = 0, .hi = 1, .open_lo = true},
-                                    "size of the robot in S relative to that in C")
-                            .positional({"scale"}));
+  static const Settings<ShrinkSettings> settings = with_path_options(
+      Settings<ShrinkSettings>(Component::Kind::guide, "shrink",
+                               "the same world for a smaller robot, scaled about its reference point",
+                               "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints")
+          .number("scale", &ShrinkSettings::scale, "share of its size", Range{.lo = 0, .hi = 1, .open_lo = true},
+                  "size of the robot in S relative to that in C")
+          .positional({"scale"}));
   return settings;
 }
 
@@ -42,9 +42,10 @@ class Shrink final : public PathGuide {
 }  // namespace
 
 GuideKind shrink_kind() {
-  return {&shrink_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
-          "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }};
+  return {
+      &shrink_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
+      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }};
 }
 
 }  // namespace trellis

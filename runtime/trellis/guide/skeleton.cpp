@@ -33,8 +33,9 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           "the medial axis of the free workspace as a graph; dynamic regions travel along it, directed from start to "
           "goal, and proposals come from them",
           "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT")
-          .number("region", &SkeletonSettings::region, "bounding radii", Range::positive(),
-                  "radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal")
+          .number(
+              "region", &SkeletonSettings::region, "bounding radii", Range::positive(),
+              "radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal")
           .number("explore", &SkeletonSettings::explore, "share of proposals", Range::share(),
                   "e: share that is spread evenly over the regions and the whole space; the rest follows the weights")
           .number("decay", &SkeletonSettings::decay, "factor", {.lo = 0, .hi = 1, .open_lo = true},
@@ -120,7 +121,8 @@ class GraphBuilder {
         sights.push_back({instance_.space.distance(q, points[i]), e, i});
       }
     }
-    std::stable_sort(sights.begin(), sights.end(), [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
+    std::stable_sort(sights.begin(), sights.end(),
+                     [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
     if (sights.size() > most_sights) sights.resize(most_sights);
     for (const auto& sight : sights) {
       const View p = std::as_const(graph_.edges[sight.edge].points)[sight.point];
@@ -238,9 +240,7 @@ class DynamicRegions final : public Heuristic {
         position_(2) {
     spawn(graph_->start);
     // What the planner reached before the graph was searched again need not be reached twice.
-    advance([&](View centre) {
-      return reached.nearest(centre).squared_distance <= ball_.radius() * ball_.radius();
-    });
+    advance([&](View centre) { return reached.nearest(centre).squared_distance <= ball_.radius() * ball_.radius(); });
   }
 
   Source sample(Stream& stream, MutableView out) override {
@@ -404,8 +404,8 @@ class SkeletonGuide final : public Guide {
     instance->resolution = parent.resolution;
     instance->collision = parent.collision;
     instance->position_axes = {0, 1};
-    graph_ = std::make_shared<Graph>(
-        GraphBuilder(*cached_medial_axis(parent.scene), settings_.clearance, *instance).take());
+    graph_ =
+        std::make_shared<Graph>(GraphBuilder(*cached_medial_axis(parent.scene), settings_.clearance, *instance).take());
     instance->graph = graph_;
     reached_->add(instance->start);
     return instance;

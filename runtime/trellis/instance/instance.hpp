@@ -46,11 +46,11 @@ struct Graph {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
     double cost = 0.0;
-    Configurations points;         ///< the edge's polyline, both ends included
+    Configurations points;  ///< the edge's polyline, both ends included
   };
   Configurations vertices;
-  std::vector<Edge> edges;         ///< undirected
-  std::uint32_t start = 0;         ///< vertices
+  std::vector<Edge> edges;  ///< undirected
+  std::uint32_t start = 0;  ///< vertices
   std::uint32_t goal = 0;
 };
 
@@ -66,7 +66,7 @@ class Instance {
   Space space;
   std::shared_ptr<const Scene> scene;  ///< world and robot, for guides that look at geometry
   std::shared_ptr<Validity> validity;
-  std::shared_ptr<Graph> graph;        ///< nullptr: a sampling planner searches the space
+  std::shared_ptr<Graph> graph;  ///< nullptr: a sampling planner searches the space
   Configuration start;
   Configuration goal;
   double goal_tolerance = 1e-6;

@@ -100,8 +100,8 @@ class GraphSearch final : public Planner {
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// The edges' costs, those near the guidance's proposals made cheaper: an edge whose ends drew a share s of them costs
-  /// length / (1 + s * vertices), so that one with as many as the mean vertex costs half.
+  /// The edges' costs, those near the guidance's proposals made cheaper: an edge whose ends drew a share s of them
+  /// costs length / (1 + s * vertices), so that one with as many as the mean vertex costs half.
   std::vector<double> weighed(Meter& meter) {
     const Graph& graph = *task_.instance.graph;
     std::vector<double> cost;

@@ -312,9 +312,9 @@ class Tree final : public NearestIndex::Implementation {
   std::vector<double> weight_;
   std::vector<double> period_;
   std::vector<Node> nodes_;
-  std::vector<double> boxes_;          ///< per node: the lower corner, then the upper
-  std::vector<std::size_t> count_;     ///< per bucket
-  std::vector<double> coordinates_;    ///< per bucket: one column per axis
+  std::vector<double> boxes_;        ///< per node: the lower corner, then the upper
+  std::vector<std::size_t> count_;   ///< per bucket
+  std::vector<double> coordinates_;  ///< per bucket: one column per axis
   std::vector<std::uint32_t> ids_;
 };
 

@@ -17,7 +17,7 @@ namespace trellis {
 
 /// How a search ended.
 enum class Status : std::uint8_t {
-  untried,        ///< no search was asked for
+  untried,  ///< no search was asked for
   solved,
   budget_spent,   ///< proposals, checks or seconds ran out
   no_path,        ///< a finite search space holds no path
@@ -30,16 +30,16 @@ std::string_view to_string(Status status);
 /// What every planner may spend on its level. Counts come first, because only counts reproduce.
 struct Budget {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
-  double proposals = 50000;      ///< over all solves of the level
-  double checks = unlimited;     ///< validity checks, over all solves of the level
-  double seconds = unlimited;    ///< wall clock, over all solves of the level
+  double proposals = 50000;    ///< over all solves of the level
+  double checks = unlimited;   ///< validity checks, over all solves of the level
+  double seconds = unlimited;  ///< wall clock, over all solves of the level
 };
 
 /// What became of a level's search, kept over all its solves: everything that is reported and measured.
 struct Search {
-  Configurations nodes;      ///< tree or roadmap nodes in the order they came, the start first
-  Configurations proposals;  ///< what h drew, before the extension was tried, failed ones too
-  std::vector<Fate> fates;   ///< of each proposal
+  Configurations nodes;                            ///< tree or roadmap nodes in the order they came, the start first
+  Configurations proposals;                        ///< what h drew, before the extension was tried, failed ones too
+  std::vector<Fate> fates;                         ///< of each proposal
   std::vector<Guidance::Source> proposal_sources;  ///< which part of h drew each proposal
   std::vector<std::string> sources;                ///< their names
   Checks checks;

@@ -173,8 +173,8 @@ class RoadmapPlanner final : public Planner {
     paths_.path(goal, path_);
     std::vector<std::uint32_t> stops = {0};
     for (const std::uint32_t edge : path_) stops.push_back(paths_.other(edge, stops.back()));
-    // All invalid nodes of the path go at once: each would have to go before this way could be ruled out, and one repair
-    // of the search serves them all.
+    // All invalid nodes of the path go at once: each would have to go before this way could be ruled out, and one
+    // repair of the search serves them all.
     bool sound = true;
     for (std::size_t i = 0; i < stops.size(); ++i) {
       const std::uint32_t id = stops[outside_in(i, stops.size())];

@@ -28,7 +28,11 @@ const Settings<RrtSettings>& rrt_settings() {
 class Rrt final : public Planner {
  public:
   Rrt(const RrtSettings& settings, Task task)
-      : settings_(settings), task_(std::move(task)), target_(dimension()), sample_(dimension()), blocked_(dimension()) {}
+      : settings_(settings),
+        task_(std::move(task)),
+        target_(dimension()),
+        sample_(dimension()),
+        blocked_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;

@@ -28,7 +28,11 @@ const Settings<RrtConnectSettings>& rrt_connect_settings() {
 class RrtConnect final : public Planner {
  public:
   RrtConnect(const RrtConnectSettings& settings, Task task)
-      : settings_(settings), task_(std::move(task)), sample_(dimension()), target_(dimension()), blocked_(dimension()) {}
+      : settings_(settings),
+        task_(std::move(task)),
+        sample_(dimension()),
+        target_(dimension()),
+        blocked_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;

@@ -38,7 +38,8 @@ Configurations shortcut(Instance& instance, const Configurations& path, std::int
     if (space.distance(a, b) >= t - s) continue;
     // A point between two checked configurations was never checked itself.
     if (!instance.valid(a) || !instance.motion(a, b).valid) continue;
-    if (!instance.motion(std::as_const(current)[i], a).valid || !instance.motion(b, std::as_const(current)[j + 1]).valid) {
+    if (!instance.motion(std::as_const(current)[i], a).valid ||
+        !instance.motion(b, std::as_const(current)[j + 1]).valid) {
       continue;
     }
     Configurations next(d);

@@ -42,11 +42,12 @@ double reflect_once(const Axis& axis, double x) {
 Space::Space(std::string name, std::vector<Axis> axes) : name_(std::move(name)), axes_(std::move(axes)) {
   for (const auto& axis : axes_) {
     if (!std::isfinite(axis.lo) || !std::isfinite(axis.hi) || axis.hi <= axis.lo) {
-      throw Error(fmt::format("space {}: axis '{}' needs finite bounds lo < hi, got [{}, {}]", name_, axis.name, axis.lo,
-                              axis.hi));
+      throw Error(fmt::format("space {}: axis '{}' needs finite bounds lo < hi, got [{}, {}]", name_, axis.name,
+                              axis.lo, axis.hi));
     }
     if (!std::isfinite(axis.weight) || axis.weight <= 0.0) {
-      throw Error(fmt::format("space {}: axis '{}' needs a weight greater than 0, got {}", name_, axis.name, axis.weight));
+      throw Error(
+          fmt::format("space {}: axis '{}' needs a weight greater than 0, got {}", name_, axis.name, axis.weight));
     }
   }
 }
@@ -55,7 +56,8 @@ Space Space::euclidean(const std::vector<std::pair<double, double>>& bounds) {
   static constexpr std::array<const char*, 3> names = {"x", "y", "z"};
   std::vector<Axis> axes;
   for (std::size_t i = 0; i < bounds.size(); ++i) {
-    axes.push_back({i < names.size() ? names[i] : fmt::format("q{}", i + 1), bounds[i].first, bounds[i].second, 1.0, false});
+    axes.push_back(
+        {i < names.size() ? names[i] : fmt::format("q{}", i + 1), bounds[i].first, bounds[i].second, 1.0, false});
   }
   return {fmt::format("R^{}", bounds.size()), std::move(axes)};
 }

@@ -39,6 +39,7 @@ struct Run {
   std::function<bool()> interrupted;
   Clock clock;
   std::vector<Level*> levels;  ///< in the order of their numbers
+  int first_solves = 0;        ///< levels whose first solve has ended
 };
 
 /// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
@@ -173,6 +174,7 @@ class Level {
     }
     ++record_.solves;
     Solution found = planner_->solve(common_.budget);
+    if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     // A later solve that finds nothing does not undo what was found: its path may still guide.
     if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
     run_.clock.switch_to(above);
@@ -456,8 +458,8 @@ void check(const Problem& problem) {
                                 what, j + 1, axes[j].name, q[j]));
       }
       if (!axes[j].periodic && (q[j] < axes[j].lo || q[j] > axes[j].hi)) {
-        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]", problem.name,
-                                what, axes[j].name, q[j], axes[j].lo, axes[j].hi));
+        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]",
+                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi));
       }
     }
     if (const auto contact = checker->contact(q)) {

@@ -15,17 +15,18 @@ namespace trellis {
 
 /// What one level of a hierarchy did in one run. Level 0 is the root, the configuration space of the real robot.
 struct LevelRecord {
-  int level = 0;        ///< position in the run's list, depth first
-  int parent = -1;      ///< the level that this one guides
-  int depth = 0;        ///< 0 at the root
-  std::string key;      ///< path in the hierarchy that random streams are keyed by: "0", "0.0", "0.1.0"
-  std::string name;     ///< "root" or the guide as written: "shrink(0.5)"
-  Space space;          ///< S
+  int level = 0;     ///< position in the run's list, depth first
+  int parent = -1;   ///< the level that this one guides
+  int depth = 0;     ///< 0 at the root
+  std::string key;   ///< path in the hierarchy that random streams are keyed by: "0", "0.0", "0.1.0"
+  std::string name;  ///< "root" or the guide as written: "shrink(0.5)"
+  Space space;       ///< S
   std::vector<std::size_t> position_axes;  ///< axes of the reference point's position, empty where none
-  std::string planner;  ///< the planner's name; "graph search" for explicit graphs
-  std::uint64_t solves = 0;  ///< how often the instance was solved (re-solves included)
-  Search search;             ///< proposals, nodes, their fates, checks and time, over all solves
-  Solution solution;         ///< the last one found
+  std::string planner;                     ///< the planner's name; "graph search" for explicit graphs
+  std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
+  int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
+  Search search;       ///< proposals, nodes, their fates, checks and time, over all solves
+  Solution solution;   ///< the last one found
   /// Validity in S, counted nowhere; for scoring. One thread at a time.
   std::function<bool(View)> valid;
   /// Nodes and proposals lifted to the root's space by the chain of h's (the same rows for level 0).
@@ -37,8 +38,8 @@ struct RunRecord {
   Status status = Status::untried;
   bool solved = false;
   double seconds = 0.0;
-  Configurations path;       ///< from start to goal; empty when unsolved
-  double length = 0.0;       ///< of `path` in the metric
+  Configurations path;                ///< from start to goal; empty when unsolved
+  double length = 0.0;                ///< of `path` in the metric
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
   std::uint64_t shortcut_checks = 0;  ///< validity checks that shortcutting spent, not in the sums above
@@ -46,8 +47,8 @@ struct RunRecord {
 };
 
 struct ExecuteOptions {
-  std::int64_t shortcut = 0;            ///< rounds of shortcutting on the found path
-  std::function<bool()> interrupted;    ///< polled between proposals; true ends the run with Status::interrupted
+  std::int64_t shortcut = 0;          ///< rounds of shortcutting on the found path
+  std::function<bool()> interrupted;  ///< polled between proposals; true ends the run with Status::interrupted
 };
 
 /// Checks a problem: finite coordinates of the right number, inside the space, start and goal valid. Throws Error that

@@ -22,8 +22,8 @@ const std::vector<const Component*>& components() {
 
 const Component* find_component(Component::Kind kind, std::string_view name) {
   const auto& all = components();
-  const auto it = std::find_if(all.begin(), all.end(),
-                               [&](const Component* c) { return c->kind == kind && c->name == name; });
+  const auto it =
+      std::find_if(all.begin(), all.end(), [&](const Component* c) { return c->kind == kind && c->name == name; });
   return it != all.end() ? *it : nullptr;
 }
 

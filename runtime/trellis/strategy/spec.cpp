@@ -176,7 +176,8 @@ std::string GuideSpec::text() const {
     case Kind::sequence: {
       std::vector<std::string> parts;
       for (const auto& term : terms()) {
-        const bool loose = term.guide.kind() == Kind::mixture || (term.guide.kind() == Kind::component && term.guide.below() != nullptr);
+        const bool loose = term.guide.kind() == Kind::mixture ||
+                           (term.guide.kind() == Kind::component && term.guide.below() != nullptr);
         parts.push_back(loose ? "(" + term.guide.text() + ")" : term.guide.text());
       }
       if (turn() != default_turn) return fmt::format("sequence {{ {}, turn = {} }}", fmt::join(parts, ", "), turn());
@@ -209,9 +210,10 @@ bool operator==(const GuideSpec& a, const GuideSpec& b) {
 
 GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided) {
   if (!guided.searches()) {
-    throw Error(fmt::format("{} >> {}: '{}' searches no space (S = {{0}}), so there is nothing to guide; mix them "
-                            "instead: {} + {}",
-                            above.text(), guided.text(), guided.text(), above.text(), guided.text()));
+    throw Error(
+        fmt::format("{} >> {}: '{}' searches no space (S = {{0}}), so there is nothing to guide; mix them "
+                    "instead: {} + {}",
+                    above.text(), guided.text(), guided.text(), above.text(), guided.text()));
   }
   auto node = std::make_shared<GuideSpec::Node>(*guided.node_);
   if (guided.kind() == GuideSpec::Kind::component) {
@@ -273,16 +275,15 @@ namespace {
 
 void check_root(const PlannerSpec& planner) {
   if (find_planner(planner.name())->graph) {
-    throw Error(fmt::format("'{}' searches explicit graphs; the root of a strategy is a configuration space and needs a "
-                            "sampling planner such as rrt",
-                            planner.name()));
+    throw Error(
+        fmt::format("'{}' searches explicit graphs; the root of a strategy is a configuration space and needs a "
+                    "sampling planner such as rrt",
+                    planner.name()));
   }
 }
 
 void draw(const GuideSpec& guide, const std::string& label, const std::string& indent, bool last, std::string& out) {
-  const auto head = [&](const std::string& text) {
-    out += indent + (last ? "└─ " : "├─ ") + label + text + "\n";
-  };
+  const auto head = [&](const std::string& text) { out += indent + (last ? "└─ " : "├─ ") + label + text + "\n"; };
   const std::string deeper = indent + (last ? "   " : "│  ");
   if (guide.kind() == GuideSpec::Kind::component) {
     const GuideSpec self = GuideSpec::make(guide.name(), guide.options().entries());

@@ -16,9 +16,10 @@ namespace trellis {
 //   guide >> guide = guide          planner is a strategy           w * guide = guide
 //   guide >> strategy = strategy    guide + guide = guide           guide .. guide = guide (sequence)
 //
-// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)` and `a >> (b .. c)` is `(a >> b) .. (a >> c)`; sums and sequences
-// are flat; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner at the end
-// too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over mixtures.
+// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)` and `a >> (b .. c)` is `(a >> b) .. (a >> c)`; sums and
+// sequences are flat; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner
+// at the end too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over
+// mixtures.
 
 /// Where a spec was written. Not part of its value, hash or JSON.
 struct Origin {
