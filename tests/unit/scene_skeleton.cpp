@@ -334,25 +334,25 @@ TEST_CASE("the skeleton is the same every time and in any order of the obstacles
   CHECK(same(first, medial_axis(brute::box_world(boxes))));
 }
 
-TEST_CASE("a scene's skeleton is made once, whoever asks", "[scene][skeleton]") {
-  auto scene = std::make_shared<const Scene>(Scene{trap(), Robot::point()});
+TEST_CASE("a world's skeleton is made once, whoever asks", "[scene][skeleton]") {
+  World world = trap();
   std::vector<std::shared_ptr<const Skeleton>> found(8);
   {
     std::vector<std::thread> threads;
     threads.reserve(found.size());
-    for (auto& f : found) threads.emplace_back([&f, &scene] { f = cached_medial_axis(scene); });
+    for (auto& f : found) threads.emplace_back([&f, copy = world] { f = cached_medial_axis(copy); });
     for (auto& t : threads) t.join();
   }
   REQUIRE(found[0]);
   for (const auto& f : found) CHECK(f == found[0]);
   CHECK(same(*found[0], medial_axis(trap())));
 
-  // Other scenes at whatever addresses become free get skeletons of their own.
+  // Other worlds at whatever addresses become free get skeletons of their own.
   for (int i = 0; i < 20; ++i) {
-    scene = std::make_shared<const Scene>(Scene{i % 2 == 0 ? cup() : simple_passage(), Robot::point()});
-    CHECK(cached_medial_axis(scene)->vertices.size() == (i % 2 == 0 ? 2U : 6U));
+    world = i % 2 == 0 ? cup() : simple_passage();
+    CHECK(cached_medial_axis(world)->vertices.size() == (i % 2 == 0 ? 2U : 6U));
   }
-  const auto full = std::make_shared<const Scene>(Scene{brute::box_world({{{-1, -1}, {11, 11}}}), Robot::point()});
+  const World full = brute::box_world({{{-1, -1}, {11, 11}}});
   CHECK_THROWS_AS(cached_medial_axis(full), Error);
   CHECK_THROWS_AS(cached_medial_axis(full), Error);
 }

@@ -405,7 +405,7 @@ class SkeletonGuide final : public Guide {
     instance->collision = parent.collision;
     instance->position_axes = {0, 1};
     graph_ =
-        std::make_shared<Graph>(GraphBuilder(*cached_medial_axis(parent.scene), settings_.clearance, *instance).take());
+        std::make_shared<Graph>(GraphBuilder(*cached_medial_axis(parent.scene->world), settings_.clearance, *instance).take());
     instance->graph = graph_;
     reached_->add(instance->start);
     return instance;

@@ -128,15 +128,19 @@ double farthest_from(const Body& body, Vec2 p) {
 
 }  // namespace
 
-World::World(Box2 bounds, std::vector<Obstacle> obstacles) : bounds_(bounds), obstacles_(std::move(obstacles)) {
-  check_box(bounds_, "the world's boundary");
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    auto& obstacle = obstacles_[i];
+World::World(Box2 bounds, std::vector<Obstacle> obstacles) {
+  auto content = std::make_shared<Content>();
+  content->bounds = bounds;
+  content->obstacles = std::move(obstacles);
+  check_box(content->bounds, "the world's boundary");
+  for (std::size_t i = 0; i < content->obstacles.size(); ++i) {
+    auto& obstacle = content->obstacles[i];
     if (obstacle.name.empty()) obstacle.name = fmt::format("obstacle {}", i + 1);
     std::vector<ConvexShape> parts;
     validate(obstacle.shape, obstacle.name, false, parts);
-    for (auto& part : parts) parts_.push_back({std::move(part), i});
+    for (auto& part : parts) content->parts.push_back({std::move(part), i});
   }
+  content_ = std::move(content);
 }
 
 Robot::Robot(std::string name, std::vector<Body> bodies, bool translates, Vec2 base)

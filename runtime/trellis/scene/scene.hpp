@@ -18,7 +18,8 @@ struct Obstacle {
   Shape shape;
 };
 
-/// A planar workspace: a boundary box, inside which the whole robot stays, and closed obstacles.
+/// A planar workspace: a boundary box, inside which the whole robot stays, and closed obstacles. Immutable: copies
+/// share their content, so that robots of several sizes in one world share what is worked out about it.
 class World {
  public:
   /// A convex piece of an obstacle.
@@ -27,19 +28,24 @@ class World {
     std::size_t obstacle = 0;  ///< index into obstacles()
   };
 
-  World() = default;
+  World() : World(Box2{{0, 0}, {1, 1}}, {}) {}
   /// Validates (finite, positive extents and radii, simple polygons) and splits non-convex polygons into convex parts.
   /// Throws Error naming the obstacle.
   World(Box2 bounds, std::vector<Obstacle> obstacles);
 
-  [[nodiscard]] const Box2& bounds() const { return bounds_; }
-  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
-  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] const Box2& bounds() const { return content_->bounds; }
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return content_->obstacles; }
+  [[nodiscard]] const std::vector<Part>& parts() const { return content_->parts; }
+  /// What copies have in common: the same pointer for them, another for any other world while one of them lives.
+  [[nodiscard]] std::shared_ptr<const void> identity() const { return content_; }
 
  private:
-  Box2 bounds_;
-  std::vector<Obstacle> obstacles_;
-  std::vector<Part> parts_;
+  struct Content {
+    Box2 bounds;
+    std::vector<Obstacle> obstacles;
+    std::vector<Part> parts;
+  };
+  std::shared_ptr<const Content> content_;
 };
 
 /// One rigid body of a robot. Its frame: origin at its joint, turned by its angle.

@@ -700,29 +700,28 @@ Skeleton medial_axis(const World& world, double spacing, int disc_vertices) {
   return skeleton;
 }
 
-std::shared_ptr<const Skeleton> cached_medial_axis(const std::shared_ptr<const Scene>& scene) {
-  if (!scene) throw Fault("cached_medial_axis: no scene given");
+std::shared_ptr<const Skeleton> cached_medial_axis(const World& world) {
   struct Entry {
     std::once_flag once;
     std::shared_ptr<const Skeleton> skeleton;
   };
   struct Slot {
-    std::weak_ptr<const Scene> scene;  // an expired one tells that the address now means another scene
+    std::weak_ptr<const void> world;  // an expired one tells that the address now means another world
     std::shared_ptr<Entry> entry;
   };
   static std::mutex mutex;
-  static std::map<const Scene*, Slot> cache;
+  static std::map<const void*, Slot> cache;
 
   std::shared_ptr<Entry> entry;
   {
     const std::scoped_lock lock(mutex);
-    std::erase_if(cache, [](const auto& item) { return item.second.scene.expired(); });
-    Slot& slot = cache[scene.get()];
-    if (!slot.entry) slot = {scene, std::make_shared<Entry>()};
+    std::erase_if(cache, [](const auto& item) { return item.second.world.expired(); });
+    Slot& slot = cache[world.identity().get()];
+    if (!slot.entry) slot = {world.identity(), std::make_shared<Entry>()};
     entry = slot.entry;
   }
-  // Outside the lock, so that scenes do not wait for each other; those who ask for the same one wait for it.
-  std::call_once(entry->once, [&] { entry->skeleton = std::make_shared<const Skeleton>(medial_axis(scene->world)); });
+  // Outside the lock, so that worlds do not wait for each other; those who ask for the same one wait for it.
+  std::call_once(entry->once, [&] { entry->skeleton = std::make_shared<const Skeleton>(medial_axis(world)); });
   return entry->skeleton;
 }
 
