@@ -124,10 +124,13 @@ class Tree {
   std::vector<std::uint32_t> parents_;  ///< a root is its own parent
 };
 
-/// Checks that start and goal are valid in the instance; the reason to give up otherwise.
-inline std::optional<Status> invalid_ends(Instance& instance) {
-  if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return Status::invalid_start;
-  if (!instance.space.contains(instance.goal) || !instance.valid(instance.goal)) return Status::invalid_goal;
+/// Checks that start and goal are valid in the instance; what a search that cannot begin has found otherwise.
+inline std::optional<Solution> invalid_ends(Instance& instance) {
+  Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
+  if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
+  solution.status = Status::invalid_goal;
+  solution.path.push(instance.start);
+  if (!instance.space.contains(instance.goal) || !instance.valid(instance.goal)) return solution;
   return std::nullopt;
 }
 

@@ -81,11 +81,7 @@ class RoadmapPlanner final : public Planner {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
     if (paths_.vertices() == 0) {
-      if (const auto bad = invalid_ends(instance)) {
-        Solution solution{*bad, Configurations(dimension())};
-        if (*bad == Status::invalid_goal) solution.path.push(instance.start);
-        return solution;
-      }
+      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       if (instance.space.distance(instance.start, instance.goal) <= instance.goal_tolerance) {
         Solution solution{Status::solved, Configurations(dimension())};
         task_.search.nodes.push(instance.start);

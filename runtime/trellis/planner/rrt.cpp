@@ -38,11 +38,7 @@ class Rrt final : public Planner {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
     if (!ends_checked_) {
-      if (const auto bad = invalid_ends(instance)) {
-        Solution solution{*bad, Configurations(dimension())};
-        if (*bad == Status::invalid_goal) solution.path.push(instance.start);
-        return solution;
-      }
+      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.

@@ -38,11 +38,7 @@ class RrtConnect final : public Planner {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
     if (!ends_checked_) {
-      if (const auto bad = invalid_ends(instance)) {
-        Solution solution{*bad, Configurations(dimension())};
-        if (*bad == Status::invalid_goal) solution.path.push(instance.start);
-        return solution;
-      }
+      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     if (!trees_[0] || bridge_ || epoch_ != instance.validity->epoch()) plant();
