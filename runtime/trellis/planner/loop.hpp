@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -113,7 +114,7 @@ class Tree {
       if (at == parents_[at]) break;
     }
     Configurations path(task_.instance.space.dimension());
-    for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
+    for (const std::uint32_t at : std::views::reverse(ids)) path.push((*this)[at]);
     return path;
   }
 

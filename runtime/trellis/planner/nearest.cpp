@@ -265,7 +265,7 @@ class Tree final : public NearestIndex::Implementation {
       return w;
     };
     push({0, 0.0});
-    while (height > 0) {
+    while (height > 0) {  // NOLINT(bugprone-infinite-loop): pop() lowers it
       const Waiting waiting = pop();
       if (waiting.distance > limit()) continue;
       std::uint32_t at = waiting.node;

@@ -25,7 +25,7 @@ class LifelongSearch {
   /// An edge of cost > 0; returns its id.
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, double cost);
   /// Removing an edge twice is harmless.
-  void remove_edge(std::uint32_t edge);
+  void remove_edge(std::uint32_t id);
   /// Removes all edges of a vertex.
   void isolate(std::uint32_t vertex);
 

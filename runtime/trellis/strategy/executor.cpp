@@ -448,6 +448,7 @@ void check(const Problem& problem) {
                                 std::pair<const char*, const Configuration&>{"goal", problem.goal}}) {
     if (q.size() != axes.size()) {
       std::vector<std::string> names;
+      names.reserve(axes.size());
       for (const auto& axis : axes) names.push_back(axis.name);
       throw Error(fmt::format("problem '{}': {} has {} coordinate{}, expected {} ({})", problem.name, what, q.size(),
                               q.size() == 1 ? "" : "s", axes.size(), fmt::join(names, ", ")));

@@ -155,7 +155,7 @@ std::string GuideSpec::text() const {
   switch (kind()) {
     case Kind::component: {
       const std::string planner = node_->planner_given ? "planner = " + node_->planner->text() : "";
-      const std::string self =
+      std::string self =
           node_->name + options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
       if (!node_->below) return self;
       const std::string above = node_->below->text();
