@@ -404,8 +404,8 @@ class SkeletonGuide final : public Guide {
     instance->resolution = parent.resolution;
     instance->collision = parent.collision;
     instance->position_axes = {0, 1};
-    graph_ =
-        std::make_shared<Graph>(GraphBuilder(*cached_medial_axis(parent.scene->world), settings_.clearance, *instance).take());
+    graph_ = std::make_shared<Graph>(
+        GraphBuilder(*cached_medial_axis(parent.scene->world), settings_.clearance, *instance).take());
     instance->graph = graph_;
     reached_->add(instance->start);
     return instance;

@@ -32,7 +32,8 @@ struct Skeleton {
 /// the world leaves no free space.
 Skeleton medial_axis(const World& world, double spacing = 0.0, int disc_vertices = 24);
 
-/// The same, remembered for the world and its copies while one of them lives; safe to call from several threads at once.
+/// The same, remembered for the world and its copies while one of them lives; safe to call from several threads at
+/// once.
 std::shared_ptr<const Skeleton> cached_medial_axis(const World& world);
 
 }  // namespace trellis
