@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 #include <queue>
-#include <ranges>
 
 #include <trellis/base/error.hpp>
 #include <trellis/planner/kinds.hpp>
@@ -88,8 +87,8 @@ class GraphSearch final : public Planner {
     }
     solution.path.push(graph.vertices[graph.start]);
     std::uint32_t at = graph.start;
-    for (const std::uint32_t e : std::views::reverse(edges)) {
-      const auto& edge = graph.edges[e];
+    for (auto it = edges.rbegin(); it != edges.rend(); ++it) {
+      const auto& edge = graph.edges[*it];
       const bool forward = edge.from == at;
       const std::size_t count = edge.points.size();
       for (std::size_t i = 1; i < count; ++i) solution.path.push(edge.points[forward ? i : count - 1 - i]);

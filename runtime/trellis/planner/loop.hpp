@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -114,7 +113,7 @@ class Tree {
       if (at == parents_[at]) break;
     }
     Configurations path(task_.instance.space.dimension());
-    for (const std::uint32_t at : std::views::reverse(ids)) path.push((*this)[at]);
+    for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
     return path;
   }
 
