@@ -13,8 +13,7 @@
 
 namespace trellis {
 
-/// Adds the options of every planner to a planner's own settings, which hold a PlannerCommon named `common`... each
-/// settings struct repeats the fields, because an option is bound to a field of its own struct.
+/// What every planner's settings begin with; `with_common` describes these fields.
 struct CommonSettings {
   double goal_bias = 0.05;
   double uniform = 0.1;
@@ -34,14 +33,12 @@ struct CommonSettings {
 };
 
 template <class S>
-Settings<S> with_common(Settings<S> settings, bool samples = true) {
-  if (samples) {
-    settings.number("goal_bias", &S::goal_bias, "share of proposals", {.lo = 0, .hi = 1},
-                    "share of proposals that are the goal itself");
-    settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
-                    "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
-                    "completeness rests on the guide alone");
-  }
+Settings<S> with_common(Settings<S> settings) {
+  settings.number("goal_bias", &S::goal_bias, "share of proposals", Range::share(),
+                  "share of proposals that are the goal itself");
+  settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
+                  "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
+                  "completeness rests on the guide alone");
   settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
                   "budget: proposals of this level, over all its solves");
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
