@@ -5,6 +5,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
 
 namespace trellis {
 
@@ -60,17 +61,6 @@ const Settings<NearObstacleSettings>& bridge_test_settings() {
                      "Hsu, Jiang, Reif and Sun 2003"});
   return settings;
 }
-
-class UniformBias final : public Heuristic {
- public:
-  explicit UniformBias(const Space& space) : uniform_(space) {}
-  Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
-
- private:
-  UniformGuidance uniform_;
-};
 
 class GoalBias final : public Heuristic {
  public:
@@ -166,7 +156,7 @@ GuideKind uniform_kind() {
   return {&uniform_settings().component(),
           [](const Options&) -> std::unique_ptr<Guide> {
             return bias([](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<UniformBias>(parent.space);
+              return std::make_unique<UniformHeuristic>("uniform", parent.space);
             });
           },
           "", never};

@@ -22,7 +22,7 @@ struct LevelRecord {
   std::string name;  ///< "root" or the guide as written: "shrink(0.5)"
   Space space;       ///< S
   std::vector<std::size_t> position_axes;  ///< axes of the reference point's position, empty where none
-  std::string planner;                     ///< the planner's name; "graph search" for explicit graphs
+  std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
   Search search;       ///< proposals, nodes, their fates, checks and time, over all solves
