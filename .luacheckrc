@@ -9,7 +9,8 @@ stds.trellis = {
     -- problems
     "world", "robot", "box", "disc", "polygon", "problem",
     -- experiments
-    "experiment", "tube",
+    "experiment", "tube", "near_optimal", "progress", "target",
+    "exact", "knn", "kde", "histogram", "legacy", "ablations",
     -- modules of the standard library
     "scenes", "strategies",
   },

@@ -26,9 +26,19 @@ int dispatch(int argc, char** argv) {
   run->add_option("--seeds", options.seeds, "the number of consecutive seeds, instead of the script's");
   run->add_option("--seed", options.seed, "the first seed, instead of the script's");
   run->add_option("--jobs", options.jobs, "runs at the same time (default 1)");
+  run->add_option("--cross", options.cross, "paths of other seeds to score each run on, instead of the script's");
+  run->add_flag("--ablate", options.ablate, "run every strategy with each of its guides taken out, too");
   run->add_option("--json", options.json, "write all figures to a file");
   run->add_option("--samples", options.samples, "write all samples and paths into a folder");
+  run->add_option("--figures", options.figures, "draw the results into a folder");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
+
+  command::MeasureOptions measuring;
+  auto* measure = app.add_subcommand("measure", "measure samples that any program drew, and print the figures");
+  measure->add_option("CASE", measuring.file, "a case file: the space, the path, and where the samples are")
+      ->required();
+  measure->add_option("--json", measuring.json, "write all figures to a file, - for the standard output");
+  measure->add_option("--estimator", measuring.estimator, "the estimator instead of knn, or all");
 
   std::vector<std::string> scripts;
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
@@ -47,11 +57,14 @@ int dispatch(int argc, char** argv) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const char* name : {"--seeds", "--seed", "--jobs", "--json", "--samples"}) {
-    const auto* option = run->get_option(name);
-    if (option->count() > 0 && option->as<std::string>().empty()) throw Error(fmt::format("{} is empty", name));
+  for (const auto* parsed : {run, measure}) {
+    for (const auto* option : parsed->get_options()) {
+      const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
+      if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
+    }
   }
   if (run->parsed()) return command::run(options);
+  if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);

@@ -6,6 +6,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/language/measure.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
 
@@ -34,7 +35,15 @@ std::string summary(const std::string& script, const Experiment& experiment) {
   for (const auto& [name, strategy] : experiment.strategies) {
     text += fmt::format("\n  {}: {}\n{}", name, strategy.text(), indented(strategy.tree()));
   }
-  return text;
+  if (!experiment.measure) return text + "\n  nothing is measured\n";
+  const Measure& measure = *experiment.measure;
+  return text + fmt::format("\n  measured against {}, by {}{}{}\n", dsl::text_of(measure.target),
+                            dsl::text_of(measure.estimators),
+                            measure.cross > 0
+                                ? fmt::format(", on {} of other seeds too",
+                                              counted(static_cast<std::size_t>(measure.cross), "path", "paths"))
+                                : "",
+                            measure.metrics ? ", with metrics of the search" : "");
 }
 
 }  // namespace

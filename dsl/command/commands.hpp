@@ -14,15 +14,26 @@ struct RunOptions {
   std::string seeds;  ///< as typed, "" without
   std::string seed;
   std::string jobs;
+  std::string cross;
   std::string json;     ///< a file, "" without
   std::string samples;  ///< a folder, "" without
+  std::string figures;  ///< a folder, "" without
+  bool ablate = false;
   bool quiet = false;
+};
+
+struct MeasureOptions {
+  std::string file;       ///< the case
+  std::string json;       ///< a file, "-" for stdout, "" without
+  std::string estimator;  ///< a name, "all", "" for the default
 };
 
 // Each command returns the exit status, and throws Error for what the user can mend.
 
 /// Runs a script's experiment, prints the report and writes the files that were asked for.
 int run(const RunOptions& options);
+/// Measures samples of any program's against a tube, as a case file says, and prints the figures.
+int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".

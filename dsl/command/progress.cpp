@@ -21,7 +21,7 @@ void Progress::show(std::size_t done, std::size_t all) {
   constexpr std::size_t width = 40;
   const std::size_t filled = width * done / all;
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_).count();
-  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} runs  {}:{:02}", std::string(filled, '#'), std::string(width - filled, '.'),
+  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} steps  {}:{:02}", std::string(filled, '#'), std::string(width - filled, '.'),
              done, all, seconds / 60, seconds % 60);
   std::fflush(stderr);
   drawn_ = true;

@@ -23,7 +23,7 @@ constexpr int unbounded_width = 160;
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
   const InterruptibleRun interruptible;
   Progress progress(!quiet);
-  progress.show(0, experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size());
+  progress.show(0, steps(experiment));
   return run(experiment, {.jobs = jobs,
                           .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
                           .interrupted = InterruptibleRun::requested});
@@ -36,15 +36,22 @@ int run(const RunOptions& options) {
   const auto seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
   const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
+  const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
 
   dsl::SessionOptions session;
   session.seed = seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, seeds, seed);
+  if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
+  if (cross) {
+    if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
+    program.experiment.measure->cross = static_cast<std::int64_t>(*cross);
+  }
 
   // A run may take hours: what would make its results impossible to keep is found out first.
   if (!options.json.empty()) require_writable_file(options.json);
   OutputFolder samples(options.samples);
+  OutputFolder figures(options.figures);
 
   const ExperimentResult result = run_cells(program.experiment, static_cast<unsigned>(jobs.value_or(1)), options.quiet);
 
@@ -66,6 +73,10 @@ int run(const RunOptions& options) {
   if (!options.samples.empty()) {
     attempt([&] { write_samples(result, options.samples); });
     samples.keep();
+  }
+  if (!options.figures.empty()) {
+    attempt([&] { write_figures(program.experiment, result, options.figures); });
+    figures.keep();
   }
   if (failure) throw Error(*failure);
   return success;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include <dsl/language/measure.hpp>
+#include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace trellis::dsl {
@@ -166,6 +168,8 @@ int construct(Stack& call) {
   const auto* constructor = call[1].get<Constructor>();
   if (constructor == nullptr) throw Error("not a constructor");
   const Component& component = *constructor->component;
+  if (component.kind == Component::Kind::target) return make_target(component, call);
+  if (component.kind == Component::Kind::estimator) return make_estimator(component, call);
   Origin origin;
   if (const auto position = call.where()) origin = {position->script, position->line};
   if (component.kind == Component::Kind::planner) {
@@ -279,6 +283,34 @@ int make_sequence(Stack& call) {
   return call.result(sequence(parts, sequence_settings().read(arguments.options()).turn));
 }
 
+int make_ablations(Stack& call) {
+  const Arguments arguments(ablations_construct(), call);
+  std::optional<StrategySpec> strategy;
+  arguments.each([&](std::size_t i, Value value) {
+    strategy = as_strategy(value);
+    if (i == 1 && strategy) return;
+    throw Error(fmt::format("ablations: takes one strategy, as guide >> planner, got {}",
+                            i == 1 ? describe(value) : fmt::format("{} as number {}", describe(value), i)));
+  });
+  if (!strategy) throw Error("ablations: takes one strategy, as guide >> planner, got nothing");
+  const std::vector<Ablation> taken = trellis::ablations(*strategy);
+  if (taken.empty()) {
+    throw Error(fmt::format("ablations: the strategy '{}' has no guide that could be taken out", strategy->text()));
+  }
+  const Value list = call.push_table();
+  const auto add = [&](const std::string& name, const StrategySpec& spec) {
+    const Value pair = call.push_table();
+    call.push(name);
+    call.append(pair);
+    call.push_object(spec);
+    call.append(pair);
+    call.append(list);
+  };
+  add("whole", *strategy);
+  for (const Ablation& ablation : taken) add(ablation.text(), ablation.strategy);
+  return 1;
+}
+
 }  // namespace
 
 std::optional<StrategySpec> as_strategy(Value value) {
@@ -298,6 +330,17 @@ const Construct& sequence_construct() {
   return construct;
 }
 
+const Construct& ablations_construct() {
+  static const Construct construct = {
+      .name = "ablations",
+      .usage = "ablations(skeleton() >> shrink(0.5) >> rrt {})",
+      .summary = "a strategy and what is left of it without each of its guides, as a list of { \"name\", strategy }",
+      .list = "one strategy; the list is what experiment's 'strategies' takes, the strategy itself first as \"whole\"",
+      .fields = {},
+      .options = {}};
+  return construct;
+}
+
 void open_algebra(Stack& stack) {
   declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect);
   declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields);
@@ -313,6 +356,8 @@ void open_algebra(Stack& stack) {
   }
   stack.push_function(make_sequence);
   stack.set_global(sequence_construct().name);
+  stack.push_function(make_ablations);
+  stack.set_global(ablations_construct().name);
 }
 
 }  // namespace trellis::dsl

@@ -9,11 +9,14 @@
 
 namespace trellis::dsl {
 
-/// Makes the specs and their operators known, and a constructor of each planner and guide of the registry.
+/// Makes the specs and their operators known, a constructor of each planner and guide of the registry, and what is made
+/// of whole strategies.
 void open_algebra(lua::Stack& stack);
 
 /// sequence { a, b, turn = 200 }.
 const Construct& sequence_construct();
+/// ablations(strategy).
+const Construct& ablations_construct();
 
 /// A planner or strategy as a strategy, none for anything else.
 std::optional<StrategySpec> as_strategy(lua::Value value);

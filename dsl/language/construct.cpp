@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <dsl/language/measure.hpp>
+
 namespace trellis::dsl {
 
 namespace {
@@ -239,6 +241,8 @@ std::string describe(Value value) {
   if (const auto* planner = value.get<PlannerSpec>()) return quoted("planner", planner->text());
   if (const auto* guide = value.get<GuideSpec>()) return quoted("guide", guide->text());
   if (const auto* strategy = value.get<StrategySpec>()) return quoted("strategy", strategy->text());
+  if (const auto* target = value.get<TargetSpec>()) return quoted("target", text_of(*target));
+  if (const auto* estimator = value.get<EstimatorSpec>()) return quoted("estimator", estimator->text());
   if (const auto* constructor = value.get<Constructor>()) {
     const std::string& name = constructor->component->name;
     return fmt::format("the constructor '{}' (call it: {}())", name, name);

@@ -19,6 +19,8 @@ using lua::Value;
 struct ExperimentSettings {
   std::int64_t seed = 1;
   std::int64_t shortcut = 0;
+  std::int64_t cross = Measure{}.cross;
+  bool metrics = Measure{}.metrics;
 };
 
 const Settings<ExperimentSettings>& experiment_settings() {
@@ -27,32 +29,38 @@ const Settings<ExperimentSettings>& experiment_settings() {
           .integer("seed", &ExperimentSettings::seed, "", Range::non_negative(),
                    "the first of consecutive seeds, where 'seeds' is their number")
           .integer("shortcut", &ExperimentSettings::shortcut, "rounds", Range::non_negative(),
-                   "rounds of shortcutting on each found path before it is reported");
+                   "rounds of shortcutting on each found path before it is reported")
+          .integer("cross", &ExperimentSettings::cross, "paths", Range::non_negative(),
+                   "paths of other seeds that each run is scored on besides its own")
+          .boolean("metrics", &ExperimentSettings::metrics,
+                   "whether each level's roadmap, information and wasted samples are measured too");
   return settings;
 }
 
 /// Reads problems from a problem, a list of problems, and lists in it, in order.
 class ProblemReader {
  public:
+  explicit ProblemReader(std::string prefix = "experiment: ") : prefix_(std::move(prefix)) {}
+
   void read(const std::string& what, Value value) {
     if (const auto* problem = value.get<Problem>()) {
       problems_.push_back(*problem);
       return;
     }
     if (value.type() != Type::table) {
-      throw Error(fmt::format("experiment: {} must be a problem or a list of problems, got {}", what, describe(value)));
+      throw Error(fmt::format("{}{} must be a problem or a list of problems, got {}", prefix_, what, describe(value)));
     }
     const void* list = value.identity();
     if (std::find(within_.begin(), within_.end(), list) != within_.end()) {
-      throw Error(fmt::format("experiment: {} is a list that contains itself (a cycle)", what));
+      throw Error(fmt::format("{}{} is a list that contains itself (a cycle)", prefix_, what));
     }
     const lua::Keys keys = value.keys();
     if (!keys.names.empty() || !keys.odd.empty()) {
-      throw Error(fmt::format("experiment: {} must be a problem or a list of problems, got a table with {}", what,
+      throw Error(fmt::format("{}{} must be a problem or a list of problems, got a table with {}", prefix_, what,
                               keys.names.empty() ? keys.odd : "the field '" + keys.names.front() + "'"));
     }
     if (within_.size() >= deepest_list) {
-      throw Error(fmt::format("experiment: lists of problems are nested over {} deep", deepest_list));
+      throw Error(fmt::format("{}lists of problems are nested over {} deep", prefix_, deepest_list));
     }
     within_.push_back(list);
     value.each([&](std::size_t i, Value element) { read(fmt::format("element {} of {}", i, what), element); });
@@ -62,6 +70,7 @@ class ProblemReader {
   std::vector<Problem> take() { return std::move(problems_); }
 
  private:
+  std::string prefix_;
   std::vector<Problem> problems_;
   std::vector<const void*> within_;  // the lists that are being read
 };
@@ -146,6 +155,80 @@ std::vector<std::uint64_t> read_seeds(const Arguments& arguments, std::uint64_t 
   return seeds;
 }
 
+std::vector<EstimatorSpec> read_estimators(const Arguments& arguments) {
+  const Value value = arguments["estimators"];
+  if (!value.given()) return default_estimators();
+  if (const auto* one = value.get<EstimatorSpec>()) return {*one};
+  if (value.type() != Type::table) arguments.reject("estimators");
+  const lua::Keys keys = value.keys();
+  if (!keys.names.empty() || !keys.odd.empty() || keys.length == 0) {
+    throw Error(fmt::format("experiment: field 'estimators' must be a list of estimators, got {}",
+                            !keys.odd.empty()    ? "one with " + keys.odd
+                            : keys.names.empty() ? "an empty one"
+                                                 : "one with the field '" + keys.names.front() + "'"));
+  }
+  std::vector<EstimatorSpec> estimators;
+  value.each([&](std::size_t i, Value element) {
+    const auto* estimator = element.get<EstimatorSpec>();
+    if (estimator == nullptr) {
+      throw Error(fmt::format("experiment: element {} of field 'estimators' must be an estimator, as knn {{}}, got {}",
+                              i, describe(element)));
+    }
+    if (std::find(estimators.begin(), estimators.end(), *estimator) != estimators.end()) {
+      throw Error(fmt::format("experiment: field 'estimators' holds {} twice", estimator->text()));
+    }
+    estimators.push_back(*estimator);
+  });
+  return estimators;
+}
+
+std::optional<Measure> read_measure(const Arguments& arguments, const ExperimentSettings& settings) {
+  Measure measure;
+  measure.estimators = read_estimators(arguments);
+  measure.cross = settings.cross;
+  measure.metrics = settings.metrics;
+  const Value value = arguments["measure"];
+  if (!value.given()) return measure;
+  if (const auto* target = value.get<TargetSpec>()) {
+    measure.target = *target;
+    return measure;
+  }
+  if (value.boolean() != false) arguments.reject("measure");
+  for (const char* name : {"estimators", "cross", "metrics"}) {
+    if (!arguments[name].given()) continue;
+    throw Error(
+        fmt::format("experiment: field '{}' says how samples are measured, and 'measure = false' that they are "
+                    "not; leave one of them out",
+                    name));
+  }
+  return std::nullopt;
+}
+
+void read_ablate(const Arguments& arguments, Experiment& experiment) {
+  const Value value = arguments["ablate"];
+  if (!value.given() || value.boolean() == false) return;
+  if (value.boolean() == true) {
+    ablate_all(experiment, "experiment: field 'ablate'");
+    return;
+  }
+  if (value.type() != Type::table) arguments.reject("ablate");
+  const lua::Keys keys = value.keys();
+  if (!keys.names.empty() || !keys.odd.empty()) arguments.reject("ablate");
+  std::vector<std::string> names;
+  value.each([&](std::size_t i, Value element) {
+    const auto name = element.string();
+    if (!name) {
+      throw Error(fmt::format("experiment: field 'ablate' must hold names of strategies, got {} as number {}",
+                              describe(element), i));
+    }
+    if (std::find(names.begin(), names.end(), *name) != names.end()) {
+      throw Error(fmt::format("experiment: field 'ablate' names the strategy '{}' twice", *name));
+    }
+    names.push_back(*name);
+  });
+  ablate(experiment, names);
+}
+
 int make_experiment(Stack& call) {
   const Arguments arguments(experiment_construct(), call);
   const auto settings = experiment_settings().read(arguments.options());
@@ -158,30 +241,12 @@ int make_experiment(Stack& call) {
   experiment.strategies = read_strategies(arguments);
   experiment.seeds = read_seeds(arguments, program.seed);
   experiment.shortcut = settings.shortcut;
-  if (const Value measure = arguments["measure"]; measure.given()) {
-    if (const auto* tube = measure.get<TubeSettings>()) {
-      experiment.measure = *tube;
-    } else if (measure.boolean() == false) {
-      experiment.measure.reset();
-    } else {
-      arguments.reject("measure");
-    }
-  }
+  experiment.measure = read_measure(arguments, settings);
+  experiment.baseline = arguments.string("baseline").value_or("");
+  if (experiment.baseline.empty() && arguments["baseline"].given()) arguments.reject("baseline");
+  read_ablate(arguments, experiment);
   check(experiment);
   return call.result(std::move(program));
-}
-
-int make_tube(Stack& call) {
-  const Component& component = tube_settings().component();
-  const Given given = read_options(component, call, 1, false);
-  return call.result(tube_settings().read(Options::validate(component, given.options)));
-}
-
-int tube_text(Stack& call) {
-  const auto* tube = call[1].get<TubeSettings>();
-  if (tube == nullptr) return call.result(call[1].describe());
-  return call.result(fmt::format(R"(tube {{ delta = {:g}, distance = "{}", support = "{}" }})", tube->delta,
-                                 tube->distance, tube->support));
 }
 
 std::string counted(std::size_t count, const char* one, const char* many) {
@@ -223,8 +288,14 @@ const Construct& experiment_construct() {
                   true},
                  {"seeds", fmt::format("an integer in [1, {}], or a list of seeds", most_seeds),
                   "how many consecutive seeds, or which ones; 1 by default"},
-                 {"measure", "a measure, as tube { delta = 0.5 }, or false",
-                  "the target; false computes no efficiency"}},
+                 {"measure", "a target, as tube { delta = 0.5 }, or false",
+                  "what samples are measured against; tube {} by default; false computes no efficiency"},
+                 {"estimators", "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
+                  "the first that has a figure gives the headline, the others stand beside it; exact and knn by "
+                  "default"},
+                 {"baseline", "the name of a strategy", "what the others are compared with; the first by default"},
+                 {"ablate", "true, or a list of names of strategies",
+                  "adds each strategy that has a guide, or each that is named, with every guide taken out in turn"}},
       .options = experiment_settings().component()};
   return construct;
 }
@@ -260,11 +331,19 @@ Program read_program(Stack& stack, int first) {
   throw Error(fmt::format("the script returns {}; {}", describe(value), offer));
 }
 
+std::vector<Problem> read_problems(Stack& stack, int first) {
+  const int count = stack.size() - first + 1;
+  if (count != 1 || !stack[first].given()) {
+    throw Error(fmt::format("the script returns {}, expected a problem, as 'return scenes.cup()'",
+                            count > 1 ? fmt::format("{} values", count) : "nothing"));
+  }
+  ProblemReader reader("");
+  reader.read("what the script returns", stack[first]);
+  return reader.take();
+}
+
 void open_experiment(Stack& stack) {
-  stack.declare<TubeSettings>({{"__tostring", tube_text}});
   stack.declare<Program>({{"__tostring", experiment_text}});
-  stack.push_function(make_tube);
-  stack.set_global(tube_settings().component().name);
   stack.push_function(make_experiment);
   stack.set_global(experiment_construct().name);
 }

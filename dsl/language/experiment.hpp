@@ -10,7 +10,7 @@
 
 namespace trellis::dsl {
 
-/// Makes `experiment` and `tube` known.
+/// Makes `experiment` known.
 void open_experiment(lua::Stack& stack);
 
 const Construct& experiment_construct();
@@ -18,5 +18,7 @@ const Construct& experiment_construct();
 /// What a script returned, from stack position `first` on, as a program: an experiment; a strategy and a problem; or a
 /// table { strategy = s, problem = p }. Throws Error for anything else.
 Program read_program(lua::Stack& stack, int first);
+/// Likewise of a script that returns a problem or a list of problems.
+std::vector<Problem> read_problems(lua::Stack& stack, int first);
 
 }  // namespace trellis::dsl

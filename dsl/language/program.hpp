@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include <trellis/experiment/experiment.hpp>
 
@@ -24,5 +25,9 @@ std::vector<std::uint64_t> consecutive_seeds(std::uint64_t first, std::uint64_t 
 /// Replaces the seeds by consecutive ones: `count` of them (none: as many as there are) from `first` (none: the
 /// program's own). Without either the program stays as it is.
 void override_seeds(Program& program, std::optional<std::uint64_t> count, std::optional<std::uint64_t> first);
+
+/// Adds every strategy that has a guide with each guide taken out in turn, but for those to which that was done. `what`
+/// asked for it: throws Error where no strategy has a guide.
+void ablate_all(Experiment& experiment, const std::string& what);
 
 }  // namespace trellis::dsl

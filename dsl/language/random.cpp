@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <memory>
-
-#include <trellis/base/random.hpp>
+#include <utility>
 
 namespace trellis::dsl {
 
@@ -17,23 +15,23 @@ using lua::Value;
 
 Stream stream_of(std::uint64_t seed) { return {seed, "script", "math.random"}; }
 
-std::int64_t integer_argument(Stack& call, int i) {
+std::int64_t integer_argument(Stack& call, int i, const std::string& name) {
   const auto value = call[i].integer();
-  if (!value) throw Error(fmt::format("math.random: argument {} must be an integer, got {}", i, call[i].describe()));
+  if (!value) throw Error(fmt::format("{}: argument {} must be an integer, got {}", name, i, call[i].describe()));
   return *value;
 }
 
-int draw(Stack& call, Stream& stream) {
+int draw(Stack& call, Stream& stream, const std::string& name) {
   if (call.count() == 0) return call.result(stream.uniform());
-  if (call.count() > 2) throw Error(fmt::format("math.random: takes at most 2 arguments, got {}", call.count()));
+  if (call.count() > 2) throw Error(fmt::format("{}: takes at most 2 arguments, got {}", name, call.count()));
   std::int64_t lo = 1;
-  std::int64_t hi = integer_argument(call, call.count());
+  std::int64_t hi = integer_argument(call, call.count(), name);
   if (call.count() == 2) {
-    lo = integer_argument(call, 1);
+    lo = integer_argument(call, 1, name);
   } else if (hi == 0) {
     return call.result(static_cast<std::int64_t>(stream.bits()));  // all bits random, as Lua has it
   }
-  if (lo > hi) throw Error(fmt::format("math.random: the interval from {} to {} is empty", lo, hi));
+  if (lo > hi) throw Error(fmt::format("{}: the interval from {} to {} is empty", name, lo, hi));
   // Unsigned arithmetic wraps, so that the widest intervals work too.
   const std::uint64_t size = static_cast<std::uint64_t>(hi) - static_cast<std::uint64_t>(lo) + 1;
   const std::uint64_t offset = size == 0 ? stream.bits() : stream.below(size);
@@ -49,11 +47,15 @@ std::uint64_t seed_argument(Stack& call) {
 
 }  // namespace
 
+lua::Callback random_function(std::shared_ptr<Stream> stream, const std::string& name) {
+  return [stream = std::move(stream), name](Stack& call) { return draw(call, *stream, name); };
+}
+
 void open_random(Stack& stack, std::uint64_t seed) {
   const auto stream = std::make_shared<Stream>(stream_of(seed));
   const int before = stack.size();
   const Value math = stack.push_global("math");
-  stack.push_function([stream](Stack& call) { return draw(call, *stream); });
+  stack.push_function(random_function(stream, "math.random"));
   stack.set_field(math, "random");
   stack.push_function([stream, seed](Stack& call) {
     const std::uint64_t key = call.count() == 0 ? seed : seed_argument(call);

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <string>
 
 #include <dsl/lua/stack.hpp>
+#include <trellis/base/random.hpp>
 
 namespace trellis::dsl {
 
@@ -11,5 +14,8 @@ namespace trellis::dsl {
 /// every machine. math.random keeps Lua's meaning. math.randomseed(x) goes on as a run with seed x would from its
 /// start; without x, as this run from its start.
 void open_random(lua::Stack& stack, std::uint64_t seed);
+
+/// A function that draws from a stream as math.random does. `name` stands in messages.
+lua::Callback random_function(std::shared_ptr<Stream> stream, const std::string& name);
 
 }  // namespace trellis::dsl

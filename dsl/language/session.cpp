@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <utility>
+#include <variant>
 
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/experiment.hpp>
+#include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/random.hpp>
@@ -27,18 +29,15 @@ lua::Position last_line(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-struct Session::Interpreter {
-  lua::State state;
-};
-
 Session::Session(const std::string& folder, const SessionOptions& options)
-    : interpreter_(new Interpreter{lua::State(options.memory)}) {
-  interpreter_->state.run([&](lua::Stack& stack) {
+    : interpreter_(std::make_shared<lua::State>(options.memory)) {
+  interpreter_->run([&](lua::Stack& stack) {
     open_libraries(stack);
     open_random(stack, options.seed);
     open_algebra(stack);
     open_world(stack);
     open_problem(stack);
+    open_measure(stack);
     open_experiment(stack);
     open_modules(stack, folder);
   });
@@ -48,21 +47,38 @@ Session::~Session() = default;
 
 Program Session::load(const std::string& text, const std::string& name) {
   Program program;
-  interpreter_->state.run([&](lua::Stack& stack) {
+  run(text, name, [&](lua::Stack& stack) { program = read_program(stack, 1); });
+  if (program.experiment.measure) {
+    if (auto* target = std::get_if<UserTarget>(&program.experiment.measure->target)) {
+      target->make = [interpreter = interpreter_, make = std::move(target->make)](const UserTarget::Context& context) {
+        return make(context);
+      };
+    }
+  }
+  return program;
+}
+
+std::vector<Problem> Session::problems(const std::string& text, const std::string& name) {
+  std::vector<Problem> problems;
+  run(text, name, [&](lua::Stack& stack) { problems = read_problems(stack, 1); });
+  return problems;
+}
+
+void Session::run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read) {
+  interpreter_->run([&](lua::Stack& stack) {
     stack.load(text, "@" + name);
     stack.call(0);
     try {
-      program = read_program(stack, 1);
+      read(stack);
     } catch (const Error& error) {
       throw lua::Located(last_line(text, name).prefix() + error.what());
     }
   });
-  return program;
 }
 
 std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
   std::vector<std::string> results;
-  interpreter_->state.run([&](lua::Stack& stack) {
+  interpreter_->run([&](lua::Stack& stack) {
     stack.load(text, "@" + name);
     stack.call(0);
     for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());

@@ -3,11 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <dsl/language/program.hpp>
+
+namespace trellis::lua {
+class Stack;
+class State;
+}  // namespace trellis::lua
 
 namespace trellis::dsl {
 
@@ -27,14 +33,19 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Runs a script that returns an experiment, or a strategy with a problem. `name` stands in messages. Throws Error
-  /// with the script's line and, where the script itself threw, a traceback.
+  /// with the script's line and, where the script itself threw, a traceback. Functions that the script put into the
+  /// experiment keep the interpreter alive.
   Program load(const std::string& text, const std::string& name);
+  /// Runs a script that returns a problem, or a list of problems as scenes.load makes it.
+  std::vector<Problem> problems(const std::string& text, const std::string& name);
   /// Runs a piece of script and returns the texts of what it returns.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
 
  private:
-  struct Interpreter;
-  std::unique_ptr<Interpreter> interpreter_;
+  /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line.
+  void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
+
+  std::shared_ptr<lua::State> interpreter_;
 };
 
 /// Reads a script file and runs it in a session of its own.

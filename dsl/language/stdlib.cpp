@@ -52,8 +52,7 @@ std::optional<std::string> module_text(const std::string& name) {
       std::find_if(modules.begin(), modules.end(), [&](const Module& m) { return m.name == name; })->text);
 }
 
-std::string read_file(const std::string& path) {
-  constexpr std::size_t largest = std::size_t{64} << 20U;  // a device may never end
+std::string read_file(const std::string& path, std::size_t largest) {
   const auto fail = [&](const std::string& reason) -> void {
     throw Error(fmt::format("cannot read '{}': {}", path, reason));
   };

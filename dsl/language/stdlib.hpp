@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,7 +23,10 @@ std::vector<std::string> module_names();
 /// A module's text, from the same place; none where there is no such module.
 std::optional<std::string> module_text(const std::string& name);
 
-/// A whole file. Throws Error naming the path and the reason.
-std::string read_file(const std::string& path);
+/// The size in bytes up to which a file is read, unless more is expected: a device may never end.
+inline constexpr std::size_t largest_file = std::size_t{64} << 20U;
+
+/// A whole file of at most `largest` bytes. Throws Error naming the path and the reason.
+std::string read_file(const std::string& path, std::size_t largest = largest_file);
 
 }  // namespace trellis::dsl

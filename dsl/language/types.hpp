@@ -6,7 +6,8 @@
 #include <dsl/language/program.hpp>
 #include <dsl/lua/value.hpp>
 #include <trellis/base/component.hpp>
-#include <trellis/measure/target.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/measure/estimator.hpp>
 #include <trellis/scene/scene.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -63,8 +64,12 @@ struct TypeName<Problem> {
   static constexpr const char* value = "problem";
 };
 template <>
-struct TypeName<TubeSettings> {
-  static constexpr const char* value = "measure";
+struct TypeName<TargetSpec> {
+  static constexpr const char* value = "target";
+};
+template <>
+struct TypeName<EstimatorSpec> {
+  static constexpr const char* value = "estimator";
 };
 template <>
 struct TypeName<dsl::Program> {

@@ -8,10 +8,10 @@
 
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/experiment.hpp>
+#include <dsl/language/measure.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/world.hpp>
-#include <trellis/measure/target.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace trellis::dsl {
@@ -19,12 +19,12 @@ namespace trellis::dsl {
 namespace {
 
 std::vector<const Component*> words_of(Component::Kind kind) {
+  if (kind == Component::Kind::target) return target_components();
+  if (kind == Component::Kind::estimator) return estimator_components();
   std::vector<const Component*> words;
   for (const Component* component : components()) {
     if (component->kind == kind) words.push_back(component);
   }
-  const Component& tube = tube_settings().component();
-  if (tube.kind == kind && std::find(words.begin(), words.end(), &tube) == words.end()) words.push_back(&tube);
   return words;
 }
 
@@ -104,9 +104,9 @@ std::string construct_text(const Construct& construct) {
 }  // namespace
 
 std::vector<const Construct*> constructs() {
-  std::vector<const Construct*> all = {&sequence_construct()};
+  std::vector<const Construct*> all = {&sequence_construct(), &ablations_construct()};
   for (const Construct* construct : world_constructs()) all.push_back(construct);
-  all.insert(all.end(), {&problem_construct(), &load_construct(), &experiment_construct()});
+  all.insert(all.end(), {&problem_construct(), &load_construct(), &target_construct(), &experiment_construct()});
   return all;
 }
 
@@ -114,7 +114,8 @@ std::string vocabulary_text() {
   std::string text;
   for (const auto& [kind, title] : {std::pair{Component::Kind::planner, "planners"},
                                     {Component::Kind::guide, "guides"},
-                                    {Component::Kind::target, "measures"}}) {
+                                    {Component::Kind::target, "targets"},
+                                    {Component::Kind::estimator, "estimators"}}) {
     text += fmt::format("{}:\n", title);
     for (const Component* component : words_of(kind)) text += row(component->name, component->summary);
     text += '\n';
@@ -132,7 +133,8 @@ std::string vocabulary_text() {
 
 std::string help_text(const std::string& word) {
   std::vector<std::string> known;
-  for (const auto kind : {Component::Kind::planner, Component::Kind::guide, Component::Kind::target}) {
+  for (const auto kind :
+       {Component::Kind::planner, Component::Kind::guide, Component::Kind::target, Component::Kind::estimator}) {
     for (const Component* component : words_of(kind)) {
       if (component->name == word) return component_text(*component);
       known.push_back(component->name);

@@ -9,7 +9,7 @@
 
 namespace trellis::dsl {
 
-/// The constructs of the language that are no planner, guide or target.
+/// The constructs of the language that are no planner, guide, target or estimator by themselves.
 std::vector<const Construct*> constructs();
 
 /// All words of the language with a line each, by kind.

@@ -113,4 +113,22 @@ void State::run(const std::function<void(Stack&)>& body) {
   if (status != LUA_OK) throw Located(message);
 }
 
+Reference::Reference(const Stack& stack, Value value)
+    : interpreter_(State::of(stack.state()).weak_from_this()), key_(LUA_NOREF) {
+  luaL_checkstack(stack.state(), 2, "too many values");
+  lua_pushvalue(stack.state(), value.index());
+  key_ = luaL_ref(stack.state(), LUA_REGISTRYINDEX);
+}
+
+Reference::~Reference() {
+  // Frees a place of the registry, which allocates nothing and so cannot fail. Where the interpreter is on its way out
+  // already, so is the registry.
+  if (const auto interpreter = interpreter_.lock()) luaL_unref(interpreter->state_, LUA_REGISTRYINDEX, key_);
+}
+
+void Reference::push(Stack& stack) const {
+  luaL_checkstack(stack.state(), 1, "too many values");
+  lua_rawgeti(stack.state(), LUA_REGISTRYINDEX, key_);
+}
+
 }  // namespace trellis::lua

@@ -4,14 +4,16 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::lua {
 
-/// A Lua interpreter with a limit on its memory. One thread at a time.
-class State {
+/// A Lua interpreter with a limit on its memory. One thread at a time. Lives in a shared pointer where references to
+/// its values are kept.
+class State : public std::enable_shared_from_this<State> {
  public:
   /// \param memory  bytes that Lua may hold
   explicit State(std::size_t memory);
@@ -25,6 +27,7 @@ class State {
 
  private:
   friend struct Guard;
+  friend class Reference;
 
   struct Budget {
     std::size_t used = 0;
@@ -37,6 +40,25 @@ class State {
   lua_State* state_ = nullptr;
   std::exception_ptr fault_;  ///< what a callback threw that is no Error; scripts cannot catch it for good
   std::string raised_;        ///< the last message of ours; it needs no traceback
+};
+
+/// A value that C++ keeps beyond the call that it came in. It does not keep the interpreter, which may well hold what
+/// holds the reference.
+class Reference {
+ public:
+  Reference(const Stack& stack, Value value);
+  ~Reference();
+  Reference(const Reference&) = delete;
+  Reference& operator=(const Reference&) = delete;
+
+  /// Pushes the value. Of a call of the same interpreter only.
+  void push(Stack& stack) const;
+  /// nullptr once it is gone.
+  [[nodiscard]] std::shared_ptr<State> interpreter() const { return interpreter_.lock(); }
+
+ private:
+  std::weak_ptr<State> interpreter_;
+  int key_;  // in Lua's registry
 };
 
 /// Opens the parts of Lua's own library that can do no harm: base, table, string, math, utf8, coroutine; no files,

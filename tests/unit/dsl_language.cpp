@@ -105,8 +105,8 @@ TEST_CASE("an experiment holds what was given, in a known order") {
   CHECK(e.strategies[1].first == "nested");
   CHECK(e.strategies[2].first == "plain");
   REQUIRE(e.measure);
-  CHECK(e.measure->delta == 0.25);
-  CHECK(e.measure->distance == "full");
+  CHECK(std::get<TubeSettings>(e.measure->target).delta == 0.25);
+  CHECK(std::get<TubeSettings>(e.measure->target).distance == "full");
 
   const auto listed = load(
       "return experiment { problems = scenes.cup(), strategies = { {'z', rrt {}}, {'a', prm {}}, rrt_connect {} }, "

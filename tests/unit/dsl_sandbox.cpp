@@ -10,6 +10,7 @@
 #include "support/catch.hpp"
 #include "support/script.hpp"
 
+#include <dsl/language/measure.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <dsl/lua/state.hpp>
 #include <trellis/strategy/registry.hpp>
@@ -185,6 +186,12 @@ TEST_CASE("luacheck knows every word of the language") {
   for (const Component* component : components()) {
     INFO(component->name);
     CHECK(text.str().find('"' + component->name + '"') != std::string::npos);
+  }
+  for (const auto& measures : {dsl::target_components(), dsl::estimator_components()}) {
+    for (const Component* component : measures) {
+      INFO(component->name);
+      CHECK(text.str().find('"' + component->name + '"') != std::string::npos);
+    }
   }
   for (const dsl::Construct* construct : dsl::constructs()) {
     const std::string name = construct->name.substr(0, construct->name.find('.'));

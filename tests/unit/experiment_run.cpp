@@ -38,7 +38,7 @@ Experiment small() {
   TubeSettings measure;
   measure.points = 256;
   measure.pool = 1024;
-  experiment.measure = measure;
+  experiment.measure = Measure{.target = measure, .cross = 1};
   return experiment;
 }
 
@@ -246,12 +246,12 @@ TEST_CASE("an experiment is checked before it runs", "[experiment]") {
     CHECK(message() == "experiment: shortcut must be at least 0 rounds, got -1");
   }
   SECTION("measure") {
-    e.measure->delta = 0.0;
+    std::get<TubeSettings>(e.measure->target).delta = 0.0;
     CHECK(message().find("delta") != std::string::npos);
-    e.measure->delta = std::numeric_limits<double>::quiet_NaN();
+    std::get<TubeSettings>(e.measure->target).delta = std::numeric_limits<double>::quiet_NaN();
     CHECK(message().find("delta") != std::string::npos);
-    e.measure = TubeSettings{};
-    e.measure->distance = "planer";
+    e.measure = Measure{};
+    std::get<TubeSettings>(e.measure->target).distance = "planer";
     CHECK(message().find("planar") != std::string::npos);
   }
   SECTION("a start in collision") {

@@ -202,6 +202,81 @@ TEST_CASE("samples of h fall where its density says", "[guide][density]") {
   }
 }
 
+TEST_CASE("what h enters into a record is its density at every step", "[guide][density]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const auto& problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      const auto solved = solve(kind, problem);
+      const auto& space = solved.parent->space;
+      Stream stream(7, "0", "record");
+      Configuration q(space.dimension());
+      // Where h may have a density: its own first samples, and anywhere.
+      Configurations probes(space.dimension());
+      for (int i = 0; i < 60; ++i) {
+        if (i % 2 == 0) {
+          space.sample_uniform(stream, q);
+        } else {
+          solved.h->sample(stream, q);
+        }
+        probes.push(q);
+      }
+      std::vector<double> sums(probes.size(), 0.0);
+      double atoms = 0.0;
+      DensityRecord record;
+      const bool closed = !std::isnan(solved.h->density(solved.parent->start));
+      constexpr int steps = 400;
+      for (int t = 0; t < steps; ++t) {
+        solved.h->sample(stream, q);
+        record.served(*solved.h);
+        atoms += solved.h->atom_mass() / steps;
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += solved.h->density(probes[i]) / steps;
+        // Two of three proposals are reached, from wherever: stretches and regions move on.
+        Outcome outcome;
+        outcome.proposal = q;
+        outcome.near = solved.parent->start;
+        if (t % 3 != 0) {
+          outcome.fate = Fate::reached;
+          outcome.added = q;
+        }
+        solved.guide->learn(outcome);
+        solved.h->observe(outcome, true);
+      }
+      REQUIRE(record.exact() == closed);
+      if (!closed) continue;
+      CHECK(record.atoms() == Approx(atoms).margin(1e-12));
+      for (int compacted = 0; compacted < 2; ++compacted) {
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
+        }
+        record.compact();
+        CHECK(record.terms() <= 1);
+      }
+    }
+  }
+}
+
+TEST_CASE("lifting what is uniform on S is uniform on C, per volume in either's metric", "[guide][density]") {
+  for (const auto& kind : guide_kinds()) {
+    if (kind.default_planner.empty()) continue;
+    for (auto problem : problems()) {
+      CAPTURE(kind.component->name, problem.name);
+      for (const double weight : {1.0, 2.5}) {
+        auto axes = problem.space.axes();
+        for (auto& axis : axes) axis.weight *= weight;
+        problem.space = Space(problem.space.name(), axes);
+        const auto solved = solve(kind, problem);
+        Configuration q(problem.space.dimension());
+        Stream stream(8, "0", "fibres");
+        for (int i = 0; i < 20; ++i) {
+          problem.space.sample_uniform(stream, q);
+          CHECK(solved.guide->log_fibre_density(q) - solved.sub->space.log_volume() ==
+                Approx(-problem.space.log_volume()).epsilon(1e-12));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("a shrunken robot's path keeps to the world that the larger one sees", "[guide][shrink]") {
   const auto solved = solve(*find_guide("shrink"), test::simple_passage_problem());
   REQUIRE(solved.found.solved());

@@ -99,7 +99,7 @@ struct Blob {
 template <class Density>
 double truth(const Target& target, const Density& density) {
   const double uniform = std::exp(-target.space().log_volume());
-  const double eps = target.settings().epsilon;
+  const double eps = defence;
   double sum = 0.0;
   for (std::size_t i = 0; i < target.evaluation_points(); ++i) {
     sum += std::log((1 - eps) * density(target.pool()[i]) + eps * uniform);
@@ -223,7 +223,7 @@ TEST_CASE("An atom at the goal costs its mass and nothing else") {
   CHECK(efficiency(target, reversed).value == with.value);
 }
 
-TEST_CASE("Few samples, equal samples and none give what they can") {
+TEST_CASE("Few samples, equal samples and none give a reason and no number") {
   const Space space = Space::se2({0, 10}, {0, 10});
   const Target target = make(space, "planar");
   const Efficiency none = efficiency(target, Configurations(3));
@@ -238,11 +238,11 @@ TEST_CASE("Few samples, equal samples and none give what they can") {
   Configurations equal(3);
   for (int i = 0; i < 50; ++i) equal.push(path_in(space).front());
   const Efficiency same = efficiency(target, equal);
-  CHECK(std::isinf(same.undefended));
+  CHECK(std::isnan(same.value));
+  CHECK(std::isnan(same.undefended));
   CHECK(same.in_target == 50);
   CHECK(flagged(same, "too few samples"));
-  CHECK(std::isfinite(same.value));
-  CHECK(same.value <= bound);
+  CHECK_THAT(same.reason, Catch::Contains("occur more than once"));
   CHECK(same.coverage > 0.0);
 
   for (const std::size_t n : {1U, 2U, 3U, 5U, 20U}) {
@@ -250,11 +250,14 @@ TEST_CASE("Few samples, equal samples and none give what they can") {
       const Efficiency e =
           efficiency(target, inside ? target_samples(target, n, n) : uniform_samples(space, n, n + 40));
       INFO("N = " << n << " inside " << inside);
+      CHECK(flagged(e, "underpowered"));
+      CHECK(flagged(e, "too few samples") == (n < 3));
+      CHECK(std::isnan(e.value) == (n < 3));
+      CHECK(e.reason.empty() == (n >= 3));
+      if (n < 3) continue;
       CHECK(std::isfinite(e.value));
       CHECK(e.value <= bound + 1e-9);
       CHECK(e.value > -0.6);
-      CHECK(flagged(e, "underpowered"));
-      CHECK(flagged(e, "too few samples") == (n < 3));
       // A few samples of the target itself cannot look much worse than uniform ones.
       if (inside) CHECK(e.value < target.uniform());
     }
@@ -351,7 +354,7 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (half(drawn[i])) valid.push(drawn[i]);
   }
-  const Efficiency tree = efficiency(target, valid, Held::valid_only);
+  const Efficiency tree = efficiency(target, valid, {.held = Held::valid_only});
   CHECK(std::isinf(tree.undefended));
   CHECK(std::find(tree.flags.begin(), tree.flags.end(), "cannot reach") != tree.flags.end());
   // The defended value stays finite, and pays log(1/eps) for the share that is out of reach.
@@ -360,5 +363,5 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   // With the support "free" the same tree has nothing that it cannot reach.
   settings.support = "free";
   CHECK(std::isfinite(
-      efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, Held::valid_only).undefended));
+      efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, {.held = Held::valid_only}).undefended));
 }

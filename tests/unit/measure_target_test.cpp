@@ -65,10 +65,10 @@ TEST_CASE("The volume of a capsule in the plane is 2 delta L + pi delta^2") {
     CHECK(target.evaluation_points() == 4096);
     CHECK(target.uniform() == Approx(std::log(100.0) - target.log_volume()));
   }
-  const Target disc(plane, path_of({{5, 5}}), {}, tube("planar"), anywhere, 1);
+  const Target disc(plane, path_of({{5, 5}, {5, 5 + 1e-6}}), {}, tube("planar"), anywhere, 1);
   CHECK(volume(disc) == Approx(pi * 0.25).epsilon(0.004));
   // A quarter disc in the corner and half the width at a wall.
-  const Target corner(plane, path_of({{0, 0}}), {0, 1}, tube("planar"), anywhere, 1);
+  const Target corner(plane, path_of({{0, 0}, {1e-6, 0}}), {0, 1}, tube("planar"), anywhere, 1);
   CHECK(volume(corner) == Approx(pi / 16).epsilon(0.004));
   const Target wall(plane, path_of({{0, 2}, {0, 6}}), {0, 1}, tube("planar"), anywhere, 1);
   CHECK(volume(wall) == Approx(4 * 0.5 + pi / 8).epsilon(0.004));
@@ -128,7 +128,7 @@ TEST_CASE("Tubes in SE(2): planar ones take every heading, full ones wrap") {
   CHECK(volume(turning) == Approx(pi * delta * delta * length + 4.0 / 3.0 * pi * std::pow(delta, 3)).epsilon(0.004));
 
   // A ball of radius 1.5 in an angle of half period 1 meets itself: the slab |theta| <= 1 of the ball.
-  const Target wide(se2, path_of({{5, 5, 3.0}}), {0, 1}, tube("full", 1.5), anywhere, 1);
+  const Target wide(se2, path_of({{5, 5, 3.0}, {5 + 1e-6, 5, 3.0}}), {0, 1}, tube("full", 1.5), anywhere, 1);
   CHECK(volume(wide) == Approx(pi * (2 * 1.5 * 1.5 - 2.0 / 3.0)).epsilon(0.004));
 }
 
@@ -241,9 +241,13 @@ TEST_CASE("Bad input is refused and an invalid tube is empty") {
   CHECK_THROWS_AS(make(Configurations(2), tube("planar")), Error);
   CHECK_THROWS_AS(Target(plane, path, {0, 2}, tube("planar"), anywhere, 1), Error);
   CHECK_THROWS_AS(Target(plane, path, {0, 0}, tube("planar"), anywhere, 1), Error);
-  TubeSettings settings = tube("planar");
-  settings.epsilon = 0.0;
-  CHECK_THROWS_AS(make(path, settings), Error);
+  CHECK_THROWS_WITH(make(path_of({{2, 3}}), tube("planar")), Catch::Contains("a single configuration"));
+  CHECK_THROWS_WITH(make(path_of({{2, 3}, {2, 3}}), tube("planar")), Catch::Contains("no length"));
+  // A turn on the spot has no length for the position, and some in the full metric.
+  const Space turning = Space::se2({0, 10}, {0, 10});
+  const auto turn = path_of({{2, 3, 0}, {2, 3, 1}});
+  CHECK_THROWS_WITH(Target(turning, turn, {0, 1}, tube("planar"), anywhere, 1), Catch::Contains("no length"));
+  CHECK_FALSE(Target(turning, turn, {0, 1}, tube("full"), anywhere, 1).empty());
 
   const Target empty(
       plane, path, {0, 1}, tube("planar"), [](View) { return false; }, 1);

@@ -101,7 +101,7 @@ inline RunResult plain_run(const std::string& problem_name, std::uint64_t seed, 
   RunResult run{problem_name, "rrt", seed, {}, {}};
   const Space se2 = Space::se2({0, 10}, {0, 10});
   const std::size_t nodes = 500 + 20 * seed;
-  LevelResult root{level(0, "0", "root", se2, "rrt", nodes, solved), {}, {}};
+  LevelResult root{.record = level(0, "0", "root", se2, "rrt", nodes, solved)};
   if (solved) {
     const double wobble = 0.1 * std::sin(static_cast<double>(seed));
     root.root = Scores{efficiency(2.41, 2.05 + wobble, nodes), efficiency(2.41, 2.38 + 0.5 * wobble, 2 * nodes)};
@@ -119,10 +119,10 @@ inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed,
   const double wobble = 0.1 * std::sin(static_cast<double>(seed));
   const std::size_t nodes = 60 + 4 * seed;
 
-  LevelResult root{level(0, "0", "root", se2, "rrt", nodes, solved), {}, {}};
-  LevelResult lazy{level(1, "0.0", "lazy()", se2, "lazy_prm", nodes / 2, true), {}, {}};
-  LevelResult shrink{level(2, "0.0.0", "shrink(0.5)", se2, "rrt", nodes, true), {}, {}};
-  LevelResult skeleton{level(3, "0.0.0.0", "skeleton()", plane, "graph search", 25, true), {}, {}};
+  LevelResult root{.record = level(0, "0", "root", se2, "rrt", nodes, solved)};
+  LevelResult lazy{.record = level(1, "0.0", "lazy()", se2, "lazy_prm", nodes / 2, true)};
+  LevelResult shrink{.record = level(2, "0.0.0", "shrink(0.5)", se2, "rrt", nodes, true)};
+  LevelResult skeleton{.record = level(3, "0.0.0.0", "skeleton()", plane, "graph search", 25, true)};
   lazy.record.search.checks = {};
   skeleton.record.search.proposals = Configurations(2);
   skeleton.record.search.fates.clear();

@@ -40,6 +40,7 @@ std::string_view to_string(Component::Kind kind) {
     case Component::Kind::guide: return "guide";
     case Component::Kind::combinator: return "combinator";
     case Component::Kind::target: return "target";
+    case Component::Kind::estimator: return "estimator";
     case Component::Kind::scene: return "scene";
   }
   throw Fault("unknown kind of component");

@@ -5,21 +5,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
-#include <exception>
 #include <mutex>
 #include <set>
-#include <thread>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/scoring.hpp>
+#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
 namespace {
-
-/// Keeps the shifts of the measure apart from the run's own seed. They depend on the seed alone, not on problem or
-/// strategy, so that two runs that found the same path are scored at the same points.
-constexpr std::uint64_t measure_seed = 0x7472656c6c697300;
 
 void check_name(const char* one, const char* many, const std::string& name, std::set<std::string>& taken) {
   if (name.empty()) throw Error(fmt::format("experiment: a {} without a name", one));
@@ -27,15 +24,32 @@ void check_name(const char* one, const char* many, const std::string& name, std:
 }
 
 /// The ranges are those of the registry, so that C++ callers are held to what scripts are held to.
-void check(const TubeSettings& settings) {
-  const Component& component = tube_settings().component();
-  const std::vector<Options::Entry> all = {{"delta", settings.delta},     {"distance", settings.distance},
-                                           {"support", settings.support}, {"epsilon", settings.epsilon},
-                                           {"points", settings.points},   {"pool", settings.pool}};
+void check(const Component& component, const std::vector<Options::Entry>& all) {
   std::vector<Options::Entry> given;
   std::copy_if(all.begin(), all.end(), std::back_inserter(given),
                [&](const Options::Entry& entry) { return component.find(entry.first) != nullptr; });
   static_cast<void>(Options::validate(component, given));
+}
+
+void check(const Measure& measure) {
+  if (measure.cross < 0) throw Error(fmt::format("experiment: cross must be at least 0 paths, got {}", measure.cross));
+  if (measure.estimators.empty()) throw Error("experiment: no estimator given");
+  const TargetSettings& common = common_settings(measure.target);
+  std::vector<Options::Entry> all = {{"delta", common.delta}, {"points", common.points}, {"pool", common.pool}};
+  const auto with = [&](const Component& component, std::vector<Options::Entry> own) {
+    all.insert(all.end(), own.begin(), own.end());
+    check(component, all);
+  };
+  if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
+    with(tube_settings().component(), {{"distance", tube->distance}, {"support", tube->support}});
+  } else if (const auto* near = std::get_if<NearOptimalSettings>(&measure.target)) {
+    with(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
+  } else if (const auto* progress = std::get_if<ProgressSettings>(&measure.target)) {
+    with(progress_settings().component(), {{"step", progress->step}, {"controls", progress->controls}});
+  } else {
+    check(tube_settings().component(), all);
+    if (!std::get<UserTarget>(measure.target).make) throw Error("target: has no samples");
+  }
 }
 
 /// One cell's place in the fixed order of the result: by problem, strategy, seed.
@@ -50,66 +64,56 @@ struct Cell {
         seed(experiment.seeds[index % experiment.seeds.size()]) {}
 };
 
-Efficiency score(const Target& target, const Configurations& samples, Held held = Held::anything) {
-  if (!target.empty() && !samples.empty()) return efficiency(target, samples, held);
-  Efficiency none;  // no figure; what uniform sampling would have had stands where there is a target
-  none.samples = samples.size();
-  if (target.empty()) {
-    none.flags = {"empty target"};
-  } else {
-    none.uniform = target.uniform();
-  }
-  return none;
-}
-
-Target make_target(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
-                   std::uint64_t seed) {
-  const bool planar = settings.distance == "planar";
-  return {level.space, path,        planar ? level.position_axes : std::vector<std::size_t>{},
-          settings,    level.valid, measure_seed + seed};
-}
-
-void score(RunResult& result, const TubeSettings& settings, const std::function<bool()>& interrupted) {
-  if (result.levels.empty()) return;
-  const LevelRecord& top = result.levels.front().record;
-  std::optional<Target> root;
-  if (result.run.solved && !result.run.path.empty()) {
-    root.emplace(make_target(top, result.run.path, settings, result.seed));
-  }
-  for (auto& level : result.levels) {
-    if (interrupted()) throw Interrupted();
-    const LevelRecord& record = level.record;
-    // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    const Held held = find_planner(record.planner)->unverified ? Held::anything : Held::valid_only;
-    if (root) {
-      level.root = Scores{score(*root, record.root_nodes, record.level == 0 ? held : Held::anything),
-                          score(*root, record.root_proposals)};
-    }
-    if (&record == &top) {
-      level.own = level.root;
-    } else if (record.solution.solved() && !record.solution.path.empty()) {
-      const Target own = make_target(record, record.solution.path, settings, result.seed);
-      level.own = Scores{score(own, record.search.nodes, held), score(own, record.search.proposals)};
-    }
-  }
-}
-
 RunResult run_cell(const Experiment& experiment, const Cell& cell, const std::function<bool()>& interrupted) {
   RunResult result;
   result.problem = cell.problem.name;
   result.strategy = cell.strategy.first;
   result.seed = cell.seed;
-  result.run = execute(cell.strategy.second, cell.problem, cell.seed, {experiment.shortcut, interrupted});
+  result.run = execute(cell.strategy.second, cell.problem, cell.seed, {experiment.shortcut, interrupted, {}});
   if (result.run.status == Status::interrupted) throw Interrupted();
-  for (auto& record : result.run.levels) result.levels.push_back({std::move(record), {}, {}});
+  for (auto& record : result.run.levels) result.levels.push_back({std::move(record), {}, {}, {}, {}, {}, {}});
   result.run.levels.clear();
-  if (experiment.measure) score(result, *experiment.measure, interrupted);
-  // The closures hold a level's checker and scene, which nobody asks again.
-  for (auto& level : result.levels) level.record.valid = nullptr;
   return result;
 }
 
 }  // namespace
+
+std::string target_name(const TargetSpec& target) {
+  if (std::holds_alternative<TubeSettings>(target)) return tube_settings().component().name;
+  if (std::holds_alternative<NearOptimalSettings>(target)) return near_optimal_settings().component().name;
+  if (std::holds_alternative<ProgressSettings>(target)) return progress_settings().component().name;
+  return "target";
+}
+
+const TargetSettings& common_settings(const TargetSpec& target) {
+  return std::visit([](const TargetSettings& settings) -> const TargetSettings& { return settings; }, target);
+}
+
+std::size_t steps(const Experiment& experiment) {
+  const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  return experiment.measure ? 2 * cells : cells;
+}
+
+void ablate(Experiment& experiment, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const auto& all = experiment.strategies;
+    const auto it = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
+    if (it == all.end()) {
+      std::vector<std::string> known;
+      for (const auto& entry : all) known.push_back(entry.first);
+      throw Error(fmt::format("experiment: ablate names no strategy: '{}'{}", name, did_you_mean(name, known)));
+    }
+    const std::vector<Ablation> taken = ablations(it->second);
+    if (taken.empty()) {
+      throw Error(fmt::format("experiment: ablate: strategy '{}' has no guide that could be taken out", name));
+    }
+    for (const Ablation& ablation : taken) {
+      const std::string text = fmt::format("{} {}", name, ablation.text());
+      experiment.ablations.push_back({text, name, ablation.text()});
+      experiment.strategies.emplace_back(text, ablation.strategy);
+    }
+  }
+}
 
 void check(const Experiment& experiment) {
   if (experiment.problems.empty()) throw Error("experiment: no problem given");
@@ -129,6 +133,11 @@ void check(const Experiment& experiment) {
     }
   }
   if (experiment.measure) check(*experiment.measure);
+  if (!experiment.baseline.empty() && strategies.count(experiment.baseline) == 0) {
+    const std::vector<std::string> known(strategies.begin(), strategies.end());
+    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}", experiment.baseline,
+                            did_you_mean(experiment.baseline, known)));
+  }
   for (const auto& problem : experiment.problems) check(problem);
 }
 
@@ -139,42 +148,38 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   ExperimentResult result;
   result.runs.resize(cells);
 
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> stop{false};
-  std::mutex mutex;  // guards what follows
-  std::size_t done = 0;
-  std::exception_ptr failure;
-
+  std::atomic<bool> stop{false};  // a failure in one cell ends the others' planning
   const std::function<bool()> interrupted = [&] {
     return stop.load(std::memory_order_relaxed) || (options.interrupted && options.interrupted());
   };
-  const auto work = [&] {
-    while (!stop.load()) {
-      const std::size_t index = next.fetch_add(1);
-      if (index >= cells) return;
-      try {
-        if (interrupted()) throw Interrupted();
-        // Each cell has its own place: nothing is shared, and the order does not depend on who is quicker.
-        result.runs[index] = run_cell(experiment, Cell(experiment, index), interrupted);
-        const std::scoped_lock lock(mutex);
-        ++done;
-        if (options.progress && !stop.load()) options.progress(done, cells);
-      } catch (...) {
-        // The first one counts: those that follow were only told to stop.
-        const std::scoped_lock lock(mutex);
-        if (!failure) failure = std::current_exception();
-        stop.store(true);
-      }
-    }
+  std::mutex mutex;  // guards what follows
+  std::size_t done = 0;
+  const std::function<void()> progress = [&] {
+    const std::scoped_lock lock(mutex);
+    ++done;
+    if (options.progress && !stop.load()) options.progress(done, steps(experiment));
   };
 
-  {
-    std::vector<std::jthread> others;  // beside the caller's own thread
-    const std::size_t jobs = std::min<std::size_t>(std::max(1U, options.jobs), cells);
-    for (std::size_t i = 1; i < jobs; ++i) others.emplace_back(work);
-    work();
+  const auto begin = std::chrono::steady_clock::now();
+  in_parallel(cells, options.jobs, [&](std::size_t index) {
+    try {
+      if (interrupted()) throw Interrupted();
+      // Each cell has its own place: nothing is shared, and the order does not depend on who is quicker.
+      result.runs[index] = run_cell(experiment, Cell(experiment, index), interrupted);
+      progress();
+    } catch (...) {
+      stop.store(true);
+      throw;
+    }
+  });
+  const auto planned = std::chrono::steady_clock::now();
+  result.planning_seconds = std::chrono::duration<double>(planned - begin).count();
+  if (experiment.measure) score(experiment, result, options.jobs, progress, interrupted);
+  // What a level's functions hold (its checker, its scene, its guide) nobody asks again.
+  for (RunResult& cell : result.runs) {
+    for (LevelResult& level : cell.levels) level.record.release();
   }
-  if (failure) std::rethrow_exception(failure);
+  result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned).count();
   return result;
 }
 

@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include <trellis/experiment/search_metrics.hpp>
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/measure/statistics.hpp>
 #include <trellis/measure/target.hpp>
@@ -19,14 +21,55 @@
 
 namespace trellis {
 
+/// A target that a user defines. It is a distribution over the root's space, so every level is scored on it lifted.
+struct UserTarget : TargetSettings {
+  struct Context {
+    const Problem& problem;
+    const Configurations& path;  ///< the run's path
+    std::int64_t draws = 0;      ///< how many are wanted
+    std::uint64_t seed = 0;      ///< for drawing them
+  };
+  /// Called from the thread that called run(), in a fixed order.
+  std::function<Target::Distribution(const Context&)> make;
+};
+
+/// What the samples are measured against.
+using TargetSpec = std::variant<TubeSettings, NearOptimalSettings, ProgressSettings, UserTarget>;
+/// The name of its component: "tube", "near_optimal", "progress", "target".
+std::string target_name(const TargetSpec& target);
+const TargetSettings& common_settings(const TargetSpec& target);
+
+/// How an experiment's samples are scored.
+struct Measure {
+  TargetSpec target = TubeSettings{};
+  std::vector<EstimatorSpec> estimators = default_estimators();
+  /// Paths of other seeds that each run is scored on besides its own; 0: none. The same paths for all strategies.
+  std::int64_t cross = 4;
+  /// Whether each level's roadmap, information and wasted samples are measured too.
+  bool metrics = false;
+};
+
+/// A strategy of an experiment that is another one with a guide taken out.
+struct AblationLink {
+  std::string strategy;  ///< its name
+  std::string of;        ///< the name of the whole strategy
+  std::string text;      ///< "without shrink(0.5)"
+};
+
 /// Problems x strategies x seeds, and how to score them.
 struct Experiment {
   std::vector<Problem> problems;                                 ///< names are unique
   std::vector<std::pair<std::string, StrategySpec>> strategies;  ///< in the order of the report; names are unique
   std::vector<std::uint64_t> seeds;
-  std::optional<TubeSettings> measure = TubeSettings{};  ///< none: no efficiency is computed
-  std::int64_t shortcut = 0;  ///< rounds of shortcutting on each found path before it is reported; 0: none
+  std::optional<Measure> measure = Measure{};  ///< none: no efficiency is computed
+  std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before it is reported
+  std::string baseline;                        ///< the strategy that the others are compared with; "": the first
+  std::vector<AblationLink> ablations;         ///< of the strategies, those made by ablate()
 };
+
+/// Adds, after the strategies, those of `names` with each guide taken out in turn; each is compared with the whole one.
+/// Throws Error for an unknown name and for a strategy without a guide.
+void ablate(Experiment& experiment, const std::vector<std::string>& names);
 
 /// One level's samples scored against one path, tree and expansion.
 struct Scores {
@@ -36,11 +79,19 @@ struct Scores {
 
 struct LevelResult {
   LevelRecord record;
-  /// In the level's own space against the level's own path (the root's: the run's reported path). None without a path
+  /// In the level's own space against the level's own path (the root's: the run's reported path). None without a target
   /// of its own. A role without samples, and a target without any valid configuration, score NaN.
-  std::optional<Scores> own;
+  std::optional<Scores> own = {};
   /// Lifted to the root space by the chain of h's, against the root's path. None when the root found no path.
-  std::optional<Scores> root;
+  std::optional<Scores> root = {};
+  /// The same on the paths of other seeds, the mean over them. In the level's own space: on the same level's paths
+  /// under the same strategy. Lifted: on the paths that all strategies of the problem are scored on.
+  std::optional<Scores> own_cross = {};
+  std::optional<Scores> root_cross = {};
+  /// root_cross (or root, without other seeds) of `equal_samples` of the samples drawn at random: as many as the
+  /// strategy with the fewest has, where numbers differ much. The root level only.
+  std::optional<Scores> equal = {};
+  std::optional<SearchMetrics> metrics = {};
 };
 
 /// One cell: a problem, a strategy, a seed.
@@ -53,12 +104,14 @@ struct RunResult {
 };
 
 struct ExperimentResult {
-  std::vector<RunResult> runs;  ///< by problem, strategy, seed, whatever the number of threads
+  std::vector<RunResult> runs;     ///< by problem, strategy, seed, whatever the number of threads
+  double planning_seconds = 0.0;   ///< wall clock of all runs
+  double measuring_seconds = 0.0;  ///< wall clock of scoring them
 };
 
 struct ExperimentOptions {
   unsigned jobs = 1;  ///< cells run at the same time
-  /// Called after each cell, from one thread at a time: cells done, cells in all.
+  /// Called after each cell's run and each cell's scoring, from one thread at a time: done, in all.
   std::function<void(std::size_t, std::size_t)> progress;
   /// Asked between cells and, through the executor, between proposals; true ends the experiment early (Interrupted).
   /// Called from the threads of all jobs at once.
@@ -71,13 +124,16 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
+/// What ExperimentOptions::progress counts to: runs, and their scoring.
+std::size_t steps(const Experiment& experiment);
+
 /// Checks every problem and strategy without planning: names and seeds that repeat, coordinates, bounds, start and goal
 /// in collision (naming the obstacle), settings of the measure. Throws Error. (That planners fit their spaces is
 /// checked where specs are made.)
 void check(const Experiment& experiment);
 
-/// Checks, runs every cell and scores it in the same thread; scoring changes no run and is not in the run's time. The
-/// result does not depend on `jobs`, times apart. An exception in a cell stops the others and is rethrown here.
+/// Checks, runs every cell, then scores them; scoring changes no run and is not in the run's time. The result does not
+/// depend on `jobs`, times apart. An exception in a cell stops the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

@@ -75,6 +75,10 @@ class GoalBias final : public Heuristic {
   }
   [[nodiscard]] double density(View q) const override { return (1.0 - share_) * uniform_.density(q); }
   [[nodiscard]] double atom_mass() const override { return share_; }
+  void record(DensityRecord& record, double share) const override {
+    record.add_atoms(share * share_);
+    uniform_.record(record, share * (1.0 - share_));
+  }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal_bias: goal", "goal_bias: uniform"}; }
 
  private:
@@ -135,6 +139,7 @@ class Bias final : public Guide {
   std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
   void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
   void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
     return make_(parent);
   }

@@ -34,6 +34,10 @@ class Guide {
   virtual void project(View q, MutableView s) const = 0;
   /// A configuration of C drawn from the fibre of s (uniform on it): project(lift(s)) = s.
   virtual void lift(View s, Stream& stream, MutableView q) const = 0;
+  /// log of the density of lift at q given s = f(q): what a density over S at f(q) is multiplied by to be that of the
+  /// lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 where S has the
+  /// axes of C with their weights; other weights make it the Jacobian's. Not called where S = {0}.
+  [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
   /// h: the distribution over C from the instance in S and what its search found. Called after every solve; keeps what
   /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at
   /// validity (bridge test) spends the parent's checks.

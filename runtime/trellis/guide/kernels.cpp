@@ -2,8 +2,12 @@
 #include <trellis/guide/kernels.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
+#include <unordered_map>
 
 #include <trellis/base/error.hpp>
 
@@ -11,20 +15,25 @@ namespace trellis {
 
 namespace {
 
-/// Calls f(u) for every image u of x - a, in metric coordinates, that may lie within r of the segment from 0 to v:
-/// x itself, its mirror images at the walls, and its copies round periodic axes.
+/// Calls f(y) for every image y of x in metric coordinates that may lie within r of the box [lo, hi]: x itself, its
+/// mirror images at the walls, and its copies round periodic axes.
 template <class F>
-void for_each_image(const Space& space, View a, const std::vector<double>& v, View x, double r, F&& f) {
+void for_each_image(const Space& space, View x, const double* lo, const double* hi, double r, F&& f) {
+  struct Candidates {
+    std::array<double, 3> y{};
+    std::uint8_t count = 0;
+    std::uint8_t at = 0;
+  };
   const auto& axes = space.axes();
   const std::size_t d = axes.size();
-  std::vector<std::vector<double>> candidates(d);
+  std::vector<Candidates> candidates(d);
+  std::vector<double> y(d);
   for (std::size_t j = 0; j < d; ++j) {
     const auto& axis = axes[j];
-    const double lo = std::min(0.0, v[j]) - r;
-    const double hi = std::max(0.0, v[j]) + r;
+    auto& mine = candidates[j];
     const auto offer = [&](double raw) {
-      const double u = axis.weight * (raw - a[j]);
-      if (u >= lo && u <= hi) candidates[j].push_back(u);
+      const double image = axis.weight * raw;
+      if (image >= lo[j] - r && image <= hi[j] + r) mine.y[mine.count++] = image;
     };
     offer(x[j]);
     if (axis.periodic) {
@@ -34,17 +43,50 @@ void for_each_image(const Space& space, View a, const std::vector<double>& v, Vi
       if (x[j] > axis.lo) offer(2.0 * axis.lo - x[j]);
       if (x[j] < axis.hi) offer(2.0 * axis.hi - x[j]);
     }
-    if (candidates[j].empty()) return;
+    if (mine.count == 0) return;
+    y[j] = mine.y[0];
   }
-  std::vector<std::size_t> choice(d, 0);
-  std::vector<double> u(d);
   for (;;) {
-    for (std::size_t j = 0; j < d; ++j) u[j] = candidates[j][choice[j]];
-    f(u);
+    f(y.data());
     std::size_t j = 0;
-    while (j < d && ++choice[j] == candidates[j].size()) choice[j++] = 0;
+    for (; j < d; ++j) {
+      auto& mine = candidates[j];
+      mine.at = mine.at + 1 < mine.count ? static_cast<std::uint8_t>(mine.at + 1) : std::uint8_t{0};
+      y[j] = mine.y[mine.at];
+      if (mine.at != 0) break;
+    }
     if (j == d) return;
   }
+}
+
+/// Stretches that may overlap as ones that do not: the rates of those that cover an interval are added up, so that what
+/// none covers stays exactly without mass.
+std::vector<TubeDensity::Stretch> added_up(const std::vector<TubeDensity::Stretch>& stretches) {
+  std::vector<double> cuts;
+  std::map<double, double> points;
+  for (const auto& s : stretches) {
+    if (s.to <= s.from) {
+      points[s.from] += s.mass;
+      continue;
+    }
+    cuts.push_back(s.from);
+    cuts.push_back(s.to);
+  }
+  std::sort(cuts.begin(), cuts.end());
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+  std::vector<double> rates(cuts.size(), 0.0);  // between each cut and the next
+  for (const auto& s : stretches) {
+    if (s.to <= s.from) continue;
+    const double rate = s.mass / (s.to - s.from);
+    auto i = static_cast<std::size_t>(std::lower_bound(cuts.begin(), cuts.end(), s.from) - cuts.begin());
+    for (; cuts[i] < s.to; ++i) rates[i] += rate;
+  }
+  std::vector<TubeDensity::Stretch> result;
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    if (rates[i] > 0.0) result.push_back({cuts[i], cuts[i + 1], rates[i] * (cuts[i + 1] - cuts[i])});
+  }
+  for (const auto& [at, mass] : points) result.push_back({at, at, mass});
+  return result;
 }
 
 }  // namespace
@@ -78,33 +120,27 @@ void BallKernel::sample(View centre, Stream& stream, MutableView out) const {
 }
 
 double BallKernel::density(View centre, View q) const {
-  const std::vector<double> none(space_.dimension(), 0.0);
+  const auto& axes = space_.axes();
+  std::vector<double> c(axes.size());
+  for (std::size_t j = 0; j < c.size(); ++j) c[j] = axes[j].weight * centre[j];
   int images = 0;
-  for_each_image(space_, centre, none, q, radius_, [&](const std::vector<double>& u) {
+  for_each_image(space_, q, c.data(), c.data(), radius_, [&](const double* y) {
     double sum = 0.0;
-    for (const double x : u) sum += x * x;
+    for (std::size_t j = 0; j < c.size(); ++j) sum += (y[j] - c[j]) * (y[j] - c[j]);
     if (sum <= radius_ * radius_) ++images;
   });
   return images * std::exp(-log_volume_);
 }
 
-TubeKernel::TubeKernel(const Space& space, Configurations path, double radius)
-    : ball_(space, radius), path_(std::move(path)), centre_(space.dimension()) {
+Tube::Tube(const Space& space, Configurations path, double radius) : ball_(space, radius), path_(std::move(path)) {
   if (path_.empty()) throw Fault("a tube needs a path");
   at_.push_back(0.0);
   for (std::size_t i = 1; i < path_.size(); ++i) {
     at_.push_back(at_.back() + space.distance(std::as_const(path_)[i - 1], std::as_const(path_)[i]));
   }
-  activate({{0.0, at_.back()}});
 }
 
-void TubeKernel::activate(std::vector<std::pair<double, double>> stretches) {
-  active_ = std::move(stretches);
-  active_length_ = 0.0;
-  for (const auto& [from, to] : active_) active_length_ += to - from;
-}
-
-void TubeKernel::point(double s, MutableView out) const {
+void Tube::point(double s, MutableView out) const {
   if (path_.size() == 1 || at_.back() == 0.0) {
     std::copy(path_.front().begin(), path_.front().end(), out.begin());
     return;
@@ -116,6 +152,190 @@ void TubeKernel::point(double s, MutableView out) const {
   ball_.space().interpolate(path_[i], path_[i + 1], t, out);
 }
 
+TubeDensity::TubeDensity(std::vector<Part> parts)
+    : parts_(std::move(parts)),
+      space_(parts_.front().tube->ball().space()),
+      radius_(parts_.front().tube->ball().radius()),
+      height_(std::exp(-parts_.front().tube->ball().log_volume())) {
+  for (const auto& part : parts_) add_legs(part);
+  if (legs_.empty()) return;
+  std::vector<std::uint32_t> order(legs_.size());
+  std::iota(order.begin(), order.end(), 0U);
+  build(order, 0, static_cast<std::uint32_t>(order.size()));
+  // The legs in the order of the tree's leaves.
+  const std::size_t width = 2 * space_.dimension();
+  std::vector<Leg> legs;
+  std::vector<double> numbers;
+  legs.reserve(legs_.size());
+  numbers.reserve(numbers_.size());
+  for (const std::uint32_t leg : order) {
+    legs.push_back(legs_[leg]);
+    const auto from = numbers_.begin() + static_cast<std::ptrdiff_t>(leg * width);
+    numbers.insert(numbers.end(), from, from + static_cast<std::ptrdiff_t>(width));
+  }
+  legs_ = std::move(legs);
+  numbers_ = std::move(numbers);
+}
+
+void TubeDensity::add_legs(const Part& part) {
+  const auto& tube = *part.tube;
+  const auto& axes = space_.axes();
+  const auto& at = tube.at();
+  const std::size_t d = axes.size();
+  std::vector<double> v(d);
+  for (const auto& stretch : part.stretches) {
+    if (stretch.to <= stretch.from || tube.length() == 0.0) {
+      tube.point(stretch.from, v);
+      for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * v[j]);
+      numbers_.insert(numbers_.end(), d, 0.0);
+      legs_.push_back({0.0, stretch.mass});
+      continue;
+    }
+    const double rate = stretch.mass / (stretch.to - stretch.from);
+    auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), stretch.from) - at.begin());
+    for (i = std::max<std::size_t>(i, 1); i < at.size() && at[i - 1] < stretch.to; ++i) {
+      const double span = at[i] - at[i - 1];
+      const double from = std::max(stretch.from, at[i - 1]);
+      const double to = std::min(stretch.to, at[i]);
+      if (to <= from) continue;
+      const View a = tube.path()[i - 1];
+      space_.difference(a, tube.path()[i], v);
+      for (std::size_t j = 0; j < d; ++j) {
+        numbers_.push_back(axes[j].weight * (a[j] + (from - at[i - 1]) / span * v[j]));
+      }
+      for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * ((to - from) / span * v[j]));
+      legs_.push_back({to - from, rate});
+    }
+  }
+}
+
+std::uint32_t TubeDensity::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) {
+  constexpr std::uint32_t leaf = 4;
+  const std::size_t d = space_.dimension();
+  const std::size_t width = 2 * d;
+  const auto id = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({begin, end, 0});
+  boxes_.insert(boxes_.end(), d, std::numeric_limits<double>::infinity());
+  boxes_.insert(boxes_.end(), d, -std::numeric_limits<double>::infinity());
+  double* box = &boxes_[id * width];
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const double* p = &numbers_[order[i] * width];
+    for (std::size_t j = 0; j < d; ++j) {
+      box[j] = std::min({box[j], p[j], p[j] + p[d + j]});
+      box[d + j] = std::max({box[d + j], p[j], p[j] + p[d + j]});
+    }
+  }
+  if (end - begin <= leaf) return id;
+  std::size_t axis = 0;
+  for (std::size_t j = 1; j < d; ++j) {
+    if (box[d + j] - box[j] > box[d + axis] - box[axis]) axis = j;
+  }
+  const auto middle = [&](std::uint32_t leg) {
+    return numbers_[leg * width + axis] + 0.5 * numbers_[leg * width + d + axis];
+  };
+  const std::uint32_t half = begin + (end - begin) / 2;
+  std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end,
+                   [&](std::uint32_t a, std::uint32_t b) { return std::pair(middle(a), a) < std::pair(middle(b), b); });
+  build(order, begin, half);
+  const std::uint32_t right = build(order, half, end);
+  nodes_[id].right = right;
+  return id;
+}
+
+double TubeDensity::mass_near(const Leg& leg, const double* numbers, const double* y) const {
+  // |u - t v|^2 <= r^2 for t in [t0, t1], u = y - p
+  const std::size_t d = space_.dimension();
+  double uv = 0.0;
+  double uu = 0.0;
+  for (std::size_t j = 0; j < d; ++j) {
+    const double u = y[j] - numbers[j];
+    uv += u * numbers[d + j];
+    uu += u * u;
+  }
+  if (leg.length == 0.0) return uu <= radius_ * radius_ ? leg.rate : 0.0;
+  const double vv = leg.length * leg.length;
+  const double under = uv * uv - vv * (uu - radius_ * radius_);
+  if (under <= 0.0) return 0.0;
+  const double t0 = std::max(0.0, (uv - std::sqrt(under)) / vv);
+  const double t1 = std::min(1.0, (uv + std::sqrt(under)) / vv);
+  return t1 > t0 ? leg.rate * leg.length * (t1 - t0) : 0.0;
+}
+
+double TubeDensity::mass_near(const double* y) const {
+  const std::size_t d = space_.dimension();
+  const std::size_t width = 2 * d;
+  double mass = 0.0;
+  std::uint32_t at = 0;
+  std::array<std::uint32_t, 32> waiting{};  // the tree is balanced: fewer than 2^32 legs, no deeper
+  std::size_t height = 0;
+  for (;;) {
+    const double* box = &boxes_[at * width];
+    double squared = 0.0;
+    for (std::size_t j = 0; j < d; ++j) {
+      const double gap = std::max({box[j] - y[j], y[j] - box[d + j], 0.0});
+      squared += gap * gap;
+    }
+    const Node& node = nodes_[at];
+    if (squared <= radius_ * radius_) {
+      if (node.right != 0) {
+        waiting[height++] = node.right;
+        ++at;
+        continue;
+      }
+      for (std::uint32_t i = node.begin; i < node.end; ++i) mass += mass_near(legs_[i], &numbers_[i * width], y);
+    }
+    if (height == 0) return mass;
+    at = waiting[--height];
+  }
+}
+
+double TubeDensity::at(View q) const {
+  if (legs_.empty()) return 0.0;
+  double mass = 0.0;
+  for_each_image(space_, q, boxes_.data(), boxes_.data() + space_.dimension(), radius_,
+                 [&](const double* y) { mass += mass_near(y); });
+  return mass * height_;
+}
+
+bool TubeDensity::akin(const Density& other) const {
+  const auto* tubes = dynamic_cast<const TubeDensity*>(&other);
+  return tubes != nullptr && tubes->radius_ == radius_ && tubes->space_ == space_;
+}
+
+std::shared_ptr<const Density> TubeDensity::sum(const std::vector<Term>& terms) const {
+  std::vector<Part> all;
+  std::unordered_map<const Tube*, std::size_t> places;
+  for (const auto& term : terms) {
+    for (const auto& part : dynamic_cast<const TubeDensity&>(*term.density).parts_) {
+      const auto [it, fresh] = places.try_emplace(part.tube.get(), all.size());
+      if (fresh) all.push_back({part.tube, {}});
+      for (auto stretch : part.stretches) {
+        stretch.mass *= term.weight;
+        all[it->second].stretches.push_back(stretch);
+      }
+    }
+  }
+  for (auto& part : all) part.stretches = added_up(part.stretches);
+  return std::make_shared<TubeDensity>(std::move(all));
+}
+
+TubeKernel::TubeKernel(const Space& space, Configurations path, double radius)
+    : tube_(std::make_shared<Tube>(space, std::move(path), radius)), centre_(space.dimension()) {
+  activate({{0.0, tube_->length()}});
+}
+
+void TubeKernel::activate(std::vector<std::pair<double, double>> stretches) {
+  active_ = std::move(stretches);
+  active_length_ = 0.0;
+  for (const auto& [from, to] : active_) active_length_ += to - from;
+  std::vector<TubeDensity::Stretch> shares;
+  for (const auto& [from, to] : active_) {
+    if (active_length_ > 0.0) shares.push_back({from, to, (to - from) / active_length_});
+  }
+  if (shares.empty()) shares.push_back({active_.front().first, active_.front().first, 1.0});
+  density_ = std::make_shared<TubeDensity>(std::vector<TubeDensity::Part>{{tube_, std::move(shares)}});
+}
+
 void TubeKernel::sample(Stream& stream, MutableView out) {
   double s = stream.uniform(0.0, active_length_);
   double at = active_.front().first;
@@ -124,45 +344,8 @@ void TubeKernel::sample(Stream& stream, MutableView out) {
     if (s < to - from) break;
     s -= to - from;
   }
-  point(at, centre_);
-  ball_.sample(centre_, stream, out);
-}
-
-double TubeKernel::density(View q) const {
-  if (active_length_ <= 0.0) {
-    Configuration centre(q.size());
-    point(active_.front().first, centre);
-    return ball_.density(centre, q);
-  }
-  const Space& space = ball_.space();
-  const double r = ball_.radius();
-  std::vector<double> v(q.size());
-  double inside = 0.0;  // arc length of the active path within r of q
-  for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
-    const double span = at_[i + 1] - at_[i];
-    if (span <= 0.0) continue;
-    space.difference(path_[i], path_[i + 1], v);
-    for (std::size_t j = 0; j < v.size(); ++j) v[j] *= space.axes()[j].weight;
-    for_each_image(space, path_[i], v, q, r, [&](const std::vector<double>& u) {
-      // |u - t v|^2 <= r^2 for t in [t0, t1]
-      double uv = 0.0;
-      double uu = 0.0;
-      for (std::size_t j = 0; j < v.size(); ++j) {
-        uv += u[j] * v[j];
-        uu += u[j] * u[j];
-      }
-      const double vv = span * span;
-      const double under = uv * uv - vv * (uu - r * r);
-      if (under <= 0.0) return;
-      const double t0 = std::max(0.0, (uv - std::sqrt(under)) / vv);
-      const double t1 = std::min(1.0, (uv + std::sqrt(under)) / vv);
-      if (t1 <= t0) return;
-      const double s0 = at_[i] + t0 * span;
-      const double s1 = at_[i] + t1 * span;
-      for (const auto& [from, to] : active_) inside += std::max(0.0, std::min(s1, to) - std::max(s0, from));
-    });
-  }
-  return inside / active_length_ * std::exp(-ball_.log_volume());
+  tube_->point(at, centre_);
+  tube_->ball().sample(centre_, stream, out);
 }
 
 }  // namespace trellis

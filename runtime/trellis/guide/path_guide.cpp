@@ -100,6 +100,7 @@ void PathHeuristic::choose_stretches() {
   // Everything reached: the whole path again.
   if (stretches.empty()) stretches.emplace_back(0.0, tube_.length());
   tube_.activate(std::move(stretches));
+  ++epoch_;
 }
 
 std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {

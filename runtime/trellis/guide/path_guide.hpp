@@ -48,6 +48,8 @@ class PathHeuristic final : public Heuristic {
 
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] double density(View q) const override { return tube_.density(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  void record(DensityRecord& record, double share) const override { record.add(tube_.density(), share); }
   void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] bool stale() const override { return stale_; }
@@ -68,6 +70,7 @@ class PathHeuristic final : public Heuristic {
   double window_;
   std::int64_t patience_;
   std::int64_t failures_ = 0;
+  std::uint64_t epoch_ = 0;  ///< how often stretches were chosen
   bool stale_ = false;
   double bin_ = 0.0;           ///< arc length of one bin
   Configurations centres_;     ///< of the bins
@@ -81,6 +84,7 @@ class UniformHeuristic final : public Heuristic {
   UniformHeuristic(std::string source, const Space& space) : source_(std::move(source)), uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
   [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
+  void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
 
  private:
@@ -88,13 +92,14 @@ class UniformHeuristic final : public Heuristic {
   UniformGuidance uniform_;
 };
 
-/// A guide with S = C as sets of coordinates: f is the identity on configurations.
+/// A guide with S = C as metric spaces: f is the identity on configurations.
 class PathGuide : public Guide {
  public:
   PathGuide(std::string name, const PathGuideSettings& settings) : name_(std::move(name)), path_settings_(settings) {}
 
   void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
   void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
+  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
   using Guide::project;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <queue>
@@ -74,6 +75,8 @@ class PositionProjection {
     q[position_[1]] = s[1];
   }
   [[nodiscard]] const Space& space() const { return space_; }
+  /// Per volume in metric coordinates of C and S. The position's weights are the same in both; were they not, the
+  /// quotient of the volumes would hold the Jacobian too.
   [[nodiscard]] double log_fibre_volume() const { return log_fibre_volume_; }
 
  private:
@@ -81,6 +84,35 @@ class PositionProjection {
   std::vector<std::size_t> position_;
   Space space_;
   double log_fibre_volume_;
+};
+
+/// A density of positions with the uniform fibre on it.
+class LiftedDensity final : public Density {
+ public:
+  LiftedDensity(std::shared_ptr<const PositionProjection> projection, std::shared_ptr<const Density> positions)
+      : projection_(std::move(projection)), positions_(std::move(positions)) {}
+
+  [[nodiscard]] double at(View q) const override {
+    std::array<double, 2> s{};
+    projection_->project(q, s);
+    return positions_->at(s) * std::exp(-projection_->log_fibre_volume());
+  }
+  [[nodiscard]] bool akin(const Density& other) const override {
+    const auto* lifted = dynamic_cast<const LiftedDensity*>(&other);
+    return lifted != nullptr && lifted->projection_ == projection_ && positions_->akin(*lifted->positions_);
+  }
+  [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override {
+    std::vector<Term> positions;
+    positions.reserve(terms.size());
+    for (const auto& term : terms) {
+      positions.push_back({dynamic_cast<const LiftedDensity&>(*term.density).positions_, term.weight});
+    }
+    return std::make_shared<LiftedDensity>(projection_, positions_->sum(positions));
+  }
+
+ private:
+  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const Density> positions_;
 };
 
 /// The skeleton's edges as a Graph, with start and goal joined to the nearest points of it that they see.
@@ -227,14 +259,15 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
-  DynamicRegions(const PositionProjection& projection, Space parent, std::shared_ptr<const Graph> graph,
+  DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
                  Configurations lifted, const SkeletonSettings& settings, double radius, const NearestIndex& reached)
-      : projection_(projection),
+      : projection_(std::move(projection)),
         parent_(std::move(parent)),
         graph_(std::move(graph)),
         directed_(directed(*graph_)),
         settings_(settings),
-        ball_(projection.space(), radius),
+        uniform_density_(std::exp(-parent_.log_volume())),
+        ball_(projection_->space(), radius),
         spawned_(graph_->vertices.size(), 0),
         lifted_(std::move(lifted)),
         position_(2) {
@@ -251,23 +284,25 @@ class DynamicRegions final : public Heuristic {
       return 1;
     }
     ball_.sample(centre(regions_[drawn_]), stream, position_);
-    projection_.lift(position_, stream, out);
+    projection_->lift(position_, stream, out);
     return 0;
   }
 
   [[nodiscard]] double density(View q) const override {
     Configuration s(2);
-    projection_.project(q, s);
-    const auto n = static_cast<double>(regions_.size());
-    double sum = regions_.empty() ? std::exp(-parent_.log_volume())
-                                  : settings_.explore / (n + 1.0) * std::exp(-parent_.log_volume());
+    projection_->project(q, s);
+    double sum = whole_share() * uniform_density_;
     const double total = total_weight();
     for (const auto& region : regions_) {
-      const double follow = total > 0.0 ? region.weight() / total : 1.0 / n;
-      const double p = settings_.explore / (n + 1.0) + (1.0 - settings_.explore) * follow;
-      sum += p * ball_.density(centre(region), s) * std::exp(-projection_.log_fibre_volume());
+      sum += share(region, total) * ball_.density(centre(region), s) * std::exp(-projection_->log_fibre_volume());
     }
     return sum;
+  }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  void record(DensityRecord& record, double weight) const override {
+    record.add_uniform(weight * whole_share(), uniform_density_);
+    const double total = total_weight();
+    for (const auto& region : regions_) record.add(region.density, weight * share(region, total));
   }
 
   void observe(const Outcome& outcome, bool mine) override {
@@ -277,11 +312,12 @@ class DynamicRegions final : public Heuristic {
       region.successes = settings_.decay * region.successes + (success ? 1.0 : 0.0);
       region.attempts = settings_.decay * region.attempts + 1.0;
       ++region.idle;
+      ++epoch_;
     }
     if (!outcome.added.empty()) {
-      projection_.project(outcome.added, position_);
+      projection_->project(outcome.added, position_);
       const double r2 = ball_.radius() * ball_.radius();
-      advance([&](View c) { return projection_.space().squared_distance(c, position_) <= r2; });
+      advance([&](View c) { return projection_->space().squared_distance(c, position_) <= r2; });
     }
     drawn_ = regions_.size();
   }
@@ -312,7 +348,8 @@ class DynamicRegions final : public Heuristic {
     std::size_t point = 0;  ///< along the edge in its direction
     double successes = 1.0;
     double attempts = 1.0;
-    std::int64_t idle = 0;  ///< own proposals since it last moved
+    std::int64_t idle = 0;                             ///< own proposals since it last moved
+    std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
     [[nodiscard]] double weight() const { return successes / attempts; }
   };
 
@@ -324,6 +361,17 @@ class DynamicRegions final : public Heuristic {
   [[nodiscard]] double total_weight() const {
     return std::accumulate(regions_.begin(), regions_.end(), 0.0,
                            [](double sum, const Region& r) { return sum + r.weight(); });
+  }
+
+  /// The probability that a region draws the next proposal, `total` the weight of all.
+  [[nodiscard]] double share(const Region& region, double total) const {
+    const auto n = static_cast<double>(regions_.size());
+    const double follow = total > 0.0 ? region.weight() / total : 1.0 / n;
+    return settings_.explore / (n + 1.0) + (1.0 - settings_.explore) * follow;
+  }
+  /// The probability that the whole space does.
+  [[nodiscard]] double whole_share() const {
+    return regions_.empty() ? 1.0 : settings_.explore / (static_cast<double>(regions_.size()) + 1.0);
   }
 
   /// Region i with probability e/(n+1) + (1-e) w_i / sum w, the whole space (index n) with e/(n+1).
@@ -344,7 +392,19 @@ class DynamicRegions final : public Heuristic {
   void spawn(std::uint32_t vertex) {
     if (spawned_[vertex] != 0) return;
     spawned_[vertex] = 1;
-    for (const auto& edge : directed_.out[vertex]) regions_.push_back({.edge = edge});
+    for (const auto& edge : directed_.out[vertex]) {
+      regions_.push_back({.edge = edge});
+      place(regions_.back());
+    }
+    ++epoch_;
+  }
+
+  /// Gives a region the density of where it is.
+  void place(Region& region) const {
+    Configurations centre_alone(2);
+    centre_alone.push(centre(region));
+    region.density = std::make_shared<LiftedDensity>(
+        projection_, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
   /// Moves every region on while `inside(centre)`; at the end of its edge it makes room for those of the edges beyond.
@@ -352,11 +412,14 @@ class DynamicRegions final : public Heuristic {
   void advance(const Inside& inside) {
     for (std::size_t i = 0; i < regions_.size();) {
       bool arrived = false;
+      const std::size_t before = regions_[i].point;
       while (!arrived && inside(centre(regions_[i]))) {
         regions_[i].idle = 0;
         if (++regions_[i].point == graph_->edges[regions_[i].edge.edge].points.size()) arrived = true;
       }
+      if (regions_[i].point != before) ++epoch_;
       if (!arrived) {
+        if (regions_[i].point != before) place(regions_[i]);
         ++i;
         continue;
       }
@@ -367,15 +430,17 @@ class DynamicRegions final : public Heuristic {
     }
   }
 
-  const PositionProjection& projection_;
+  std::shared_ptr<const PositionProjection> projection_;
   Space parent_;
   std::shared_ptr<const Graph> graph_;
   DirectedGraph directed_;
   SkeletonSettings settings_;
+  double uniform_density_;
   BallKernel ball_;
   std::vector<Region> regions_;
   std::vector<char> spawned_;
   std::size_t drawn_ = 0;
+  std::uint64_t epoch_ = 0;
   Configurations lifted_;
   Configuration position_;
 };
@@ -389,7 +454,7 @@ class SkeletonGuide final : public Guide {
       throw Error("skeleton: needs a robot whose reference point moves in the plane; this space (" +
                   parent.space.name() + ") has no position");
     }
-    projection_.emplace(parent);
+    projection_ = std::make_shared<PositionProjection>(parent);
     reached_.emplace(projection_->space());
     auto instance = std::make_unique<Instance>();
     instance->space = projection_->space();
@@ -413,6 +478,7 @@ class SkeletonGuide final : public Guide {
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
 
   void learn(const Outcome& outcome) override {
     if (outcome.added.empty()) return;
@@ -425,7 +491,7 @@ class SkeletonGuide final : public Guide {
     // A region is as large as the robot needs; a point has no size, so the world gives one.
     const double robot = parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(*projection_, parent.space, graph_, lifted(parent, *found), settings_,
+    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, lifted(parent, *found), settings_,
                                               settings_.region * unit, *reached_);
     current_ = h.get();
     return h;
@@ -452,7 +518,7 @@ class SkeletonGuide final : public Guide {
   }
 
   SkeletonSettings settings_;
-  std::optional<PositionProjection> projection_;
+  std::shared_ptr<const PositionProjection> projection_;
   std::optional<NearestIndex> reached_;
   std::shared_ptr<Graph> graph_;
   DynamicRegions* current_ = nullptr;

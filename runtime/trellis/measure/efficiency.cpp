@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/measure/efficiency.hpp>
 
-#include <algorithm>
-#include <array>
-#include <boost/math/special_functions/digamma.hpp>
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <span>
+#include <fmt/format.h>
 
-#include <trellis/measure/cut_ball.hpp>
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
 #include <trellis/measure/point_tree.hpp>
 #include <trellis/measure/samples.hpp>
 
@@ -17,194 +16,289 @@ namespace trellis {
 
 namespace {
 
-constexpr std::size_t neighbours = 3;      // k
-constexpr std::size_t space_points = 256;  // of a ball, for its share in C
-constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
-constexpr std::size_t pool_enough = 30;    // pool points in a ball that tell its volume in A
-constexpr std::size_t pool_expected = 64;  // pool points wanted in a ball, where the pool could give many more
-constexpr std::size_t least_pool = 2048;
 constexpr double expected_hits = 10.0;  // uniform samples in A below which N is underpowered
+constexpr double least_margin = 0.02;   // by which coverage falls short of uniform's before that is said
+constexpr double bound_margin = 0.05;   // by which an estimate may lie below its bound: its own accuracy
 
-double digamma(std::size_t n) { return boost::math::digamma(static_cast<double>(n)); }
-
-/// The first `count` points of a target's pool in metric coordinates, row by row.
-std::vector<double> pool_rows(const Target& target, const measure::Frame& frame, std::size_t count) {
-  const std::size_t d = frame.dimension();
-  std::vector<double> rows(count * d);
-  for (std::size_t i = 0; i < count; ++i) {
-    frame.to_metric(target.pool()[i], MutableView(rows).subspan(i * d, d));
-  }
-  return rows;
+/// -log Q(A) and its lower end: log of the upper end of Clopper and Pearson's interval, negated.
+void bound_mass(Efficiency& result) {
+  const auto total = static_cast<double>(result.samples);
+  const auto inside = static_cast<double>(result.in_target);
+  result.mass = -std::log(inside / total);
+  const double highest = boost::math::binomial_distribution<>::find_upper_bound_on_p(total, inside, 0.05);
+  result.mass_lower95 = result.in_target == result.samples ? 0.0 : -std::log(highest);
 }
 
-/// log q at points of A by blended k nearest neighbours.
-///
-/// The plain term sees all samples and is blind to the border of A; the in-tube term sees the samples in A only, and
-/// the part of its ball in A. Each is best where the other is worst, and the share of samples in A weighs them.
-class BlendedNeighbours {
- public:
-  BlendedNeighbours(const Target& target, const measure::Frame& frame, const measure::SampleSet& samples)
-      : target_(target),
-        frame_(frame),
-        all_(frame, samples.all),
-        inside_(frame, samples.inside),
-        space_ball_(frame, space_points),
-        target_ball_(frame, target_points),
-        k_all_(std::min(neighbours, all_.size())),
-        k_inside_(std::min(neighbours, inside_.size())),
-        // Atoms raise N, and with it lower the density of the rest, but do not make the in-tube term any better.
-        share_(static_cast<double>(inside_.size()) / static_cast<double>(std::max<std::size_t>(all_.size(), 1))),
-        log_mass_all_(k_all_ > 0 ? digamma(k_all_) - digamma(samples.total + 1) : 0.0),
-        log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(samples.total + 1) : 0.0),
-        least_radius_(1e-9 * target.space().diameter()) {
-    // With few samples in A the balls are wide and hold a good part of the pool. 64 points a ball make 20 points of the
-    // pool to a sample, and add no more than a twentieth to the variance; the whole pool would cost many times that.
-    const std::size_t wanted = std::max<std::size_t>(least_pool, pool_expected * inside_.size() / neighbours);
-    if (2 * wanted < target.pool().size()) {
-      part_size_ = wanted;
-      part_ = std::make_unique<measure::PointTree>(frame, pool_rows(target, frame, wanted));
-    }
+Along profile(const Target& target, std::span<const double> arcs, std::size_t points) {
+  Along along;
+  if (!target.has_path()) return along;
+  along.length = target.length();
+  const double bins = std::min(std::max(1.0, std::floor(along.length / target.delta())),
+                               std::floor(static_cast<double>(arcs.size()) / 5.0));
+  if (bins < 1.0) {
+    if (arcs.empty()) along.empty_share = 1.0;
+    return along;
   }
-
-  [[nodiscard]] bool censored() const { return inside_.size() == 0; }
-  [[nodiscard]] const measure::PointTree& all() const { return all_; }
-
-  /// log q at the i-th point of the pool, at y in metric coordinates.
-  /// \param nearest  receives the squared distance to the nearest sample
-  [[nodiscard]] double log_density(std::size_t i, View y, double& nearest) const {
-    std::array<double, neighbours> squared{};
-    all_.nearest(y, std::span(squared).first(k_all_));
-    nearest = squared[0];
-    const double r = std::max(std::sqrt(squared[k_all_ - 1]), least_radius_);
-    const double plain = log_mass_all_ - space_ball_.log_volume(y, r);
-    inside_.nearest(y, std::span(squared).first(k_inside_));
-    const double in_tube = log_mass_inside_ - log_volume_in_target(i, y, squared[k_inside_ - 1]);
-    return share_ * in_tube + (1.0 - share_) * plain;
+  const auto count = static_cast<std::size_t>(bins);
+  along.target.assign(count, 0.0);
+  along.samples.assign(count, 0.0);
+  const auto bin = [&](double arc) {
+    return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, arc / along.length * bins)));
+  };
+  for (std::size_t i = 0; i < points; ++i) along.target[bin(target.along(target.pool()[i]))] += 1.0;
+  for (const double arc : arcs) along.samples[bin(arc)] += 1.0;
+  const auto n = static_cast<double>(arcs.size());
+  along.divergence = 0.0;
+  along.empty_share = 0.0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double t = along.target[j] / static_cast<double>(points);
+    const double c = along.samples[j];
+    if (t > 0.0) along.divergence += t * std::log(t / ((c + 0.5) / (n + 0.5 * bins)));
+    if (c == 0.0) along.empty_share += t;
+    along.target[j] = t;
+    along.samples[j] = c / n;
   }
-
- private:
-  /// log of the volume of the part of a ball around the i-th point of the pool that lies in A.
-  [[nodiscard]] double log_volume_in_target(std::size_t i, View y, double squared) const {
-    // The mean of psi(1 + m) over Poisson counts m of the other points is the log of their mean, so the centre, a
-    // point of the pool itself, is counted once.
-    const auto by_pool = [&](std::size_t with_centre, std::size_t pool) {
-      return target_.log_volume() + digamma(with_centre) - std::log(static_cast<double>(pool));
-    };
-    if (part_) {
-      const std::size_t self = i < part_size_ ? 0 : 1;
-      const std::size_t m = part_->count_within(y, squared) + self;
-      if (m >= pool_enough) return by_pool(m, part_size_ + self);
-    }
-    const std::size_t m = target_.pool_tree().count_within(y, squared);
-    if (m < pool_enough) {
-      std::vector<double> x(frame_.dimension());
-      const double r = std::max(std::sqrt(squared), least_radius_);
-      const double by_points = target_ball_.log_volume(y, r, [&](View at) {
-        frame_.to_raw(at, x);
-        return target_.contains(x);
-      });
-      if (std::isfinite(by_points)) return by_points;
-    }
-    return by_pool(std::max<std::size_t>(m, 1), target_.pool_tree().size());
-  }
-
-  const Target& target_;
-  const measure::Frame& frame_;
-  measure::PointTree all_;
-  measure::PointTree inside_;
-  measure::CutBall space_ball_;
-  measure::CutBall target_ball_;
-  std::size_t k_all_;
-  std::size_t k_inside_;
-  double share_;
-  double log_mass_all_;
-  double log_mass_inside_;
-  double least_radius_;
-  std::size_t part_size_ = 0;
-  std::unique_ptr<measure::PointTree> part_;  // a prefix of the pool; null where the whole pool is wanted
-};
-
-/// The figures that follow from log q at the evaluation points, whichever estimator gave it.
-void score(const Target& target, std::span<const double> log_density, Efficiency& result) {
-  const double epsilon = target.settings().epsilon;
-  const double log_uniform = std::log(epsilon) - target.space().log_volume();
-  double plain = 0.0;
-  double defended = 0.0;
-  for (const double log_q : log_density) {
-    plain += log_q;
-    const double log_guided = std::log1p(-epsilon) + log_q;
-    const double larger = std::max(log_guided, log_uniform);
-    defended += larger + std::log1p(std::exp(std::min(log_guided, log_uniform) - larger));
-  }
-  const auto count = static_cast<double>(log_density.size());
-  result.undefended = -target.log_volume() - plain / count;
-  result.value = -target.log_volume() - defended / count;
-  result.gain = result.uniform - result.value;
+  return along;
 }
+
+/// Share of the evaluation points within a distance of a sample, beside what uniform sampling is expected to reach.
+void cover(const measure::Evaluation& evaluation, const measure::PointTree& atoms, Efficiency& result) {
+  const Target& target = evaluation.target;
+  const double square = target.delta() * target.delta();
+  const auto total = static_cast<double>(result.samples);
+  double covered = 0.0;
+  double half_covered = 0.0;
+  double expected = 0.0;
+  double half_expected = 0.0;
+  double hits = 0.0;
+  for (std::size_t i = 0; i < evaluation.points; ++i) {
+    double nearest = evaluation.neighbours[i * measure::Evaluation::neighbour_count];
+    if (nearest > 0.25 * square && atoms.size() > 0) {
+      double atom = 0.0;
+      atoms.nearest(evaluation.at(i), {&atom, 1});
+      nearest = std::min(nearest, atom);
+    }
+    covered += nearest <= square ? 1.0 : 0.0;
+    half_covered += nearest <= 0.25 * square ? 1.0 : 0.0;
+    expected -= std::expm1(total * std::log1p(-target.hit(i)));
+    half_expected -= std::expm1(total * std::log1p(-target.half_hit(i)));
+    hits += target.hit(i);
+  }
+  const auto count = static_cast<double>(evaluation.points);
+  result.coverage = covered / count;
+  result.coverage_half = half_covered / count;
+  result.uniform_coverage = expected / count;
+  result.uniform_coverage_half = half_expected / count;
+  // What uniform samples reach varies from set to set, as over about |A| / |ball| independent places.
+  const double places = std::max(1.0, std::exp(-target.uniform()) / std::max(hits / count, 1e-300));
+  const double spread = std::sqrt(result.uniform_coverage * (1.0 - result.uniform_coverage) / places);
+  if (result.coverage < result.uniform_coverage - std::max(least_margin, 2.0 * spread)) {
+    result.flags.emplace_back("partial");
+  }
+}
+
+void take(Efficiency& result, const Estimate& estimate) { static_cast<Estimate&>(result) = estimate; }
 
 }  // namespace
 
-Efficiency efficiency(const Target& target, const Configurations& samples, Held held) {
+Efficiency efficiency(const Target& target, const Configurations& samples, const Scoring& scoring) {
   const measure::Frame frame(target.space());
-  const std::size_t d = frame.dimension();
   Efficiency result;
   result.samples = samples.size();
+  result.free_share = target.free_share();
   if (target.empty()) {
     result.flags.emplace_back("empty target");
+    result.reason = "the target is empty: no valid configuration lies in it";
     return result;
   }
   result.uniform = target.uniform();
   const measure::SampleSet set = measure::prepare(target, frame, samples);
   result.in_target = set.in_target;
-  const auto total = static_cast<double>(set.total);
-  if (total * std::exp(-result.uniform) < expected_hits) result.flags.emplace_back("underpowered");
-  if (set.all.size() / d < neighbours) result.flags.emplace_back("too few samples");
-  if (set.total == 0) return result;
+  if (set.total == 0) {
+    result.flags.emplace_back("too few samples");
+    result.reason = "there are no samples";
+    return result;
+  }
+  if (static_cast<double>(set.total) * std::exp(-result.uniform) < expected_hits) {
+    result.flags.emplace_back("underpowered");
+  }
 
-  const std::size_t count = target.evaluation_points();
-  const std::vector<double> points = pool_rows(target, frame, count);
-  const auto point = [&](std::size_t i) { return View(points).subspan(i * d, d); };
+  constexpr std::size_t neighbours = measure::Evaluation::neighbour_count;
+  const measure::PointTree all(frame, set.all);
+  const std::size_t points =
+      scoring.points > 0 ? std::min(scoring.points, target.evaluation_points()) : target.evaluation_points();
+  std::vector<double> squared(points * neighbours);
+  std::vector<char> unreachable;
+  if (scoring.held == Held::valid_only && target.holds_invalid()) {
+    for (std::size_t i = 0; i < points; ++i) unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
+    if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
+  }
+  const measure::Evaluation evaluation{target, frame, set, points, all, squared, scoring.density, unreachable};
+  for (std::size_t i = 0; i < points; ++i) {
+    all.nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
+  }
 
-  const BlendedNeighbours density(target, frame, set);
-  const measure::PointTree atoms(frame, set.atoms);
-  const double delta = target.settings().delta;
-  const measure::CutBall ball(frame, space_points);
-  std::vector<double> log_density(count);
-  std::size_t covered = 0;
-  double uniformly_covered = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const View y = point(i);
-    double nearest = 0.0;
-    if (density.censored()) {
-      density.all().nearest(y, {&nearest, 1});
-      log_density[i] = std::log(0.5 / (total + 1.0)) - target.log_volume();
+  bound_mass(result);
+  cover(evaluation, measure::PointTree(frame, set.atoms), result);
+  result.along = profile(target, set.arcs, points);
+  if (set.in_target == 0) result.flags.emplace_back("censored");
+
+  std::string reasons;
+  bool found = false;
+  for (const EstimatorSpec& spec : scoring.estimators) {
+    const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
+    if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
+      if (spec.name() != "exact") reasons += (reasons.empty() ? "" : "; ") + reason;
+      continue;
+    }
+    Estimate estimate = kind.estimate(spec.options(), evaluation);
+    estimate.estimator = spec.text();
+    if (!found) {
+      take(result, estimate);
     } else {
-      log_density[i] = density.log_density(i, y, nearest);
+      result.others.push_back(std::move(estimate));
     }
-    if (nearest <= delta * delta || atoms.any_within(y, delta * delta)) ++covered;
-    const double hit = std::min(1.0, std::exp(ball.log_volume(y, delta) - target.space().log_volume()));
-    uniformly_covered -= std::expm1(total * std::log1p(-hit));
+    found = true;
   }
-  if (held == Held::valid_only && target.settings().support == "all") {
-    bool reaches = true;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (target.valid(target.pool()[i])) continue;
-      log_density[i] = -std::numeric_limits<double>::infinity();
-      reaches = false;
+  if (!found) {
+    result.estimator = scoring.estimators.empty() ? "" : scoring.estimators.back().text();
+    result.flags.emplace_back("too few samples");
+    result.reason = reasons.empty() ? "no estimator was asked for that has a figure for these samples" : reasons;
+    return result;
+  }
+
+  if (result.undefended < result.mass_lower95 - bound_margin) result.flags.emplace_back("below mass bound");
+  return result;
+}
+
+namespace {
+
+/// The mean of a figure over those that have it; infinite where one is.
+class Mean {
+ public:
+  void add(double value) {
+    if (std::isnan(value)) return;
+    sum_ += value;
+    ++count_;
+  }
+  [[nodiscard]] double value() const {
+    return count_ > 0 ? sum_ / static_cast<double>(count_) : std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+template <class Figure, class Field>
+double mean_of(std::span<const Figure> figures, Field field) {
+  Mean mean;
+  for (const Figure& figure : figures) mean.add(field(figure));
+  return mean.value();
+}
+
+Estimate mean_estimate(std::span<const Estimate> estimates) {
+  Estimate result;
+  result.estimator = estimates.front().estimator;
+  for (double Estimate::*field :
+       {&Estimate::value, &Estimate::light_value, &Estimate::undefended, &Estimate::gain, &Estimate::js}) {
+    result.*field = mean_of(estimates, [&](const Estimate& e) { return e.*field; });
+  }
+  return result;
+}
+
+/// A profile over `count` bins, which are unions of parts of its own.
+std::vector<double> resampled(const std::vector<double>& shares, std::size_t count) {
+  std::vector<double> result(count, 0.0);
+  const auto from = static_cast<double>(shares.size());
+  const auto to = static_cast<double>(count);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double lo = static_cast<double>(i) / from * to;
+    const double hi = static_cast<double>(i + 1) / from * to;
+    for (auto j = static_cast<std::size_t>(lo); j < count && static_cast<double>(j) < hi; ++j) {
+      const auto at = static_cast<double>(j);
+      result[j] += shares[i] * std::max(0.0, std::min(hi, at + 1.0) - std::max(lo, at)) / (hi - lo);
     }
-    if (!reaches) result.flags.emplace_back("cannot reach");
   }
-  score(target, log_density, result);
-  if (density.censored()) {
-    result.undefended = std::numeric_limits<double>::infinity();
-    result.flags.emplace_back("censored");
+  return result;
+}
+
+Along mean_along(std::span<const Efficiency> figures) {
+  Along result;
+  result.divergence = mean_of(figures, [](const Efficiency& e) { return e.along.divergence; });
+  result.empty_share = mean_of(figures, [](const Efficiency& e) { return e.along.empty_share; });
+  result.length = mean_of(figures, [](const Efficiency& e) { return e.along.length; });
+  std::size_t bins = 0;
+  double with = 0.0;
+  for (const Efficiency& e : figures) {
+    if (e.along.target.empty()) continue;
+    bins = bins == 0 ? e.along.target.size() : std::min(bins, e.along.target.size());
+    with += 1.0;
   }
-  result.coverage = static_cast<double>(covered) / static_cast<double>(count);
-  result.uniform_coverage = uniformly_covered / static_cast<double>(count);
-  // The coverage is a multiple of 1 / count; a difference below half of that says nothing.
-  if (result.coverage + 0.5 / static_cast<double>(count) < result.uniform_coverage) {
-    result.flags.emplace_back("partial");
+  result.target.assign(bins, 0.0);
+  result.samples.assign(bins, 0.0);
+  for (const Efficiency& e : figures) {
+    if (e.along.target.empty()) continue;
+    const auto target = resampled(e.along.target, bins);
+    const auto samples = resampled(e.along.samples, bins);
+    for (std::size_t j = 0; j < bins; ++j) {
+      result.target[j] += target[j] / with;
+      result.samples[j] += samples[j] / with;
+    }
   }
+  return result;
+}
+
+}  // namespace
+
+Efficiency mean(std::span<const Efficiency> figures) {
+  Efficiency result;
+  if (figures.empty()) {
+    result.reason = "there is no target";
+    return result;
+  }
+  std::vector<const Efficiency*> with;
+  for (const Efficiency& e : figures) {
+    if (!std::isnan(e.value)) with.push_back(&e);
+  }
+  const Efficiency& first = with.empty() ? figures.front() : *with.front();
+  result.samples = first.samples;
+  std::vector<Estimate> headlines(figures.begin(), figures.end());
+  headlines.front().estimator = first.estimator;
+  take(result, mean_estimate(headlines));
+  for (double Efficiency::*field : {&Efficiency::uniform, &Efficiency::mass, &Efficiency::mass_lower95,
+                                    &Efficiency::coverage, &Efficiency::uniform_coverage, &Efficiency::coverage_half,
+                                    &Efficiency::uniform_coverage_half, &Efficiency::free_share}) {
+    result.*field = mean_of(figures, [&](const Efficiency& e) { return e.*field; });
+  }
+  double inside = 0.0;
+  for (const Efficiency& e : figures) inside += static_cast<double>(e.in_target);
+  result.in_target = static_cast<std::size_t>(std::llround(inside / static_cast<double>(figures.size())));
+  result.along = mean_along(figures);
+  for (const Estimate& other : first.others) {
+    std::vector<Estimate> same;
+    for (const Efficiency* e : with) {
+      for (const Estimate& candidate : e->others) {
+        if (candidate.estimator == other.estimator) same.push_back(candidate);
+      }
+    }
+    result.others.push_back(mean_estimate(same));
+  }
+  std::vector<std::pair<std::string, std::size_t>> raised;
+  for (const Efficiency& e : figures) {
+    for (const std::string& flag : e.flags) {
+      const auto it = std::find_if(raised.begin(), raised.end(), [&](const auto& r) { return r.first == flag; });
+      if (it != raised.end()) {
+        ++it->second;
+      } else {
+        raised.emplace_back(flag, 1);
+      }
+    }
+  }
+  for (const auto& [flag, times] : raised) {
+    if (2 * times >= figures.size()) result.flags.push_back(flag);
+  }
+  result.reason = with.empty() ? first.reason : "";
   return result;
 }
 

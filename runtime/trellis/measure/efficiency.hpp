@@ -3,45 +3,82 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <trellis/measure/estimator.hpp>
 #include <trellis/measure/target.hpp>
 
 namespace trellis {
 
-/// The sampling efficiency of one set of samples against one target, SE_T(Q) = D_KL(T || Q), in nats, lower is better.
-/// A figure that does not exist is NaN.
-struct Efficiency {
-  /// The headline: D(T || (1-eps) Q + eps Uniform(C)), finite for every Q that has samples.
-  double value = std::numeric_limits<double>::quiet_NaN();
-  /// D(T || Q) undefended; +inf where no sample lies in A.
-  double undefended = std::numeric_limits<double>::quiet_NaN();
-  /// log|C| - log|A|, the divergence of uniform sampling of C.
-  double uniform = std::numeric_limits<double>::quiet_NaN();
-  /// uniform - value: nats won over blind sampling.
-  double gain = std::numeric_limits<double>::quiet_NaN();
-  /// Share of A within delta of a sample (full metric), and what as many uniform samples would reach (expected).
-  double coverage = std::numeric_limits<double>::quiet_NaN();
-  double uniform_coverage = std::numeric_limits<double>::quiet_NaN();
-  std::size_t samples = 0;    ///< N
-  std::size_t in_target = 0;  ///< n, samples in A
-  std::string estimator = "knn";
-  /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
-  /// (coverage below uniform's), "too few samples" (fewer than k that are no atoms), "empty target", "cannot reach"
-  /// (part of T is invalid, and the samples can never be).
-  std::vector<std::string> flags;
+/// Where along the path the samples in the target lie: J = min(L / delta, n / 5) bins of equal arc length.
+struct Along {
+  /// D(T || Q) of arc length, Q by the mean of its posterior under a Dirichlet(1/2) prior, in nats.
+  double divergence = std::numeric_limits<double>::quiet_NaN();
+  /// Share of the target that lies in bins without a sample.
+  double empty_share = std::numeric_limits<double>::quiet_NaN();
+  double length = std::numeric_limits<double>::quiet_NaN();  ///< of the path, metres of the target's distance
+  std::vector<double> target;                                ///< share of the target in each bin
+  std::vector<double> samples;                               ///< share of the samples in the target in each bin
 };
 
-/// Scores samples with the default estimator, blended k nearest neighbours (k = 3) with boundary correction,
-/// wrap-around and atoms (exact duplicates carry mass but no density).
+/// The sampling efficiency of one set of samples against one target, SE_T(Q) = D_KL(T || Q), in nats, lower is better:
+/// the headline figures of one estimator, and what holds whichever estimator is asked. A figure that does not exist is
+/// NaN.
+struct Efficiency : Estimate {
+  /// log|C| - log|A|, the divergence of uniform sampling of C.
+  double uniform = std::numeric_limits<double>::quiet_NaN();
+  /// -log Q(A), at most D; and its lower end with 95 % confidence (Clopper and Pearson, one-sided).
+  double mass = std::numeric_limits<double>::quiet_NaN();
+  double mass_lower95 = std::numeric_limits<double>::quiet_NaN();
+  /// Share of A within delta of a sample (full metric), and what as many uniform samples would reach (expected); the
+  /// same within delta / 2.
+  double coverage = std::numeric_limits<double>::quiet_NaN();
+  double uniform_coverage = std::numeric_limits<double>::quiet_NaN();
+  double coverage_half = std::numeric_limits<double>::quiet_NaN();
+  double uniform_coverage_half = std::numeric_limits<double>::quiet_NaN();
+  /// The free share of the tube.
+  double free_share = std::numeric_limits<double>::quiet_NaN();
+  Along along;
+  std::size_t samples = 0;    ///< N
+  std::size_t in_target = 0;  ///< n, samples in A, copies counted
+  /// The further estimators that were asked for and have a figure.
+  std::vector<Estimate> others;
+  /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
+  /// (coverage clearly below uniform's), "below mass bound" (D is below the bound that the mass in A sets: wrong), "too
+  /// few samples" (fewer than k that are no atoms), "empty target", "cannot reach" (part of T is invalid, and the
+  /// samples can never be).
+  std::vector<std::string> flags;
+  /// Why there is no figure; "" where there is one.
+  std::string reason;
+};
+
+/// What Q can hold at all: a tree has no density on invalid configurations, so that with the support "all" its
+/// divergence is infinite.
+enum class Held : std::uint8_t { anything, valid_only };
+
+/// How samples are scored.
+struct Scoring {
+  Held held = Held::anything;
+  /// The first that has a figure gives the headline, the others stand beside it.
+  std::vector<EstimatorSpec> estimators = default_estimators();
+  /// The density of the samples where it is known (without atoms, per volume in metric coordinates), for `exact`.
+  std::function<double(View)> density = {};
+  std::size_t points = 0;  ///< evaluation points, at most the target's; 0: the target's
+};
+
+/// Scores samples.
 /// \param samples  N configurations of the target's space; not sorted, may hold duplicates; those outside of C count in
 ///                 N but can reach no point of A
-/// \param held     what Q can hold at all: a tree has no density on invalid configurations, so that with the support
-///                 "all" its divergence is infinite
 /// Throws Error for samples of another dimension or with coordinates that are not finite.
-enum class Held : std::uint8_t { anything, valid_only };
-Efficiency efficiency(const Target& target, const Configurations& samples, Held held = Held::anything);
+Efficiency efficiency(const Target& target, const Configurations& samples, const Scoring& scoring = {});
+
+/// One figure for several targets: means over them, of `along` too (over the least number of bins that one has);
+/// infinite values give infinity, and figures that some targets lack are means over those that have them. Flags are
+/// those raised by half of them at least.
+Efficiency mean(std::span<const Efficiency> figures);
 
 }  // namespace trellis

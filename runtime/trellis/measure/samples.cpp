@@ -42,9 +42,13 @@ SampleSet prepare(const Target& target, const Frame& frame, const Configurations
     while (end < order.size() && std::equal(row(order[i]), row(order[i]) + length, row(order[end]))) ++end;
     const auto first = row(order[i]);
     const bool inside = target.contains(samples[order[i]]);
-    if (inside) set.in_target += end - i;
+    if (inside) {
+      set.in_target += end - i;
+      if (target.has_path()) set.arcs.insert(set.arcs.end(), end - i, target.along(samples[order[i]]));
+    }
     if (end - i > 1) {
       set.atoms.insert(set.atoms.end(), first, first + length);
+      set.copies.push_back(end - i);
     } else {
       set.all.insert(set.all.end(), first, first + length);
       if (inside) set.inside.insert(set.inside.end(), first, first + length);

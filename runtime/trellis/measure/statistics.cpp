@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -74,6 +75,30 @@ Interval wilson_interval(std::size_t successes, std::size_t trials, double confi
   result.value = share;
   result.lo = successes == 0 ? 0.0 : (centre - half) / scale;
   result.hi = successes == trials ? 1.0 : (centre + half) / scale;
+  return result;
+}
+
+Paired paired(std::span<const double> a, std::span<const double> b, double confidence) {
+  if (a.size() != b.size()) {
+    throw Error(fmt::format("paired: {} figures against {}; the runs must be the same", a.size(), b.size()));
+  }
+  Paired result;
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isnan(a[i]) || std::isnan(b[i])) continue;
+    result.less += b[i] < a[i] ? 1 : 0;
+    result.greater += b[i] > a[i] ? 1 : 0;
+    result.equal += b[i] == a[i] ? 1 : 0;
+    // Both infinite: no difference that could be told.
+    if (!(std::isinf(a[i]) && std::isinf(b[i]))) differences.push_back(b[i] - a[i]);
+  }
+  result.difference = student_interval(differences, confidence);
+  const std::size_t signs = result.less + result.greater;
+  if (signs > 0) {
+    const boost::math::binomial coin(static_cast<double>(signs), 0.5);
+    const auto fewer = static_cast<double>(std::min(result.less, result.greater));
+    result.sign_p = std::min(1.0, 2.0 * boost::math::cdf(coin, fewer));
+  }
   return result;
 }
 

@@ -23,6 +23,19 @@ Interval student_interval(std::span<const double> values, double confidence = 0.
 /// Share of successes with Wilson's score interval.
 Interval wilson_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
 
+/// Two lists of figures of the same runs, compared run by run.
+struct Paired {
+  Interval difference;   ///< mean of b - a over the pairs, with Student's interval; never of infinite values
+  std::size_t less = 0;  ///< pairs where b is less than a
+  std::size_t greater = 0;
+  std::size_t equal = 0;
+  /// Two-sided sign test: the chance of so lopsided a split, or a more lopsided one, if either sign were as likely; 1
+  /// without a pair that differs.
+  double sign_p = 1.0;
+};
+/// Pairs where a figure is NaN are left out. Throws Error for lists of different lengths.
+Paired paired(std::span<const double> a, std::span<const double> b, double confidence = 0.95);
+
 /// The median of the values that are not NaN; NaN without any.
 double median(std::span<const double> values);
 

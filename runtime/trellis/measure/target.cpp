@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 #include <trellis/measure/point_tree.hpp>
 #include <trellis/measure/tube.hpp>
@@ -26,33 +27,42 @@ constexpr std::size_t check_limit = 16;
 // With this share of the pool found, a third of the pool's price in checks is not exceeded.
 constexpr std::size_t patience = 3;
 constexpr std::size_t enough = 1024;
+constexpr std::size_t region_limit = 64;  // points of the space for a region's pool, in multiples of the pool
+constexpr std::size_t least_draws = 64;   // of a distribution
+constexpr std::size_t ball_points = 256;  // of a ball, for its share in C
 
-void check(const TubeSettings& settings) {
-  const auto fail = [](const std::string& what) { throw Error("tube: " + what); };
+void check(const char* name, const TargetSettings& settings) {
+  const auto fail = [&](const std::string& what) { throw Error(fmt::format("{}: {}", name, what)); };
   if (!std::isfinite(settings.delta) || settings.delta <= 0.0) {
     fail(fmt::format("delta must be greater than 0, in m, got {:g}", settings.delta));
   }
+  if (settings.points < 1) fail(fmt::format("points must be at least 1, got {}", settings.points));
+  if (settings.pool < 1) fail(fmt::format("pool must be at least 1, got {}", settings.pool));
+}
+
+void check(const TubeSettings& settings) {
+  check("tube", settings);
+  const auto fail = [](const std::string& what) { throw Error("tube: " + what); };
   if (settings.distance != "planar" && settings.distance != "full") {
     fail(fmt::format(R"(distance must be "planar" or "full", got "{}")", settings.distance));
   }
   if (settings.support != "free" && settings.support != "all") {
     fail(fmt::format(R"(support must be "free" or "all", got "{}")", settings.support));
   }
-  if (!(settings.epsilon > 0.0 && settings.epsilon < 1.0)) {
-    fail(fmt::format("epsilon must be in (0, 1), got {:g}", settings.epsilon));
-  }
-  if (settings.points < 1) fail(fmt::format("points must be at least 1, got {}", settings.points));
-  if (settings.pool < 1) fail(fmt::format("pool must be at least 1, got {}", settings.pool));
 }
 
 void check(const Space& space, const Configurations& path, const std::vector<std::size_t>& position) {
   if (space.dimension() == 0) throw Error("tube: the space has no axes");
   if (path.empty()) throw Error("tube: the path is empty");
+  if (path.size() == 1) throw Error("tube: the path is a single configuration; a tube needs two at least");
   if (path.dimension() != space.dimension()) {
     throw Error(fmt::format("tube: the path has {} coordinates, the space {} has {}", path.dimension(), space.name(),
                             space.dimension()));
   }
   for (std::size_t i = 0; i < path.size(); ++i) {
+    for (const double c : path[i]) {
+      if (!std::isfinite(c)) throw Error(fmt::format("tube: waypoint {} of the path is not finite", i + 1));
+    }
     if (!space.contains(path[i])) {
       throw Error(fmt::format("tube: waypoint {} of the path lies outside of the space {}", i + 1, space.name()));
     }
@@ -66,29 +76,73 @@ void check(const Space& space, const Configurations& path, const std::vector<std
   }
 }
 
+const Range count{.lo = 64, .hi = 1e7};
+
+/// The options that every target has.
+template <class S>
+Settings<S> with_target_options(Settings<S> settings, const std::string& delta) {
+  return settings.number("delta", &S::delta, "m", Range::positive(), delta)
+      .integer("points", &S::points, "points", count, "evaluation points on the target")
+      .integer("pool", &S::pool, "points", count,
+               "points of the target for the volumes of cut balls, at least as many as points");
+}
+
+/// Draws the numbers that move a low-discrepancy sequence.
+measure::LowDiscrepancy sequence_of(std::uint64_t seed, std::size_t dimension, std::vector<double>& unit) {
+  Stream stream(seed, "", "measure");
+  unit.resize(dimension);
+  for (double& s : unit) s = stream.uniform();
+  return {dimension, unit};
+}
+
 }  // namespace
 
 const Settings<TubeSettings>& tube_settings() {
-  static const Settings<TubeSettings> settings = [] {
-    const Range open_share{.lo = 0, .hi = 1, .open_lo = true, .open_hi = true};
-    const Range count{.lo = 64, .hi = 1e7};
-    Settings<TubeSettings> s(Component::Kind::target, "tube", "configurations within delta of the final path",
-                             "Attali et al. 2022");
-    s.number("delta", &TubeSettings::delta, "m", Range::positive(), "radius of the tube")
-        .choice("distance", &TubeSettings::distance, {"planar", "full"},
-                "planar: position of the reference point only; full: the space's metric")
-        .choice("support", &TubeSettings::support, {"free", "all"},
-                "free: valid configurations only; all: the whole tube, which no tree can reach")
-        .number("epsilon", &TubeSettings::epsilon, "", open_share,
-                "uniform share mixed into the sampler for the defended value")
-        .integer("points", &TubeSettings::points, "points", count, "evaluation points on the target")
-        .integer("pool", &TubeSettings::pool, "points", count,
-                 "points of the target for the volumes of cut balls, at least as many as points")
-        .positional({"delta"});
-    return s;
-  }();
+  static const Settings<TubeSettings> settings =
+      with_target_options(Settings<TubeSettings>(Component::Kind::target, "tube",
+                                                 "configurations within delta of the final path", "Attali et al. 2022"),
+                          "radius of the tube")
+          .choice("distance", &TubeSettings::distance, {"planar", "full"},
+                  "planar: position of the reference point only; full: the space's metric")
+          .choice("support", &TubeSettings::support, {"free", "all"},
+                  "free: valid configurations only; all: the whole tube, which no tree can reach")
+          .positional({"delta"});
   return settings;
 }
+
+const Settings<NearOptimalSettings>& near_optimal_settings() {
+  static const Settings<NearOptimalSettings> settings =
+      with_target_options(
+          Settings<NearOptimalSettings>(Component::Kind::target, "near_optimal",
+                                        "configurations on paths of at most (1 + epsilon) times the optimal length, by "
+                                        "cost-to-come and cost-to-go of a PRM*",
+                                        "Attali et al. 2022; Karaman and Frazzoli 2011")
+              .number("epsilon", &NearOptimalSettings::epsilon, "", Range::positive(),
+                      "how much longer than the optimum")
+              .integer("nodes", &NearOptimalSettings::nodes, "nodes", {.lo = 16, .hi = 1e6},
+                       "nodes of the PRM*; with more of them the optimum comes nearer to the true one"),
+          "radius of the balls that coverage counts")
+          .positional({"epsilon"});
+  return settings;
+}
+
+const Settings<ProgressSettings>& progress_settings() {
+  static const Settings<ProgressSettings> settings =
+      with_target_options(
+          Settings<ProgressSettings>(
+              Component::Kind::target, "progress",
+              "controls that bring the robot closer to the goal; a motion's coordinate is its rank "
+              "in [0, 1] among all motions from the same node, 0 the one that comes closest",
+              "Attali et al. 2022")
+              .number("step", &ProgressSettings::step, "m in the metric", Range::positive(), "length of a motion")
+              .integer("controls", &ProgressSettings::controls, "motions", {.lo = 16, .hi = 1e6},
+                       "motions that each one is ranked among"),
+          "radius of the balls that coverage counts, in ranks")
+          .positional({"step"});
+  return settings;
+}
+
+Target::Target(const Space& space, const TargetSettings& settings) : space_(space), settings_(settings) {}
 
 Target::Target(const Space& space, const Configurations& path, std::vector<std::size_t> position,
                const TubeSettings& settings, const Valid& valid, std::uint64_t seed)
@@ -102,23 +156,22 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
   }
   const bool free_only = settings.support == "free";
   if (free_only && !valid_) throw Error("tube: support \"free\" needs a validity");
+  holds_invalid_ = !free_only;
 
   const measure::Frame frame(space);
   tube_ = std::make_shared<const measure::Tube>(frame, space, path, std::move(position), settings.delta);
+  if (!(tube_->length() > 0.0)) throw Error("tube: the path has no length");
 
-  Stream stream(seed, "", "measure");
-  std::vector<double> shift(d + 1);
-  for (double& s : shift) s = stream.uniform();
-  std::vector<double> unit = shift;
-  measure::LowDiscrepancy sequence(d + 1, std::move(shift));
-
+  std::vector<double> unit;
+  measure::LowDiscrepancy sequence = sequence_of(seed, d + 1, unit);
   const auto wanted = static_cast<std::size_t>(std::max(settings.pool, settings.points));
+  const auto evaluated = static_cast<std::size_t>(settings.points);
   std::vector<double> y(d);
   std::vector<double> x(d);
-  std::vector<double> rows;
-  rows.reserve(wanted * d);
   pool_ = Configurations(d);
   pool_.reserve(wanted);
+  whole_tube_ = Configurations(d);
+  whole_tube_.reserve(evaluated);
   std::size_t drawn = 0;
   std::size_t in_tube = 0;
   std::size_t checked = 0;
@@ -131,28 +184,117 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     ++drawn;
     if (!tube_->draw(unit, y)) continue;
     ++in_tube;
-    if (!filling()) continue;
+    const bool fill = filling();
+    if (!fill && whole_tube_.size() >= evaluated) continue;
     frame.to_raw(y, x);
+    if (whole_tube_.size() < evaluated) whole_tube_.push(x);
+    if (!fill) continue;
     ++checked;
     if (free_only && !valid_(x)) continue;
     pool_.push(x);
-    rows.insert(rows.end(), y.begin(), y.end());
   }
-  pool_tree_ = std::make_shared<const measure::PointTree>(frame, rows);
+  if (!pool_.empty()) {
+    free_share_ = static_cast<double>(pool_.size()) / static_cast<double>(checked);
+    const double tube_share = static_cast<double>(in_tube) / static_cast<double>(drawn);
+    log_volume_ = std::log(tube_->cover_volume()) + std::log(tube_share) + std::log(free_share_);
+  } else {
+    free_share_ = 0.0;
+  }
+  finish();
+}
+
+Target Target::region(const Space& space, const TargetSettings& settings, const Valid& contains, std::uint64_t seed) {
+  check("region", settings);
+  Target target(space, settings);
+  target.contains_ = contains;
+  const std::size_t d = space.dimension();
+  const measure::Frame frame(space);
+  std::vector<double> unit;
+  measure::LowDiscrepancy sequence = sequence_of(seed, d, unit);
+  const auto wanted = static_cast<std::size_t>(std::max(settings.pool, settings.points));
+  target.pool_ = Configurations(d);
+  std::vector<double> y(d);
+  std::vector<double> x(d);
+  std::size_t drawn = 0;
+  for (; drawn < region_limit * wanted && target.pool_.size() < wanted; ++drawn) {
+    sequence.next(unit);
+    for (std::size_t j = 0; j < d; ++j) y[j] = frame.lo(j) + unit[j] * frame.extent(j);
+    frame.to_raw(y, x);
+    if (contains(x)) target.pool_.push(x);
+  }
+  if (!target.pool_.empty()) {
+    target.log_volume_ =
+        space.log_volume() + std::log(static_cast<double>(target.pool_.size()) / static_cast<double>(drawn));
+  }
+  target.finish();
+  return target;
+}
+
+Target Target::distribution(const Space& space, const TargetSettings& settings, const Distribution& distribution) {
+  check("target", settings);
+  Target target(space, settings);
+  const Configurations& samples = distribution.samples;
+  if (samples.size() < least_draws) {
+    throw Error(fmt::format("target: {} draws; at least {} are needed", samples.size(), least_draws));
+  }
+  if (samples.dimension() != space.dimension()) {
+    throw Error(fmt::format("target: the draws have {} coordinates, the space {} has {}", samples.dimension(),
+                            space.name(), space.dimension()));
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!space.contains(samples[i])) {
+      throw Error(fmt::format("target: draw {} lies outside of the space {}", i + 1, space.name()));
+    }
+    const double log_density = distribution.log_density(samples[i]);
+    if (!std::isfinite(log_density)) {
+      throw Error(fmt::format("target: log_density is {:g} at draw {}, expected a finite number", log_density, i + 1));
+    }
+    target.log_weights_.push_back(log_density);
+  }
+  target.pool_ = samples;
+  target.contains_ = [log_density = distribution.log_density](View x) {
+    return log_density(x) > -std::numeric_limits<double>::infinity();
+  };
+  target.finish();
+  return target;
+}
+
+void Target::finish() {
+  const measure::Frame frame(space_);
+  const std::size_t d = space_.dimension();
+  pool_rows_.resize(pool_.size() * d);
+  for (std::size_t i = 0; i < pool_.size(); ++i) {
+    frame.to_metric(std::as_const(pool_)[i], MutableView(pool_rows_).subspan(i * d, d));
+  }
+  pool_tree_ = std::make_shared<const measure::PointTree>(frame, pool_rows_);
   if (pool_.empty()) {
     log_volume_ = -std::numeric_limits<double>::infinity();
+    uniform_ = std::numeric_limits<double>::infinity();
     return;
   }
-  free_share_ = static_cast<double>(pool_.size()) / static_cast<double>(checked);
-  const double tube_share = static_cast<double>(in_tube) / static_cast<double>(drawn);
-  log_volume_ = std::log(tube_->cover_volume()) + std::log(tube_share) + std::log(free_share_);
+  const std::size_t evaluated = evaluation_points();
+  if (is_uniform()) {
+    uniform_ = space_.log_volume() - log_volume_;
+  } else {
+    uniform_ = space_.log_volume() + std::accumulate(log_weights_.begin(), log_weights_.end(), 0.0) /
+                                         static_cast<double>(log_weights_.size());
+  }
+  const measure::CutBall ball(frame, ball_points);
+  hits_.resize(evaluated);
+  half_hits_.resize(evaluated);
+  for (std::size_t i = 0; i < evaluated; ++i) {
+    const View y = View(pool_rows_).subspan(i * d, d);
+    hits_[i] = std::min(1.0, std::exp(ball.log_volume(y, settings_.delta) - space_.log_volume()));
+    half_hits_[i] = std::min(1.0, std::exp(ball.log_volume(y, 0.5 * settings_.delta) - space_.log_volume()));
+  }
 }
 
 bool Target::contains(View x) const {
   if (!space_.contains(x)) return false;
+  if (!tube_) return contains_(x);
   std::vector<double> y(space_.dimension());
   tube_->frame().to_metric(x, y);
-  return tube_->contains(y) && (settings_.support != "free" || valid_(x));
+  return tube_->contains(y) && (holds_invalid_ || valid_(x));
 }
 
 double Target::distance(View x) const {
@@ -160,6 +302,16 @@ double Target::distance(View x) const {
   tube_->frame().to_metric(x, y);
   return tube_->distance(y);
 }
+
+double Target::length() const { return tube_->length(); }
+
+double Target::along(View x) const {
+  std::vector<double> y(space_.dimension());
+  tube_->frame().to_metric(x, y);
+  return tube_->along(y);
+}
+
+const std::vector<std::size_t>& Target::axes() const { return tube_->axes(); }
 
 std::size_t Target::evaluation_points() const {
   return std::min(pool_.size(), static_cast<std::size_t>(settings_.points));

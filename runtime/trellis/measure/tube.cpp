@@ -63,6 +63,7 @@ void Tube::add_piece(const std::vector<double>& from, const std::vector<double>&
       step_.push_back(part);
       part_square += part * part;
     }
+    begin_.push_back(begin_.empty() ? 0.0 : begin_.back() + std::sqrt(step_square_.back()));
     step_square_.push_back(part_square);
   }
 }
@@ -131,7 +132,7 @@ void Tube::cut_path(const Space& space, const Configurations& path) {
   }
 }
 
-double Tube::squared(std::size_t piece, const double* z, std::size_t count) const {
+double Tube::squared(std::size_t piece, const double* z, std::size_t count, double* at) const {
   const double* a = &from_[piece * axes_.size()];
   const double* d = &step_[piece * axes_.size()];
   // As the point of the piece moves from t = 0 to 1, the image of z nearest to it changes on a periodic axis where the
@@ -161,7 +162,10 @@ double Tube::squared(std::size_t piece, const double* z, std::size_t count) cons
       const double v = offset(j) - t * d[j];
       sum += v * v;
     }
-    best = std::min(best, sum);
+    if (sum < best) {
+      best = sum;
+      if (at != nullptr) *at = t;
+    }
     if (to >= 1.0) return best;
     from = to;
   }
@@ -172,6 +176,27 @@ double Tube::distance(View y) const {
   double best = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < pieces(); ++i) best = std::min(best, squared(i, z.data(), axes_.size()));
   return std::sqrt(best);
+}
+
+double Tube::along(View y) const {
+  const Gathered z(y, axes_);
+  double best = std::numeric_limits<double>::infinity();
+  double arc = 0.0;
+  const auto look = [&](std::size_t piece) {
+    double t = 0.0;
+    const double square = squared(piece, z.data(), axes_.size(), &t);
+    if (square < best) {
+      best = square;
+      arc = begin_[piece] + t * std::sqrt(step_square_[piece]);
+    }
+  };
+  // A point of the tube is nearest to one of the pieces that its cell knows.
+  if (const auto cell = cell_of(y); cell && near(*cell, z.data())) {
+    for (std::uint32_t i = first_[*cell]; i < first_[*cell + 1]; ++i) look(near_[i]);
+  } else {
+    for (std::size_t i = 0; i < pieces(); ++i) look(i);
+  }
+  return arc;
 }
 
 void Tube::choose_grid() {
@@ -317,17 +342,23 @@ bool Tube::near(std::size_t cell, const double* z) const {
   return false;
 }
 
-bool Tube::contains(View y) const {
+std::optional<std::size_t> Tube::cell_of(View y) const {
   std::uint64_t key = 0;
   for (std::size_t g = grid_axes_; g-- > 0;) {
     const double at = (y[axes_[g]] - frame_.lo(axes_[g])) / side_[g];
-    if (!(at >= 0.0)) return false;
+    if (!(at >= 0.0)) return std::nullopt;
     key = key * cells_[g] + std::min(static_cast<std::uint64_t>(at), cells_[g] - 1);
   }
   const auto found = std::lower_bound(keys_.begin(), keys_.end(), key);
-  if (found == keys_.end() || *found != key) return false;
+  if (found == keys_.end() || *found != key) return std::nullopt;
+  return static_cast<std::size_t>(found - keys_.begin());
+}
+
+bool Tube::contains(View y) const {
+  const auto cell = cell_of(y);
+  if (!cell) return false;
   const Gathered z(y, axes_);
-  return near(static_cast<std::size_t>(found - keys_.begin()), z.data());
+  return near(*cell, z.data());
 }
 
 bool Tube::draw(View unit, MutableView y) const {

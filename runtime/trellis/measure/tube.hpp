@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,10 @@ class Tube {
   [[nodiscard]] bool contains(View y) const;
   /// The distance from a point (metric coordinates) to P over the tube's axes.
   [[nodiscard]] double distance(View y) const;
+  /// The length of P over the tube's axes, and the arc length at the point of P nearest to y.
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] double along(View y) const;
+  [[nodiscard]] const std::vector<std::size_t>& axes() const { return axes_; }
 
   /// Volume of the cover, which holds the whole tube within C.
   [[nodiscard]] double cover_volume() const { return cover_volume_; }
@@ -43,7 +48,11 @@ class Tube {
   void fill_cells();
   void bound_rest();
   [[nodiscard]] std::size_t pieces() const { return step_square_.size(); }
-  [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count) const;
+  /// The squared distance to a piece over the first `count` axes; `at`, if given, receives the nearest point's share of
+  /// the piece.
+  [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count, double* at = nullptr) const;
+  /// The cell that holds y; none outside of the cover.
+  [[nodiscard]] std::optional<std::size_t> cell_of(View y) const;
   [[nodiscard]] bool near(std::size_t cell, const double* z) const;
 
   Frame frame_;
@@ -53,6 +62,7 @@ class Tube {
   // Pieces of P over the tube's axes: start and the short way to the end, about as long as the radius.
   std::vector<double> from_, step_;
   std::vector<double> step_square_;
+  std::vector<double> begin_;  // arc length at each piece's start
   double length_ = 0.0;
 
   // The grid: cells per axis, their sides, and the occupied cells in the order of their keys.

@@ -133,11 +133,16 @@ class GraphSearch final : public Planner {
     return cost;
   }
 
-  /// The first time that the search looks along an edge its points become nodes of the level.
+  /// The first time that the search looks along an edge its points become nodes of the level, joined in a row.
   void record(const Graph& graph, std::uint32_t e) {
     if (seen_[e] != 0) return;
     seen_[e] = 1;
-    for (std::size_t i = 0; i < graph.edges[e].points.size(); ++i) task_.search.nodes.push(graph.edges[e].points[i]);
+    auto& search = task_.search;
+    for (std::size_t i = 0; i < graph.edges[e].points.size(); ++i) {
+      const std::uint32_t row = search.nodes.push(graph.edges[e].points[i]);
+      search.parents.push_back(no_node);
+      if (i > 0) search.edges.push_back({row - 1, row});
+    }
   }
 
   GraphSearchSettings settings_;

@@ -12,6 +12,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/random.hpp>
+#include <trellis/planner/density.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {
@@ -45,7 +46,7 @@ class Guidance {
   /// Draws a proposal into `out` (inside the space).
   virtual Source sample(Stream& stream, MutableView out) = 0;
   /// The density at q of the next sample, with respect to volume in metric coordinates; the absolutely continuous part
-  /// only. NaN where h has no closed form.
+  /// only. NaN where h has no closed form. A sequence passes the turn on when it draws: then of the last sample.
   [[nodiscard]] virtual double density(View q) const = 0;
   /// The probability that the next sample is exactly one of finitely many points (the goal of a goal bias).
   [[nodiscard]] virtual double atom_mass() const { return 0.0; }
@@ -55,6 +56,10 @@ class Guidance {
     static_cast<void>(outcome);
     static_cast<void>(mine);
   }
+  /// Grows when the density may have changed, while a sample is drawn or an outcome is observed.
+  [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
+  /// Enters into the record what h is now, with a share of it. As a part without closed form unless h says otherwise.
+  virtual void record(DensityRecord& record, double share) const { record.add_unknown(share); }
   /// The names of the parts that draw samples, for provenance.
   [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
 };
@@ -68,6 +73,7 @@ class UniformGuidance final : public Guidance {
     return 0;
   }
   [[nodiscard]] double density(View) const override { return density_; }
+  void record(DensityRecord& record, double share) const override { record.add_uniform(share, density_); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
 
  private:
@@ -85,10 +91,17 @@ class GoalGuidance final : public Guidance {
   }
   [[nodiscard]] double density(View) const override { return 0.0; }
   [[nodiscard]] double atom_mass() const override { return 1.0; }
+  void record(DensityRecord& record, double share) const override { record.add_atoms(share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal"}; }
 
  private:
   Configuration goal_;
 };
+
+inline void DensityRecord::served(const Guidance& h) {
+  if (h.epoch() != epoch_) [[unlikely]]
+    renew(h);
+  served_ += 1.0;
+}
 
 }  // namespace trellis

@@ -75,16 +75,22 @@ class Meter {
   unsigned asked_ = 0;
 };
 
-/// Draws a proposal into `q` and records it; its fate is recorded by `settle`.
+/// Draws a proposal into `q` and records it, and what h was; its fate is recorded by `settle`.
 inline void propose(Planner::Task& task, MutableView q) {
   const Guidance::Source source = task.guidance.sample(task.proposals, q);
+  task.search.density.served(task.guidance);
   task.search.proposals.push(q);
   task.search.proposal_sources.push_back(source);
 }
 
 /// Records what became of the last proposal and tells the guidance.
-inline void settle(Planner::Task& task, const Outcome& outcome) {
+/// \param near   the row of the node that it grew from
+/// \param added  the row of the node that came of it
+inline void settle(Planner::Task& task, const Outcome& outcome, std::uint32_t near = no_node,
+                   std::uint32_t added = no_node) {
   task.search.fates.push_back(outcome.fate);
+  task.search.near.push_back(near);
+  task.search.added.push_back(added);
   task.guidance.observe(outcome, true);
 }
 
@@ -95,9 +101,12 @@ class Tree {
 
   std::uint32_t add(View q, std::uint32_t parent) {
     rows_.push_back(task_.search.nodes.push(q));
+    task_.search.parents.push_back(rows_[parent]);
     parents_.push_back(parent);
     return index_.add(q);
   }
+  /// The row in the arena.
+  [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
   [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
   [[nodiscard]] std::size_t size() const { return rows_.size(); }

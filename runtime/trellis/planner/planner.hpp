@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -35,15 +36,38 @@ struct Budget {
   double seconds = unlimited;  ///< wall clock, over all solves of the level
 };
 
+/// No row of Search::nodes.
+inline constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
+
 /// What became of a level's search, kept over all its solves: everything that is reported and measured.
 struct Search {
   Configurations nodes;                            ///< tree or roadmap nodes in the order they came, the start first
+  std::vector<std::uint32_t> parents;              ///< of each node its parent, a root's itself; no_node without a tree
   Configurations proposals;                        ///< what h drew, before the extension was tried, failed ones too
   std::vector<Fate> fates;                         ///< of each proposal
+  std::vector<std::uint32_t> near;                 ///< of each proposal the node it grew from; no_node where none
+  std::vector<std::uint32_t> added;                ///< of each proposal the node that came of it; no_node where none
   std::vector<Guidance::Source> proposal_sources;  ///< which part of h drew each proposal
   std::vector<std::string> sources;                ///< their names
+  DensityRecord density;                           ///< what h was, over all proposals
+  /// Nodes of a roadmap or graph that were joined, in the order they were; a lazy roadmap's may be invalid.
+  std::vector<std::array<std::uint32_t, 2>> edges;
   Checks checks;
   double seconds = 0.0;
+
+  Search() = default;
+  /// \param dimension  of the level's space
+  explicit Search(std::size_t dimension) : nodes(dimension), proposals(dimension) {
+    // Short searches are common, and growing half a dozen blocks from nothing is what they would notice.
+    constexpr std::size_t rows = 1024;
+    nodes.reserve(rows);
+    parents.reserve(rows);
+    proposals.reserve(rows);
+    fates.reserve(rows);
+    near.reserve(rows);
+    added.reserve(rows);
+    proposal_sources.reserve(rows);
+  }
 };
 
 /// What a search found.

@@ -85,6 +85,7 @@ class RoadmapPlanner final : public Planner {
       if (instance.space.distance(instance.start, instance.goal) <= instance.goal_tolerance) {
         Solution solution{Status::solved, Configurations(dimension())};
         task_.search.nodes.push(instance.start);
+        task_.search.parents.push_back(no_node);
         solution.path.push(instance.start);
         return solution;
       }
@@ -143,12 +144,13 @@ class RoadmapPlanner final : public Planner {
     insert(sample_, mode_.lazy ? Known::unknown : Known::valid);
     outcome.fate = Fate::reached;
     outcome.added = sample_;
-    settle(task_, outcome);
+    settle(task_, outcome, no_node, rows_.back());
   }
 
   void insert(View q, Known known) {
     index_.k_nearest(q, static_cast<std::size_t>(settings_.neighbours), neighbours_);
     rows_.push_back(task_.search.nodes.push(q));
+    task_.search.parents.push_back(no_node);
     nodes_.push_back(known);
     index_.add(q);
     const std::uint32_t id = paths_.add_vertex(task_.instance.space.distance(q, task_.instance.goal));
@@ -158,6 +160,7 @@ class RoadmapPlanner final : public Planner {
       if (nodes_[neighbour.id] == Known::invalid) continue;
       if (!mode_.lazy && !task_.instance.motion(node(neighbour.id), node(id)).valid) continue;
       paths_.add_edge(neighbour.id, id, length);
+      task_.search.edges.push_back({rows_[neighbour.id], rows_[id]});
       edges_.push_back(mode_.lazy ? Known::unknown : Known::valid);
     }
   }

@@ -72,7 +72,7 @@ class Rrt final : public Planner {
     outcome.proposal = sample_;
     outcome.near = (*tree_)[near.id];
     if (distance == 0.0) {
-      settle(task_, outcome);
+      settle(task_, outcome, tree_->row(near.id));
       return;
     }
     const bool reaches = distance <= settings_.step;
@@ -85,7 +85,7 @@ class Rrt final : public Planner {
     if (!report.valid) {
       space.interpolate(outcome.near, target_, report.invalid_at, blocked_);
       outcome.blocked_at = blocked_;
-      settle(task_, outcome);
+      settle(task_, outcome, tree_->row(near.id));
       return;
     }
     const std::uint32_t id = tree_->add(target_, near.id);
@@ -98,7 +98,7 @@ class Rrt final : public Planner {
       note(tree_->add(instance.goal, id));
       outcome.near = (*tree_)[near.id];
     }
-    settle(task_, outcome);
+    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
   }
 
   /// Remembers how near the new node is to the goal.

@@ -133,7 +133,8 @@ class RrtConnect final : public Planner {
     if (step.fate != Fate::rejected) outcome.added = added;
     if (step.blocked) outcome.blocked_at = blocked_;
     outcome.from_goal = side == 1;
-    settle(task_, outcome);
+    settle(task_, outcome, trees_[side]->row(step.near),
+           step.fate != Fate::rejected ? trees_[side]->row(step.added) : no_node);
   }
 
   /// Grows the other tree towards q until it is there or blocked.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
@@ -69,6 +70,99 @@ Json efficiency_json(const Efficiency* e) {
           {"flags", e->flags}};
 }
 
+Json numbers(const std::vector<double>& values) {
+  Json out = Json::array();
+  for (const double x : values) out.push_back(number(x));
+  return out;
+}
+
+Json along_json(const Along& along) {
+  return {{"D", number_or_inf(along.divergence)},
+          {"empty_share", number(along.empty_share)},
+          {"length", number(along.length)},
+          {"target", numbers(along.target)},
+          {"samples", numbers(along.samples)}};
+}
+
+Json estimate_json(const Estimate& e) {
+  return {{"D", number_or_inf(e.undefended)},
+          {"D_eps", number(e.value)},
+          {"D_eps0.01", number(e.light_value)},
+          {"gain", number(e.gain)},
+          {"JS", number(e.js)}};
+}
+
+/// Everything that is known of samples against a target.
+Json measure_json(const Efficiency* e) {
+  static const Efficiency none;
+  const bool scored = e != nullptr;
+  if (!scored) e = &none;
+  Json others = Json::object();
+  for (const Estimate& other : e->others) others[other.estimator] = estimate_json(other);
+  return {{"D", number_or_inf(e->undefended)},
+          {"D_eps", number(e->value)},
+          {"D_eps0.01", number(e->light_value)},
+          {"D_uniform", number(e->uniform)},
+          {"gain", number(e->gain)},
+          {"D_mass", number_or_inf(e->mass)},
+          {"D_mass_lower95", number(e->mass_lower95)},
+          {"JS", number(e->js)},
+          {"coverage", number(e->coverage)},
+          {"coverage_half", number(e->coverage_half)},
+          {"uniform_coverage", number(e->uniform_coverage)},
+          {"uniform_coverage_half", number(e->uniform_coverage_half)},
+          {"free_share", number(e->free_share)},
+          {"along", along_json(e->along)},
+          {"N", scored ? Json(e->samples) : Json(nullptr)},
+          {"n", scored && !std::isnan(e->mass) ? Json(e->in_target) : Json(nullptr)},
+          {"estimator", std::isnan(e->value) ? Json(nullptr) : Json(e->estimator)},
+          {"others", std::move(others)},
+          {"flags", e->flags},
+          {"reason", e->reason.empty() ? Json(nullptr) : Json(e->reason)}};
+}
+
+const Efficiency* role_of(const std::optional<Scores>& scores, Efficiency Scores::*role) {
+  return scores ? &((*scores).*role) : nullptr;
+}
+
+Json roles_json(const std::optional<Scores>& self, const std::optional<Scores>& cross) {
+  Json out = Json::object();
+  for (const auto& [name, role] : {std::pair{"tree", &Scores::tree}, std::pair{"expansion", &Scores::expansion}}) {
+    out[name] = {{"self", measure_json(role_of(self, role))}, {"cross", measure_json(role_of(cross, role))}};
+  }
+  return out;
+}
+
+/// In the level's own space, and lifted to the root's.
+Json measures_json(const LevelResult& level) {
+  Json out = roles_json(level.own, level.own_cross);
+  out["root"] = roles_json(level.root, level.root_cross);
+  if (level.equal) {
+    out["equal_samples"] = {{"tree", measure_json(&level.equal->tree)},
+                            {"expansion", measure_json(&level.equal->expansion)}};
+  }
+  return out;
+}
+
+Json metrics_json(const std::optional<SearchMetrics>& metrics) {
+  if (!metrics) return nullptr;
+  Json nodes = Json::object();
+  for (std::size_t c = 0; c < metrics->nodes.size(); ++c) {
+    nodes[std::string(to_string(static_cast<NodeClass>(c)))] = metrics->nodes[c];
+  }
+  return {{"nodes", std::move(nodes)},
+          {"components", metrics->components},
+          {"coverage", number(metrics->coverage)},
+          {"connectivity", number(metrics->connectivity)},
+          {"information", number(metrics->information)},
+          {"information_per_sample", number(metrics->information_per_sample)},
+          {"proposals",
+           {{"invalid", number(metrics->invalid)},
+            {"trapped", number(metrics->trapped)},
+            {"redundant", number(metrics->redundant)},
+            {"useful", number(metrics->useful)}}}};
+}
+
 Json scores_json(const std::optional<Scores>& scores) {
   return {{"tree", efficiency_json(scores ? &scores->tree : nullptr)},
           {"expansion", efficiency_json(scores ? &scores->expansion : nullptr)}};
@@ -110,7 +204,9 @@ Json level_json(const LevelResult& level) {
           {"solved", r.solution.solved()},
           {"efficiency", scores_json(level.own)},
           {"root_efficiency", scores_json(level.root)},
-          {"coverage", level.own ? number(level.own->tree.coverage) : Json(nullptr)}};
+          {"coverage", level.own ? number(level.own->tree.coverage) : Json(nullptr)},
+          {"measure", measures_json(level)},
+          {"metrics", metrics_json(level.metrics)}};
 }
 
 Json run_json(const RunResult& run) {
@@ -150,8 +246,100 @@ Json figure_json(const Figure& figure) {
           {"flags", std::move(flags)}};
 }
 
+/// The same names as a run's, each an interval over the runs.
+Json measure_json(const Figure& f) {
+  Json flags = Json::object();
+  for (const auto& [flag, runs] : f.flags) flags[flag] = runs;
+  Json profile = Json::array();
+  for (const Interval& share : f.profile) profile.push_back(interval_json(share));
+  Json along = interval_json(f.along);
+  along["empty_share"] = interval_json(f.empty_share);
+  along["target"] = numbers(f.profile_target);
+  along["samples"] = std::move(profile);
+  Json check = nullptr;
+  if (!f.check.empty()) {
+    check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
+  }
+  return {{"D", interval_json(f.undefended)},
+          {"D_eps", interval_json(f.value)},
+          {"D_eps0.01", interval_json(f.light_value)},
+          {"D_uniform", interval_json(f.uniform)},
+          {"gain", interval_json(f.gain)},
+          {"D_mass", interval_json(f.mass)},
+          {"D_mass_lower95", interval_json(f.mass_lower95)},
+          {"JS", interval_json(f.js)},
+          {"coverage", interval_json(f.coverage)},
+          {"coverage_half", interval_json(f.coverage_half)},
+          {"uniform_coverage", interval_json(f.uniform_coverage)},
+          {"free_share", interval_json(f.free_share)},
+          {"along", std::move(along)},
+          {"N_median", number(f.samples)},
+          {"n_median", number(f.in_target)},
+          {"runs", f.scored},
+          {"estimators", f.estimators},
+          {"check", std::move(check)},
+          {"flags", std::move(flags)}};
+}
+
 Json pair_json(const FigurePair& pair) {
   return {{"tree", figure_json(pair.tree)}, {"expansion", figure_json(pair.expansion)}};
+}
+
+Json roles_json(const FigurePair& self, const FigurePair& cross) {
+  return {{"tree", {{"self", measure_json(self.tree)}, {"cross", measure_json(cross.tree)}}},
+          {"expansion", {{"self", measure_json(self.expansion)}, {"cross", measure_json(cross.expansion)}}}};
+}
+
+Json metrics_json(const MetricsSummary& m) {
+  if (m.measured == 0) return nullptr;
+  Json nodes = Json::object();
+  for (std::size_t c = 0; c < m.classes.size(); ++c) {
+    nodes[std::string(to_string(static_cast<NodeClass>(c)))] = interval_json(m.classes[c]);
+  }
+  return {{"node_shares", std::move(nodes)},
+          {"components", interval_json(m.components)},
+          {"coverage", interval_json(m.coverage)},
+          {"connectivity", interval_json(m.connectivity)},
+          {"information", interval_json(m.information)},
+          {"information_per_sample", interval_json(m.information_per_sample)},
+          {"proposals",
+           {{"invalid", interval_json(m.invalid)},
+            {"trapped", interval_json(m.trapped)},
+            {"redundant", interval_json(m.redundant)},
+            {"useful", interval_json(m.useful)}}}};
+}
+
+Json waterfall_json(const Waterfall& waterfall) {
+  Json steps = Json::array();
+  for (const WaterfallStep& step : waterfall.steps) {
+    steps.push_back({{"level", step.level},
+                     {"from", step.from < 0 ? Json("uniform") : Json(step.from)},
+                     {"gain_before", interval_json(step.before)},
+                     {"gain_after", interval_json(step.after)},
+                     {"added", interval_json(step.added)}});
+  }
+  return {{"D_uniform", interval_json(waterfall.uniform)}, {"steps", std::move(steps)}};
+}
+
+Json paired_json(const Paired& paired) {
+  return {{"difference", interval_json(paired.difference)},
+          {"less", paired.less},
+          {"greater", paired.greater},
+          {"equal", paired.equal},
+          {"sign_p", number(paired.sign_p)}};
+}
+
+Json comparison_json(const Comparison& c) {
+  return {{"problem", c.problem.empty() ? Json(nullptr) : Json(c.problem)},
+          {"strategy", c.strategy},
+          {"baseline", c.baseline},
+          {"ablation", c.text.empty() ? Json(nullptr) : Json(c.text)},
+          {"solved", paired_json(c.solved)},
+          {"validity_checks", paired_json(c.validity_checks)},
+          {"check_ratio_median", number(c.check_ratio)},
+          {"paths", c.cross ? "cross" : "self"},
+          {"tree_D_eps", paired_json(c.tree)},
+          {"expansion_D_eps", paired_json(c.expansion)}};
 }
 
 Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy) {
@@ -170,21 +358,32 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"motion_checks_median", number(level.motion_checks)},
                       {"time_s_median", number(level.seconds)},
                       {"efficiency", pair_json(level.own)},
-                      {"root_efficiency", pair_json(level.root)}});
+                      {"root_efficiency", pair_json(level.root)},
+                      {"measure", roles_json(level.own, level.own_cross)},
+                      {"metrics", metrics_json(level.metrics)}});
+    Json& measure = levels.back()["measure"];
+    measure["root"] = roles_json(level.root, level.root_cross);
+    if (level.equal.tree.scored + level.equal.expansion.scored > 0) {
+      measure["equal_samples"] = {{"tree", measure_json(level.equal.tree)},
+                                  {"expansion", measure_json(level.equal.expansion)}};
+    }
   }
-  return {{"problem", problem},
-          {"strategy", strategy},
-          {"runs", summary.runs},
-          {"solved", summary.solved},
-          {"success",
-           {{"value", number(summary.success.value)},
-            {"lo", number(summary.success.lo)},
-            {"hi", number(summary.success.hi)}}},
-          {"validity_checks_median", number(summary.validity_checks)},
-          {"motion_checks_median", number(summary.motion_checks)},
-          {"time_s_median", number(summary.seconds)},
-          {"length", interval_json(summary.length)},
-          {"levels", std::move(levels)}};
+  return {
+      {"problem", problem},
+      {"strategy", strategy},
+      {"runs", summary.runs},
+      {"solved", summary.solved},
+      {"success",
+       {{"value", number(summary.success.value)},
+        {"lo", number(summary.success.lo)},
+        {"hi", number(summary.success.hi)}}},
+      {"validity_checks_median", number(summary.validity_checks)},
+      {"motion_checks_median", number(summary.motion_checks)},
+      {"time_s_median", number(summary.seconds)},
+      {"length", interval_json(summary.length)},
+      {"levels", std::move(levels)},
+      {"waterfall",
+       {{"tree", waterfall_json(summary.tree_waterfall)}, {"expansion", waterfall_json(summary.expansion_waterfall)}}}};
 }
 
 Json experiment_json(const Experiment& experiment) {
@@ -208,16 +407,40 @@ Json experiment_json(const Experiment& experiment) {
   }
   Json measure = nullptr;
   if (experiment.measure) {
-    const TubeSettings& m = *experiment.measure;
-    measure = {{"target", "tube"},     {"delta", number(m.delta)},     {"distance", m.distance},
-               {"support", m.support}, {"epsilon", number(m.epsilon)}, {"points", m.points},
-               {"pool", m.pool}};
+    const Measure& m = *experiment.measure;
+    const TargetSettings& common = common_settings(m.target);
+    measure = {{"target", target_name(m.target)},
+               {"delta", number(common.delta)},
+               {"points", common.points},
+               {"pool", common.pool}};
+    if (const auto* tube = std::get_if<TubeSettings>(&m.target)) {
+      measure["distance"] = tube->distance;
+      measure["support"] = tube->support;
+    } else if (const auto* near = std::get_if<NearOptimalSettings>(&m.target)) {
+      measure["epsilon"] = number(near->epsilon);
+      measure["nodes"] = near->nodes;
+    } else if (const auto* progress = std::get_if<ProgressSettings>(&m.target)) {
+      measure["step"] = number(progress->step);
+      measure["controls"] = progress->controls;
+    }
+    Json estimators = Json::array();
+    for (const auto& estimator : m.estimators) estimators.push_back(estimator.text());
+    measure["estimators"] = std::move(estimators);
+    measure["defence"] = {defence, light_defence};
+    measure["cross"] = m.cross;
+    measure["metrics"] = m.metrics;
+  }
+  Json ablations = Json::array();
+  for (const auto& link : experiment.ablations) {
+    ablations.push_back({{"strategy", link.strategy}, {"of", link.of}, {"text", link.text}});
   }
   return {{"measure", std::move(measure)},
           {"shortcut", experiment.shortcut},
           {"seeds", experiment.seeds},
           {"problems", std::move(problems)},
-          {"strategies", std::move(strategies)}};
+          {"strategies", std::move(strategies)},
+          {"baseline", experiment.baseline.empty() ? Json(nullptr) : Json(experiment.baseline)},
+          {"ablations", std::move(ablations)}};
 }
 
 /// Names and paths come from users and need not be UTF-8; what is not becomes U+FFFD.
@@ -244,15 +467,26 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
                                      problem.empty() ? Json(nullptr) : Json(problem), strategy));
     }
   };
-  for (const auto& problem : experiment.problems) add(problem.name);
-  if (experiment.problems.size() > 1) add("");  // all problems taken together
+  std::vector<Json> comparisons;
+  const auto add_comparisons = [&](const std::string& problem) {
+    for (const Comparison& c : compare(experiment, result, problem)) comparisons.push_back(comparison_json(c));
+  };
+  for (const auto& problem : experiment.problems) {
+    add(problem.name);
+    add_comparisons(problem.name);
+  }
+  if (experiment.problems.size() > 1) {  // all problems taken together
+    add("");
+    add_comparisons("");
+  }
 
   std::string out = "{\n";
   out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";
   out += " \"script\": " + dump(script) + ",\n";
   out += " \"experiment\": " + dump(experiment_json(experiment)) + ",\n";
   out += " \"runs\": " + lines(runs) + ",\n";
-  out += " \"summary\": " + lines(summary) + "\n";
+  out += " \"summary\": " + lines(summary) + ",\n";
+  out += " \"comparisons\": " + lines(comparisons) + "\n";
   return out + "}\n";
 }
 

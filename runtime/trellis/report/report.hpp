@@ -21,6 +21,10 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
 /// beside and renamed). Throws Error where a file cannot be written.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
+/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png, for every strategy
+/// that was scored. Throws Error where a file cannot be written.
+void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
+
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);
 

@@ -6,11 +6,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <string_view>
-#include <system_error>
 
-#include <trellis/base/error.hpp>
+#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis {
@@ -55,7 +53,8 @@ std::string samples_csv(const RunResult& run) {
   std::string out = "level,role,index,accepted";
   for (std::size_t j = 0; j < columns; ++j) out += fmt::format(",q{}", j + 1);
   out += '\n';
-  for (const auto& [record, own, root] : run.levels) {
+  for (const auto& level : run.levels) {
+    const LevelRecord& record = level.record;
     append_samples(out, record.level, "tree", record.search.nodes, nullptr, columns);
     append_samples(out, record.level, "expansion", record.search.proposals, &record.search.fates, columns);
   }
@@ -77,36 +76,6 @@ std::string path_csv(const RunResult& run) {
   return out;
 }
 
-/// A name as a directory: letters, digits and what no shell or file system minds; everything else becomes '-'.
-std::string safe(const std::string& name) {
-  std::string out = name;
-  for (auto& c : out) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool keep = (byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z') ||
-                      byte >= 0x80 || std::string_view("._+=@,()-").find(c) != std::string_view::npos;
-    if (!keep) c = '-';
-  }
-  if (out.empty()) return "-";
-  if (out.front() == '.') out.front() = '-';  // neither "..", nor hidden
-  return out;
-}
-
-/// Gives each name a directory of its own: two that only differ in unsafe characters are told apart by a number.
-class Directories {
- public:
-  const std::string& operator()(const std::string& name) {
-    const auto known = names_.find(name);
-    if (known != names_.end()) return known->second;
-    std::string directory = safe(name);
-    for (int k = 2; !taken_.insert(directory).second; ++k) directory = fmt::format("{}-{}", safe(name), k);
-    return names_.emplace(name, std::move(directory)).first->second;
-  }
-
- private:
-  std::map<std::string, std::string> names_;
-  std::set<std::string> taken_;
-};
-
 }  // namespace
 
 void write_samples(const ExperimentResult& result, const std::string& directory) {
@@ -115,9 +84,7 @@ void write_samples(const ExperimentResult& result, const std::string& directory)
   for (const auto& run : result.runs) {
     const fs::path place = fs::path(directory) / problems(run.problem) / strategies[run.problem](run.strategy) /
                            fmt::format("seed-{}", run.seed);
-    std::error_code error;
-    fs::create_directories(place, error);
-    if (error) throw Error(fmt::format("cannot make the directory '{}': {}", place.string(), error.message()));
+    make_directory(place.string());
     write_file((place / "samples.csv").string(), samples_csv(run));
     write_file((place / "path.csv").string(), path_csv(run));
   }

@@ -35,28 +35,73 @@ double median_of(const LevelResults& levels, F f) {
   return median(values);
 }
 
-Figure figure(const LevelResults& levels, std::optional<Scores> LevelResult::*where, Efficiency Scores::*role) {
-  std::vector<double> value;
-  std::vector<double> gain;
-  std::vector<double> uniform;
-  std::vector<double> coverage;
-  std::vector<double> uniform_coverage;
-  Figure result;
-  for (const auto* level : levels) {
-    const std::optional<Scores>& scores = level->*where;
-    if (!scores) continue;
-    const Efficiency& e = (*scores).*role;
-    uniform.push_back(e.uniform);
-    if (std::isnan(e.value)) continue;
-    ++result.scored;
-    value.push_back(e.value);
-    gain.push_back(e.gain);
-    coverage.push_back(e.coverage);
-    uniform_coverage.push_back(e.uniform_coverage);
-    if (std::find(result.estimators.begin(), result.estimators.end(), e.estimator) == result.estimators.end()) {
-      result.estimators.push_back(e.estimator);
+using Where = std::optional<Scores> LevelResult::*;
+using Role = Efficiency Scores::*;
+
+/// A level's figures of a role; nullptr where it was not scored.
+const Efficiency* find(const LevelResult& level, Where where, Role role) {
+  const std::optional<Scores>& scores = level.*where;
+  return scores ? &((*scores).*role) : nullptr;
+}
+
+/// Shares in bins, spread over `count` bins of the same whole.
+std::vector<double> spread(const std::vector<double>& shares, std::size_t count) {
+  std::vector<double> result(count, 0.0);
+  const double scale = static_cast<double>(count) / static_cast<double>(shares.size());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double lo = static_cast<double>(i) * scale;
+    const double hi = static_cast<double>(i + 1) * scale;
+    for (auto j = static_cast<std::size_t>(lo); j < count && static_cast<double>(j) < hi; ++j) {
+      const auto at = static_cast<double>(j);
+      result[j] += shares[i] * std::max(0.0, std::min(hi, at + 1.0) - std::max(lo, at)) / (hi - lo);
     }
-    for (const auto& flag : e.flags) {
+  }
+  return result;
+}
+
+/// The mean profile over paths of different lengths: along the share of the path, in the fewest bins that half of the
+/// runs have at least.
+void add_profile(const std::vector<const Efficiency*>& figures, Figure& result) {
+  std::vector<double> counts;
+  for (const Efficiency* e : figures) {
+    if (!e->along.target.empty()) counts.push_back(static_cast<double>(e->along.target.size()));
+  }
+  if (counts.empty()) return;
+  const auto bins = static_cast<std::size_t>(std::floor(median(counts)));
+  std::vector<std::vector<double>> samples(bins);
+  result.profile_target.assign(bins, 0.0);
+  for (const Efficiency* e : figures) {
+    if (e->along.target.empty()) continue;
+    const auto target = spread(e->along.target, bins);
+    const auto drawn = spread(e->along.samples, bins);
+    for (std::size_t j = 0; j < bins; ++j) {
+      result.profile_target[j] += target[j] / static_cast<double>(counts.size());
+      samples[j].push_back(drawn[j]);
+    }
+  }
+  for (const auto& shares : samples) result.profile.push_back(student_interval(shares));
+}
+
+Figure figure(const LevelResults& levels, Where where, Role role) {
+  Figure result;
+  std::vector<const Efficiency*> figures;
+  std::vector<double> uniform;
+  for (const auto* level : levels) {
+    const Efficiency* e = find(*level, where, role);
+    if (e == nullptr) continue;
+    uniform.push_back(e->uniform);
+    if (std::isnan(e->value)) {
+      if (!e->reason.empty() &&
+          std::find(result.reasons.begin(), result.reasons.end(), e->reason) == result.reasons.end()) {
+        result.reasons.push_back(e->reason);
+      }
+      continue;
+    }
+    figures.push_back(e);
+    if (std::find(result.estimators.begin(), result.estimators.end(), e->estimator) == result.estimators.end()) {
+      result.estimators.push_back(e->estimator);
+    }
+    for (const auto& flag : e->flags) {
       const auto same = [&](const auto& entry) { return entry.first == flag; };
       const auto it = std::find_if(result.flags.begin(), result.flags.end(), same);
       if (it == result.flags.end()) {
@@ -66,15 +111,142 @@ Figure figure(const LevelResults& levels, std::optional<Scores> LevelResult::*wh
       }
     }
   }
-  result.value = student_interval(value);
-  result.gain = student_interval(gain);
+  result.scored = figures.size();
   result.uniform = student_interval(uniform);
-  result.coverage = student_interval(coverage);
-  result.uniform_coverage = student_interval(uniform_coverage);
+  const auto over_runs = [&](auto field) {
+    std::vector<double> values;
+    for (const Efficiency* e : figures) values.push_back(field(*e));
+    return student_interval(values);
+  };
+  using E = const Efficiency&;
+  const auto middle = [&](auto field) {
+    std::vector<double> values;
+    for (const Efficiency* e : figures) values.push_back(static_cast<double>(field(*e)));
+    return median(values);
+  };
+  result.samples = middle([](E e) { return e.samples; });
+  result.in_target = middle([](E e) { return e.in_target; });
+  result.free_share = over_runs([](E e) { return e.free_share; });
+  result.value = over_runs([](E e) { return e.value; });
+  result.light_value = over_runs([](E e) { return e.light_value; });
+  result.undefended = over_runs([](E e) { return e.undefended; });
+  result.gain = over_runs([](E e) { return e.gain; });
+  result.mass = over_runs([](E e) { return e.mass; });
+  result.mass_lower95 = over_runs([](E e) { return e.mass_lower95; });
+  result.js = over_runs([](E e) { return e.js; });
+  result.coverage = over_runs([](E e) { return e.coverage; });
+  result.uniform_coverage = over_runs([](E e) { return e.uniform_coverage; });
+  result.coverage_half = over_runs([](E e) { return e.coverage_half; });
+  result.along = over_runs([](E e) { return e.along.divergence; });
+  result.empty_share = over_runs([](E e) { return e.along.empty_share; });
+  add_profile(figures, result);
+
+  std::vector<double> headline;
+  std::vector<double> beside;
+  for (const Efficiency* e : figures) {
+    if (e->others.empty()) continue;
+    if (result.check.empty()) result.check = e->others.front().estimator;
+    if (e->others.front().estimator != result.check) continue;
+    headline.push_back(e->value);
+    beside.push_back(e->others.front().value);
+  }
+  result.check_difference = paired(headline, beside);
   return result;
 }
 
-FigurePair figures(const LevelResults& levels, std::optional<Scores> LevelResult::*where) {
+MetricsSummary metrics(const LevelResults& levels) {
+  MetricsSummary result;
+  std::vector<const SearchMetrics*> measured;
+  for (const auto* level : levels) {
+    if (level->metrics) measured.push_back(&*level->metrics);
+  }
+  result.measured = measured.size();
+  const auto over_runs = [&](auto field) {
+    std::vector<double> values;
+    for (const SearchMetrics* m : measured) values.push_back(field(*m));
+    return student_interval(values);
+  };
+  using M = const SearchMetrics&;
+  for (std::size_t c = 0; c < result.classes.size(); ++c) {
+    result.classes[c] = over_runs([&](M m) {
+      return m.classes.empty() ? nan : static_cast<double>(m.nodes[c]) / static_cast<double>(m.classes.size());
+    });
+  }
+  result.components = over_runs([](M m) { return static_cast<double>(m.components); });
+  result.coverage = over_runs([](M m) { return m.coverage; });
+  result.connectivity = over_runs([](M m) { return m.connectivity; });
+  result.information = over_runs([](M m) { return m.information; });
+  result.information_per_sample = over_runs([](M m) { return m.information_per_sample; });
+  result.invalid = over_runs([](M m) { return m.invalid; });
+  result.trapped = over_runs([](M m) { return m.trapped; });
+  result.redundant = over_runs([](M m) { return m.redundant; });
+  result.useful = over_runs([](M m) { return m.useful; });
+  return result;
+}
+
+/// The level of a run with a key; nullptr where the run has none.
+const LevelResult* level_of(const RunResult& run, const std::string& key) {
+  const auto it = std::find_if(run.levels.begin(), run.levels.end(),
+                               [&](const LevelResult& level) { return level.record.key == key; });
+  return it != run.levels.end() ? &*it : nullptr;
+}
+
+double gain_of(const RunResult& run, const std::string& key, Role role) {
+  const LevelResult* level = level_of(run, key);
+  const Efficiency* e = level != nullptr ? find(*level, &LevelResult::root, role) : nullptr;
+  return e != nullptr ? e->gain : nan;
+}
+
+Waterfall waterfall(std::span<const RunResult* const> runs, const std::vector<LevelSummary>& levels, Role role) {
+  Waterfall result;
+  if (levels.empty()) return result;
+  result.uniform = role == &Scores::tree ? levels.front().root.tree.uniform : levels.front().root.expansion.uniform;
+  const auto gains = [&](int level) {
+    std::vector<double> values;
+    for (const RunResult* run : runs) {
+      values.push_back(level < 0 ? 0.0 : gain_of(*run, levels[static_cast<std::size_t>(level)].key, role));
+    }
+    return values;
+  };
+  const auto scored = [&](int level) {
+    const auto values = gains(level);
+    return std::any_of(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
+  };
+  // A level without samples of its own (a graph search makes no proposals) is passed over: what guides it counts.
+  const auto guides_of = [&](int level, auto&& self) -> std::vector<int> {
+    std::vector<int> guides;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      if (levels[i].parent != level) continue;
+      const int guide = static_cast<int>(i);
+      if (scored(guide)) {
+        guides.push_back(guide);
+      } else {
+        const auto below = self(guide, self);
+        guides.insert(guides.end(), below.begin(), below.end());
+      }
+    }
+    return guides;
+  };
+  for (auto i = static_cast<int>(levels.size()); i-- > 0;) {
+    if (!scored(i)) continue;
+    auto guides = guides_of(i, guides_of);
+    if (guides.empty()) guides.push_back(-1);
+    for (const int guide : guides) {
+      WaterfallStep step;
+      step.level = i;
+      step.from = guide;
+      const auto before = gains(guide);
+      const auto after = gains(i);
+      step.before = student_interval(before);
+      step.after = student_interval(after);
+      step.added = paired(before, after).difference;
+      result.steps.push_back(step);
+    }
+  }
+  return result;
+}
+
+FigurePair figures(const LevelResults& levels, Where where) {
   return {figure(levels, where, &Scores::tree), figure(levels, where, &Scores::expansion)};
 }
 
@@ -102,6 +274,10 @@ LevelSummary summarise_level(const LevelResults& levels) {
   result.seconds = median_of(levels, [&](R r) { return r.search.seconds; });
   result.own = figures(levels, &LevelResult::own);
   result.root = figures(levels, &LevelResult::root);
+  result.own_cross = figures(levels, &LevelResult::own_cross);
+  result.root_cross = figures(levels, &LevelResult::root_cross);
+  result.equal = figures(levels, &LevelResult::equal);
+  result.metrics = metrics(levels);
   return result;
 }
 
@@ -143,7 +319,59 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
       if (above != index.end()) result.levels.back().parent = above->second;
     }
   }
+  result.tree_waterfall = waterfall(runs, result.levels, &Scores::tree);
+  result.expansion_waterfall = waterfall(runs, result.levels, &Scores::expansion);
   return result;
+}
+
+std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
+                                const std::string& problem) {
+  std::vector<Comparison> comparisons;
+  if (experiment.strategies.size() < 2) return comparisons;
+  const std::string& common = experiment.baseline.empty() ? experiment.strategies.front().first : experiment.baseline;
+  for (const auto& entry : experiment.strategies) {
+    const std::string& name = entry.first;
+    Comparison c;
+    c.problem = problem;
+    c.strategy = name;
+    c.baseline = common;
+    for (const AblationLink& link : experiment.ablations) {
+      if (link.strategy != name) continue;
+      c.baseline = link.of;
+      c.text = link.text;
+    }
+    if (c.baseline == name) continue;
+    const auto mine = select_runs(result, problem, name);
+    const auto theirs = select_runs(result, problem, c.baseline);
+    if (mine.size() != theirs.size()) continue;
+    const auto values = [](const std::vector<const RunResult*>& runs, auto field) {
+      std::vector<double> list;
+      for (const RunResult* run : runs) list.push_back(field(*run));
+      return list;
+    };
+    const auto both = [&](auto field) { return paired(values(theirs, field), values(mine, field)); };
+    c.solved = both([](const RunResult& r) { return r.run.solved ? 1.0 : 0.0; });
+    const auto checks = [](const RunResult& r) { return static_cast<double>(r.run.validity_checks); };
+    c.validity_checks = both(checks);
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < mine.size(); ++i) {
+      if (checks(*theirs[i]) > 0.0) ratios.push_back(checks(*mine[i]) / checks(*theirs[i]));
+    }
+    c.check_ratio = median(ratios);
+    const auto crossed = [](const RunResult* r) { return !r->levels.empty() && r->levels.front().root_cross; };
+    c.cross = std::any_of(mine.begin(), mine.end(), crossed) && std::any_of(theirs.begin(), theirs.end(), crossed);
+    const auto efficiency = [&](Role role) {
+      return both([&](const RunResult& r) {
+        if (r.levels.empty()) return nan;
+        const Efficiency* e = find(r.levels.front(), c.cross ? &LevelResult::root_cross : &LevelResult::root, role);
+        return e != nullptr ? e->value : nan;
+      });
+    };
+    c.tree = efficiency(&Scores::tree);
+    c.expansion = efficiency(&Scores::expansion);
+    comparisons.push_back(std::move(c));
+  }
+  return comparisons;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -13,23 +14,49 @@
 
 namespace trellis {
 
-/// One efficiency figure over the runs of a group. A run that was not scored leaves no trace in the intervals; `scored`
-/// says how many were.
+/// The figures of one role over the runs of a group, each with its interval. A run that was not scored leaves no trace
+/// in the intervals; `scored` says how many were.
 struct Figure {
-  Interval value;                                          ///< SE, defended, nats
-  Interval gain;                                           ///< uniform - SE
-  Interval uniform;                                        ///< the divergence of uniform sampling
-  Interval coverage;                                       ///< share of the target within delta of a sample
-  Interval uniform_coverage;                               ///< what as many uniform samples reach
-  std::size_t scored = 0;                                  ///< runs that have a value
-  std::vector<std::string> estimators;                     ///< of those runs, each once
-  std::vector<std::pair<std::string, std::size_t>> flags;  ///< each flag raised, and in how many runs
+  Interval value;                                               ///< D_eps, the headline: SE, defended, nats
+  Interval light_value;                                         ///< the same with 1 % uniform
+  Interval undefended;                                          ///< D
+  Interval gain;                                                ///< uniform - SE
+  Interval uniform;                                             ///< the divergence of uniform sampling
+  Interval mass;                                                ///< -log Q(A)
+  Interval mass_lower95;                                        ///< its lower end
+  Interval js;                                                  ///< Jensen-Shannon divergence
+  Interval coverage;                                            ///< share of the target within delta of a sample
+  Interval uniform_coverage;                                    ///< what as many uniform samples reach
+  Interval coverage_half;                                       ///< within delta / 2
+  Interval along;                                               ///< divergence of arc length
+  Interval empty_share;                                         ///< share of the target in bins without a sample
+  std::vector<Interval> profile;                                ///< share of the samples in each part of the path
+  std::vector<double> profile_target;                           ///< share of the target there
+  double samples = std::numeric_limits<double>::quiet_NaN();    ///< N, median over the runs
+  double in_target = std::numeric_limits<double>::quiet_NaN();  ///< n
+  Interval free_share;                                          ///< valid share of the tube
+  std::size_t scored = 0;                                       ///< runs that have a value
+  std::vector<std::string> reasons;                             ///< why others have none, each once
+  std::vector<std::string> estimators;                          ///< of those runs, each once
+  std::vector<std::pair<std::string, std::size_t>> flags;       ///< each flag raised, and in how many runs
+  /// The headline estimator against the first one beside it, where there is one: its name, and the paired difference.
+  std::string check;
+  Paired check_difference;
 };
 
 /// Tree and expansion of a level, in one space.
 struct FigurePair {
   Figure tree;
   Figure expansion;
+};
+
+/// The other measures of a level's search over the runs.
+struct MetricsSummary {
+  std::size_t measured = 0;         ///< runs that have them
+  std::array<Interval, 5> classes;  ///< share of the nodes of each NodeClass
+  Interval components, coverage, connectivity;
+  Interval information, information_per_sample;
+  Interval invalid, trapped, redundant, useful;
 };
 
 /// One level of a hierarchy over the runs of a group. Medians are over all the runs that reached the level.
@@ -50,6 +77,24 @@ struct LevelSummary {
   double seconds = std::numeric_limits<double>::quiet_NaN();
   FigurePair own;
   FigurePair root;
+  FigurePair own_cross;
+  FigurePair root_cross;
+  FigurePair equal;  ///< of the root level: with as many samples as the strategy with the fewest
+  MetricsSummary metrics;
+};
+
+/// What a level added to what the levels that guide it knew: the nats that its samples, lifted to the root, lie nearer
+/// to the root's target than theirs. Negative: it lost some.
+struct WaterfallStep {
+  int level = 0;    ///< index into RunsSummary::levels
+  int from = -1;    ///< the level that guides it; -1: none, so uniform sampling
+  Interval before;  ///< gain of that level, lifted; 0 for uniform sampling
+  Interval after;   ///< gain of this level, lifted
+  Interval added;   ///< their difference, paired by run
+};
+struct Waterfall {
+  Interval uniform;                  ///< where it begins
+  std::vector<WaterfallStep> steps;  ///< the deepest level first; a level with several guides has a step from each
 };
 
 /// The runs of one strategy on one problem, or on all problems taken together.
@@ -62,9 +107,29 @@ struct RunsSummary {
   double seconds = std::numeric_limits<double>::quiet_NaN();
   Interval length;                   ///< mean over the solved runs, metres of the metric
   std::vector<LevelSummary> levels;  ///< depth first, the root first
+  Waterfall tree_waterfall;
+  Waterfall expansion_waterfall;
+};
+
+/// Two strategies on the same problem and seeds; differences are the second's less the baseline's.
+struct Comparison {
+  std::string problem;  ///< "": all problems taken together
+  std::string strategy;
+  std::string baseline;
+  std::string text;  ///< of an ablation: "without shrink(0.5)"
+  Paired solved;     ///< 1 or 0
+  Paired validity_checks;
+  double check_ratio = std::numeric_limits<double>::quiet_NaN();  ///< median over the runs of the ratio of checks
+  bool cross = false;  ///< efficiency on the paths of other seeds, else on each run's own
+  Paired tree;         ///< SE of the root's nodes
+  Paired expansion;
 };
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
+
+/// All strategies against the baseline (ablations against the whole strategy), on a problem or, "", on all.
+std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
+                                const std::string& problem);
 
 /// The runs of a strategy on a problem, in the order of the result; an empty `problem`: on all of them.
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

@@ -69,9 +69,10 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-constexpr std::array<Note, 5> notes = {{
-    {'c', "censored", "censored: no sample in the target, the figure is a floor"},
-    {'p', "partial", "partial: covers less of the target than as many uniform samples would"},
+constexpr std::array<Note, 6> notes = {{
+    {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
+    {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
+    {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
@@ -265,62 +266,40 @@ Table::Column number_column(std::vector<std::string> heading, std::string group 
 Table::Column text_column(std::string heading) { return {{std::move(heading)}, "", true}; }
 
 bool any_figure(const std::vector<LevelSummary>& levels) {
-  return std::any_of(levels.begin(), levels.end(), [](const LevelSummary& l) {
-    return std::isfinite(l.own.tree.uniform.value) || std::isfinite(l.root.tree.uniform.value);
+  const auto has = [](const FigurePair& pair) {
+    return std::isfinite(pair.tree.uniform.value) || std::isfinite(pair.expansion.uniform.value);
+  };
+  return std::any_of(levels.begin(), levels.end(), [&](const LevelSummary& l) {
+    return has(l.own) || has(l.root) || has(l.own_cross) || has(l.root_cross);
   });
 }
 
-/// "label  0 root +1.31 ±0.04 · 1 lazy() +1.11 ±0.04": one figure of every level that has it, in one line; "" if none
-/// has.
-template <class F>
-std::string by_level(const std::string& label, const std::vector<LevelSummary>& levels, std::size_t width, F text) {
-  std::string line;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const std::string value = text(levels[i]);
-    if (value.empty()) continue;
-    line += line.empty() ? "" : " · ";
-    std::string item = levels.size() > 1 ? fmt::format("{} {} {}", i, levels[i].name, value) : value;
+/// "uniform 2.41 → skeleton() -0.54 ±0.04 → root -0.38 ±0.03 → 1.49": what each level took off the divergence, or
+/// added.
+std::string waterfall_text(const std::string& label, const Waterfall& waterfall,
+                           const std::vector<LevelSummary>& levels, std::size_t width) {
+  if (waterfall.steps.empty() || !std::isfinite(waterfall.uniform.value)) return "";
+  const auto name = [&](int level) { return levels[static_cast<std::size_t>(level)].name; };
+  const bool chain = std::all_of(waterfall.steps.begin(), waterfall.steps.end(), [&](const WaterfallStep& step) {
+    const auto same = [&](const WaterfallStep& other) { return other.level == step.level || other.from == step.from; };
+    return std::count_if(waterfall.steps.begin(), waterfall.steps.end(), same) == 1;
+  });
+  std::string line = fmt::format("uniform {}", fixed(waterfall.uniform.value, 2));
+  for (const WaterfallStep& step : waterfall.steps) {
+    // Nats that samples lie nearer to the target are taken off the divergence.
+    Interval taken = step.added;
+    taken.value = -taken.value;
+    std::string item = name(step.level);
+    if (!chain) item += " from " + (step.from < 0 ? std::string("uniform") : name(step.from));
+    item += ' ' + interval_text(taken, 2, true);
     std::replace(item.begin(), item.end(), ' ', no_break);
-    line += item;
+    line += fmt::format(" {} {}", chain ? "→" : "·", item);
   }
-  return line.empty() ? ""
-                      : wrap(line, width, label, std::string(std::min<std::size_t>(display_width(label), 13), ' '));
+  return wrap(line, width, label, std::string(display_width(label), ' '));
 }
 
-/// What stands below the table: the zero of the scale, what was won over it, and what of the target was reached.
-std::string below_table(const std::vector<LevelSummary>& levels, std::size_t width) {
-  const auto gain = [](const Figure& f) {
-    return std::isnan(f.gain.value) ? std::string() : interval_text(f.gain, 2, true);
-  };
-  const Interval& uniform = levels.front().root.tree.uniform;
-  std::string out;
-  if (!std::isfinite(uniform.value)) {
-    out += "root space: no path, so no target to score against\n";
-  } else if (levels.size() == 1) {
-    const std::string tree = gain(levels.front().root.tree);
-    const std::string expansion = gain(levels.front().root.expansion);
-    out += wrap(fmt::format("uniform {} nats; gain over it: tree {}, expansion {}", interval_text(uniform),
-                            tree.empty() ? "-" : tree, expansion.empty() ? "-" : expansion),
-                width, "", "  ");
-  } else {
-    out += wrap(fmt::format("root space: uniform {} nats; gain over it:", interval_text(uniform)), width, "", "  ");
-    out += by_level("  tree       ", levels, width, [&](const LevelSummary& l) { return gain(l.root.tree); });
-    out += by_level("  expansion  ", levels, width, [&](const LevelSummary& l) { return gain(l.root.expansion); });
-  }
-  out += by_level("own target covered by the tree (by as many uniform samples), %:  ", levels, width,
-                  [](const LevelSummary& l) {
-                    const Figure& f = l.own.tree;
-                    if (std::isnan(f.coverage.value)) return std::string();
-                    return fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-                  });
-  return out;
-}
-
-std::string strategy_table(const RunsSummary& summary, bool measured, std::size_t width) {
+std::string search_table(const RunsSummary& summary, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
-  if (levels.empty()) return "no level was reached\n";
-  const bool figures = measured && any_figure(levels);
-
   std::vector<Table::Column> columns = {text_column("level"),
                                         text_column("space"),
                                         text_column("planner"),
@@ -331,63 +310,17 @@ std::string strategy_table(const RunsSummary& summary, bool measured, std::size_
                                         number_column({"validity", "checks"}),
                                         number_column({"motion", "checks"}),
                                         number_column({"time", "ms"})};
-  if (figures) {
-    const std::string own = "own space: efficiency, nats";
-    const std::string root = "root space: eff., nats";
-    columns.push_back(number_column({"uniform"}, own));
-    columns.push_back(number_column({"tree"}, own));
-    columns.push_back(number_column({"expansion"}, own));
-    columns.push_back(number_column({"tree"}, root));
-    columns.push_back(number_column({"expansion"}, root));
-  }
-
-  Notes told;
-  FigureColumn own_tree;
-  FigureColumn own_expansion;
-  FigureColumn root_tree;
-  FigureColumn root_expansion;
   double slowest = 1000.0 * summary.seconds;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const std::string row = fmt::format("level {}", i);
-    own_tree.add(levels[i].own.tree, {row, "own tree"}, told);
-    own_expansion.add(levels[i].own.expansion, {row, "own expansion"}, told);
-    // The root's own target is the root's target: said once.
-    Notes heard_already;
-    Notes& notes_of = i == 0 ? heard_already : told;
-    root_tree.add(levels[i].root.tree, {row, "root tree"}, notes_of);
-    root_expansion.add(levels[i].root.expansion, {row, "root expansion"}, notes_of);
-    slowest = std::max(slowest, 1000.0 * levels[i].seconds);
-  }
-  const auto own_tree_text = own_tree.text();
-  const auto own_expansion_text = own_expansion.text();
-  const auto root_tree_text = root_tree.text();
-  const auto root_expansion_text = root_expansion.text();
-
-  Table table(columns);
+  for (const auto& level : levels) slowest = std::max(slowest, 1000.0 * level.seconds);
   const int decimals = decimals_for(slowest);
   const auto labels = level_labels(levels);
+  Table table(columns);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const LevelSummary& level = levels[i];
-    std::vector<std::string> cells = {
-        labels[i],
-        level.space.empty() ? "several" : fmt::format("{} {}", level.space, level.dimension),
-        level.planner,
-        fmt::format("{}/{}", level.solved, level.runs),
-        count_text(level.resolves),
-        count_text(level.proposals),
-        count_text(level.nodes),
-        count_text(level.validity_checks),
-        count_text(level.motion_checks),
-        fixed(1000.0 * level.seconds, decimals)};
-    if (figures) {
-      const double uniform = level.own.tree.uniform.value;
-      cells.push_back(std::isfinite(uniform) ? fixed(uniform, 2) : "-");
-      cells.push_back(own_tree_text[i]);
-      cells.push_back(own_expansion_text[i]);
-      cells.push_back(root_tree_text[i]);
-      cells.push_back(root_expansion_text[i]);
-    }
-    table.add(std::move(cells));
+    table.add({labels[i], level.space.empty() ? "several" : fmt::format("{} {}", level.space, level.dimension),
+               level.planner, fmt::format("{}/{}", level.solved, level.runs), count_text(level.resolves),
+               count_text(level.proposals), count_text(level.nodes), count_text(level.validity_checks),
+               count_text(level.motion_checks), fixed(1000.0 * level.seconds, decimals)});
   }
   if (levels.size() > 1) {
     std::vector<std::string> cells(columns.size());
@@ -398,9 +331,169 @@ std::string strategy_table(const RunsSummary& summary, bool measured, std::size_
     table.rule();
     table.add(std::move(cells));
   }
+  return table.text(width);
+}
 
-  std::string out = table.text(width);
-  if (figures) out += below_table(levels, width) + told.text(width);
+bool any_sample(const FigurePair& a, const FigurePair& b, Figure FigurePair::*role) {
+  return (a.*role).scored > 0 || (b.*role).scored > 0;
+}
+
+/// Why runs that have samples have no figure.
+std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t width) {
+  std::string out;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (const bool tree : {true, false}) {
+      const Figure& f = tree ? levels[i].own.tree : levels[i].own.expansion;
+      for (const std::string& reason : f.reasons) {
+        if (reason == "there are no samples") continue;
+        out += wrap(fmt::format("level {} {}: no figure in some runs: {}", i, tree ? "tree" : "expansion", reason),
+                    width, "", "  ");
+      }
+    }
+  }
+  return out;
+}
+
+/// The measure of every level and role: in its own space on its own path, and lifted to the root.
+std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t width) {
+  const std::string own = "own space, own path";
+  const std::string root = "root space: SE on";
+  std::vector<Table::Column> columns = {text_column("level"),
+                                        text_column("samples"),
+                                        number_column({"N"}),
+                                        number_column({"in", "target"}),
+                                        number_column({"uniform", "nats"}, own),
+                                        number_column({"SE", "nats"}, own),
+                                        number_column({"gain", "nats"}, own),
+                                        number_column({"D", "nats"}, own),
+                                        number_column({"D at", "least"}, own),
+                                        number_column({"along", "nats"}, own),
+                                        number_column({"empty", "%"}, own),
+                                        number_column({"covered", "(uniform) %"}, own),
+                                        number_column({"JS", "nats"}, own),
+                                        number_column({"own", "path"}, root),
+                                        number_column({"other", "seeds'"}, root)};
+  Notes told;
+  FigureColumn own_se;
+  FigureColumn root_se;
+  FigureColumn cross_se;
+  struct Line {
+    std::size_t level;
+    const char* role;
+    const Figure* own;
+  };
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    for (const bool tree : {true, false}) {
+      const LevelSummary& level = levels[i];
+      Figure FigurePair::*const role = tree ? &FigurePair::tree : &FigurePair::expansion;
+      if (!any_sample(level.own, level.root, role) && !any_sample(level.own_cross, level.root_cross, role)) continue;
+      const char* name = tree ? "tree" : "expansion";
+      const std::string row = fmt::format("level {} {}", i, name);
+      own_se.add(level.own.*role, {row, "own"}, told);
+      // The root's own target is the root's target: said once.
+      Notes heard_already;
+      root_se.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
+      cross_se.add(level.root_cross.*role, {row, "other seeds'"}, told);
+      lines.push_back({i, name, &(level.own.*role)});
+    }
+  }
+  const auto own_text = own_se.text();
+  const auto root_text = root_se.text();
+  const auto cross_text = cross_se.text();
+  const auto labels = level_labels(levels);
+  Table table(columns);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const Figure& f = *lines[k].own;
+    const bool first = k == 0 || lines[k - 1].level != lines[k].level;
+    const std::string covered =
+        f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
+    table.add({first ? labels[lines[k].level] : "", lines[k].role, count_text(f.samples), count_text(f.in_target),
+               std::isfinite(f.uniform.value) ? fixed(f.uniform.value, 2) : "-", own_text[k],
+               interval_text(f.gain, 2, true),
+               std::isnan(f.undefended.value)   ? "-"
+               : std::isinf(f.undefended.value) ? "inf"
+                                                : fixed(f.undefended.value, 2),
+               std::isfinite(f.mass_lower95.value) ? fixed(f.mass_lower95.value, 2) : "-",
+               std::isfinite(f.along.value) ? fixed(f.along.value, 2) : "-", percent(f.empty_share.value), covered,
+               std::isfinite(f.js.value) ? fixed(f.js.value, 2) : "-", root_text[k], cross_text[k]});
+  }
+  return table.text(width) + told.text(width) + reasons_text(levels, width);
+}
+
+/// Where a headline that needs no estimation and the estimate beside it differ by more than their interval.
+std::string check_text(const std::vector<LevelSummary>& levels, std::size_t width) {
+  constexpr double agreed = 0.1;  // nats: what the estimators' own bias comes to
+  std::string out;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const Figure& f = levels[i].own.expansion;
+    const Interval& d = f.check_difference.difference;
+    if (f.check.empty() || !std::isfinite(d.lo)) continue;
+    const double nearest = d.lo > 0.0 ? d.lo : (d.hi < 0.0 ? -d.hi : 0.0);
+    if (nearest <= agreed) continue;
+    out += wrap(fmt::format("level {} expansion: {} gives {} nats against {}: they do not agree", i, f.check,
+                            interval_text(d, 2, true), f.estimators.empty() ? "" : f.estimators.front()),
+                width, "", "  ");
+  }
+  return out;
+}
+
+std::string metrics_table(const std::vector<LevelSummary>& levels, std::size_t width) {
+  const bool any =
+      std::any_of(levels.begin(), levels.end(), [](const LevelSummary& l) { return l.metrics.measured > 0; });
+  if (!any) return "";
+  const std::string nodes = "nodes, %";
+  const std::string roadmap = "roadmap of the nodes";
+  const std::string proposals = "proposals, %";
+  std::vector<Table::Column> columns = {text_column("level"),
+                                        number_column({"create"}, nodes),
+                                        number_column({"merge"}, nodes),
+                                        number_column({"expand"}, nodes),
+                                        number_column({"over-", "sample"}, nodes),
+                                        number_column({"invalid"}, nodes),
+                                        number_column({"compo-", "nents"}, roadmap),
+                                        number_column({"coverage", "%"}, roadmap),
+                                        number_column({"connectivity", "%"}, roadmap),
+                                        number_column({"information", "nats"}),
+                                        number_column({"invalid"}, proposals),
+                                        number_column({"trapped"}, proposals),
+                                        number_column({"redundant"}, proposals),
+                                        number_column({"useful"}, proposals)};
+  const auto share = [](const Interval& interval) {
+    Interval scaled = interval;
+    for (double* x : {&scaled.value, &scaled.lo, &scaled.hi}) *x *= 100.0;
+    return interval_text(scaled, 0);
+  };
+  const auto labels = level_labels(levels);
+  Table table(columns);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const MetricsSummary& m = levels[i].metrics;
+    std::vector<std::string> cells = {labels[i]};
+    for (const Interval& c : m.classes) cells.push_back(share(c));
+    cells.insert(cells.end(), {interval_text(m.components, 1), share(m.coverage), share(m.connectivity),
+                               interval_text(m.information), share(m.invalid), share(m.trapped), share(m.redundant),
+                               share(m.useful)});
+    table.add(std::move(cells));
+  }
+  return table.text(width);
+}
+
+std::string strategy_table(const RunsSummary& summary, bool measured, std::size_t width) {
+  const std::vector<LevelSummary>& levels = summary.levels;
+  if (levels.empty()) return "no level was reached\n";
+  std::string out = search_table(summary, width);
+  if (!measured) return out;
+  if (any_figure(levels)) {
+    out += "\n" + measure_table(levels, width);
+    if (levels.size() > 1) {
+      out += waterfall_text("what each level took off, tree:       ", summary.tree_waterfall, levels, width);
+      out += waterfall_text("what each level took off, expansion:  ", summary.expansion_waterfall, levels, width);
+    }
+    out += check_text(levels, width);
+  } else {
+    out += "no path, so no target to score against\n";
+  }
+  if (const std::string table = metrics_table(levels, width); !table.empty()) out += "\n" + table;
   return out;
 }
 
@@ -419,18 +512,38 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                         number_column({"motion", "checks"}, "medians, all levels"),
                                         number_column({"time", "ms"}, "medians, all levels"),
                                         number_column({"path length", "m"})};
+  const bool crossed = std::any_of(rows.begin(), rows.end(), [](const Row& row) {
+    return !row.summary.levels.empty() && row.summary.levels.front().root_cross.tree.scored > 0;
+  });
+  const bool equal = std::any_of(rows.begin(), rows.end(), [](const Row& row) {
+    if (row.summary.levels.empty()) return false;
+    const FigurePair& pair = row.summary.levels.front().equal;
+    return pair.tree.scored + pair.expansion.scored > 0;
+  });
   if (measured) {
-    const std::string se = "efficiency of the root, nats";
-    const std::string gain = "gain of the root, nats";
-    columns.push_back(number_column({"uniform"}, se));
-    columns.push_back(number_column({"tree"}, se));
-    columns.push_back(number_column({"expansion"}, se));
+    const std::string own = "SE of the root, own path";
+    columns.push_back(number_column({"uniform"}, own));
+    columns.push_back(number_column({"tree"}, own));
+    columns.push_back(number_column({"expansion"}, own));
+    if (crossed) {
+      const std::string cross = "SE on other seeds' paths";
+      columns.push_back(number_column({"tree"}, cross));
+      columns.push_back(number_column({"expansion"}, cross));
+    }
+    if (equal) {
+      const std::string number = "with equally many samples";
+      columns.push_back(number_column({"tree"}, number));
+      columns.push_back(number_column({"expansion"}, number));
+    }
+    const std::string gain = crossed ? "gain, other seeds' paths" : "gain, own path";
     columns.push_back(number_column({"tree"}, gain));
     columns.push_back(number_column({"expansion"}, gain));
   }
   Notes told;
   FigureColumn tree;
   FigureColumn expansion;
+  FigureColumn cross_tree;
+  FigureColumn cross_expansion;
   double slowest = 0.0;
   static const LevelSummary none;
   const auto root = [](const Row& row) -> const LevelSummary& {
@@ -440,10 +553,15 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     const FigurePair& pair = root(row).root;
     tree.add(pair.tree, {row.strategy, "tree"}, told);
     expansion.add(pair.expansion, {row.strategy, "expansion"}, told);
+    const FigurePair& cross = root(row).root_cross;
+    cross_tree.add(cross.tree, {row.strategy, "tree on other seeds'"}, told);
+    cross_expansion.add(cross.expansion, {row.strategy, "expansion on other seeds'"}, told);
     slowest = std::max(slowest, 1000.0 * row.summary.seconds);
   }
   const auto tree_text = tree.text();
   const auto expansion_text = expansion.text();
+  const auto cross_tree_text = cross_tree.text();
+  const auto cross_expansion_text = cross_expansion.text();
   Table table(columns);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const RunsSummary& s = rows[i].summary;
@@ -459,12 +577,78 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
       cells.push_back(interval_text(pair.tree.uniform));
       cells.push_back(tree_text[i]);
       cells.push_back(expansion_text[i]);
-      cells.push_back(interval_text(pair.tree.gain, 2, true));
-      cells.push_back(interval_text(pair.expansion.gain, 2, true));
+      const FigurePair& cross = root(rows[i]).root_cross;
+      if (crossed) {
+        cells.push_back(cross_tree_text[i]);
+        cells.push_back(cross_expansion_text[i]);
+      }
+      if (equal) {
+        const FigurePair& thinned = root(rows[i]).equal;
+        cells.push_back(interval_text(thinned.tree.value));
+        cells.push_back(interval_text(thinned.expansion.value));
+      }
+      const FigurePair& ranked = crossed ? cross : pair;
+      cells.push_back(interval_text(ranked.tree.gain, 2, true));
+      cells.push_back(interval_text(ranked.expansion.gain, 2, true));
     }
     table.add(std::move(cells));
   }
   return table.text(width) + told.text(width);
+}
+
+/// "p < 0.001", "p 0.04".
+std::string p_text(double p) { return p < 0.001 ? "<0.001" : fixed(p, 3); }
+
+/// Strategies against a baseline, paired by seed; one table for each baseline.
+std::string comparison_tables(const std::vector<Comparison>& comparisons, bool measured, std::size_t width) {
+  std::vector<std::string> baselines;
+  for (const Comparison& c : comparisons) {
+    if (std::find(baselines.begin(), baselines.end(), c.baseline) == baselines.end()) baselines.push_back(c.baseline);
+  }
+  std::string out;
+  for (const std::string& baseline : baselines) {
+    const std::string checks = "validity checks";
+    const std::string tree = "SE of the tree, nats";
+    const std::string expansion = "SE of the expansion, nats";
+    std::vector<Table::Column> columns = {text_column("strategy"), number_column({"success", "%"}),
+                                          number_column({"ratio,", "median"}, checks),
+                                          number_column({"difference"}, checks), number_column({"p"}, checks)};
+    if (measured) {
+      columns.insert(columns.end(), {number_column({"difference"}, tree), number_column({"p"}, tree),
+                                     number_column({"difference"}, expansion), number_column({"p"}, expansion)});
+    }
+    Table table(columns);
+    std::size_t pairs = 0;
+    bool cross = false;
+    bool ablated = false;
+    for (const Comparison& c : comparisons) {
+      if (c.baseline != baseline) continue;
+      Interval success = c.solved.difference;
+      for (double* x : {&success.value, &success.lo, &success.hi}) *x *= 100.0;
+      const Paired& v = c.validity_checks;
+      pairs = std::max(pairs, v.less + v.greater + v.equal);
+      cross = cross || c.cross;
+      ablated = ablated || !c.text.empty();
+      std::vector<std::string> cells = {c.text.empty() ? c.strategy : c.text, interval_text(success, 0, true),
+                                        std::isfinite(c.check_ratio) ? fixed(c.check_ratio, 2) : "-",
+                                        interval_text(v.difference, 0, true), p_text(v.sign_p)};
+      if (measured) {
+        for (const Paired* paired : {&c.tree, &c.expansion}) {
+          const bool any = !std::isnan(paired->difference.value);
+          cells.push_back(interval_text(paired->difference, 2, true));
+          cells.push_back(any ? p_text(paired->sign_p) : "-");
+        }
+      }
+      table.add(std::move(cells));
+    }
+    out +=
+        '\n' + wrap(fmt::format("{} {}, {} paired by seed{}; p: sign test", ablated ? "ablation of" : "compared with",
+                                baseline, plural(pairs, "run"),
+                                measured ? (cross ? "; SE on other seeds' paths" : "; SE on each run's own path") : ""),
+                    width, "", "  ");
+    out += table.text(width);
+  }
+  return out;
 }
 
 // The whole ----------------------------------------------------------------------------------------------------------
@@ -483,6 +667,21 @@ std::string title(const std::string& text, std::size_t width) {
   return line + '\n';
 }
 
+std::string target_text(const TargetSpec& target) {
+  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
+    return fmt::format("{} within {:g} m ({}) of the path",
+                       tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
+                       tube->distance == "planar" ? "position only" : "full metric");
+  }
+  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
+    return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
+  }
+  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
+    return fmt::format("motions of {:g} m that come closer to the goal, by rank among all motions", progress->step);
+  }
+  return "the script's own";
+}
+
 std::string legend(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
   std::string out = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "problem"),
                                 plural_y(experiment.strategies.size(), "strateg"), seeds_text(experiment.seeds));
@@ -492,7 +691,7 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
              : "One run of each strategy: no intervals.";
   out = wrap(out, width);
   if (!experiment.measure) return out;
-  const TubeSettings& m = *experiment.measure;
+  const Measure& m = *experiment.measure;
   std::vector<std::string> estimators;
   const auto see = [&](const std::optional<Scores>& scores) {
     if (!scores) return;
@@ -505,22 +704,19 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   };
   for (const auto& run : result.runs) {
     for (const auto& level : run.levels) {
-      see(level.own);
-      see(level.root);
+      for (const auto* scores : {&level.own, &level.root, &level.own_cross, &level.root_cross}) see(*scores);
     }
   }
   std::string names;
   for (const auto& name : estimators) names += (names.empty() ? "" : ", ") + name;
-  out += wrap(
-      fmt::format("Efficiency: divergence of the target from the samples ({:g} % uniform mixed in), nats, lower is "
-                  "better; uniform: of uniform sampling; gain: uniform - efficiency.",
-                  100.0 * m.epsilon),
-      width);
-  out += wrap(fmt::format("Target: {} within {:g} m ({}) of the run's own path{}.",
-                          m.support == "free" ? "valid configurations" : "configurations, valid or not,", m.delta,
-                          m.distance == "planar" ? "position only" : "full metric",
-                          names.empty() ? "" : "; estimator: " + names),
-              width);
+  out +=
+      wrap(fmt::format(
+               "SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform mixed in, "
+               "nats, lower is better; gain: uniform - SE; D: nothing mixed in, at least -log of the share in "
+               "the target (95 %); along: the part of it along the path. docs/measure.md explains them.",
+               100.0 * defence),
+           width);
+  out += wrap(fmt::format("Target: {}{}.", target_text(m.target), names.empty() ? "" : "; estimator: " + names), width);
   return out;
 }
 
@@ -546,6 +742,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
     }
     out += "\nsummary of " + (problem.empty() ? "all problems" : problem) + '\n';
     out += summary_table(rows, measured, columns);
+    out += comparison_tables(compare(experiment, result, problem), measured, columns);
   };
 
   if (experiment.problems.size() > most_single_problems) {

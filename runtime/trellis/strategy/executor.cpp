@@ -37,6 +37,7 @@ class Level;
 struct Run {
   std::uint64_t seed = 0;
   std::function<bool()> interrupted;
+  std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
   std::vector<Level*> levels;  ///< in the order of their numbers
   int first_solves = 0;        ///< levels whose first solve has ended
@@ -64,6 +65,7 @@ class LevelGuidance final : public Guidance {
   void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
   [[nodiscard]] Prepared* guide() const { return guide_.get(); }
   void inform(const Configurations& path) {
+    ++epoch_;
     if (path.empty()) {
       hint_.reset();
       return;
@@ -99,16 +101,24 @@ class LevelGuidance final : public Guidance {
   }
 
   [[nodiscard]] double density(View q) const override {
-    const double rest = 1.0 - common_.goal_bias;
-    if (!guided()) return rest * uniform_.density(q);
-    double sum = rest * common_.uniform * uniform_.density(q);
-    const double guided_share = rest * (1.0 - common_.uniform);
-    const double hint = !hint_ ? 0.0 : guide_ == nullptr ? 1.0 : hint_share;
-    if (hint > 0.0) sum += guided_share * hint * hint_->density(q);
-    if (hint < 1.0) sum += guided_share * (1.0 - hint) * guide_->density(q);
+    const Shares share = shares();
+    double sum = share.uniform * uniform_.density(q);
+    if (share.hint > 0.0) sum += share.hint * hint_->density(q);
+    if (share.guide > 0.0) sum += share.guide * guide_->density(q);
     return sum;
   }
-  [[nodiscard]] double atom_mass() const override { return common_.goal_bias; }
+  [[nodiscard]] double atom_mass() const override {
+    const Shares share = shares();
+    return share.goal + (share.guide > 0.0 ? share.guide * guide_->atom_mass() : 0.0);
+  }
+  [[nodiscard]] std::uint64_t epoch() const override { return guide_ == nullptr ? epoch_ : epoch_ + guide_->epoch(); }
+  void record(DensityRecord& record, double share) const override {
+    const Shares of = shares();
+    goal_.record(record, share * of.goal);
+    uniform_.record(record, share * of.uniform);
+    if (of.hint > 0.0) record.add(hint_->density(), share * of.hint);
+    if (of.guide > 0.0) guide_->record(record, share * of.guide);
+  }
 
   void observe(const Outcome& outcome, bool mine) override {
     if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
@@ -126,6 +136,21 @@ class LevelGuidance final : public Guidance {
   enum class Part : std::uint8_t { goal, uniform, hint, guide };
   static constexpr double hint_share = 0.5;
 
+  /// The probabilities that `sample` gives the parts.
+  struct Shares {
+    double goal = 0.0;
+    double uniform = 0.0;
+    double hint = 0.0;
+    double guide = 0.0;
+  };
+  [[nodiscard]] Shares shares() const {
+    const double rest = 1.0 - common_.goal_bias;
+    if (!guided()) return {common_.goal_bias, rest, 0.0, 0.0};
+    const double guided_share = rest * (1.0 - common_.uniform);
+    const double hint = !hint_ ? 0.0 : guide_ == nullptr ? 1.0 : hint_share;
+    return {common_.goal_bias, rest * common_.uniform, guided_share * hint, guided_share * (1.0 - hint)};
+  }
+
   const Instance& instance_;
   PlannerCommon common_;
   UniformGuidance uniform_;
@@ -133,16 +158,39 @@ class LevelGuidance final : public Guidance {
   std::optional<TubeKernel> hint_;
   std::unique_ptr<Prepared> guide_;
   Part drawn_ = Part::goal;
+  std::uint64_t epoch_ = 0;  ///< how often the hint changed
+};
+
+/// A level's guidance, shown to whoever watches the run each time that it has drawn.
+class WatchedGuidance final : public Guidance {
+ public:
+  WatchedGuidance(const Run& run, const LevelRecord& level, Guidance& h) : run_(run), level_(level), h_(h) {}
+  Source sample(Stream& stream, MutableView out) override {
+    const Source source = h_.sample(stream, out);
+    run_.watch(level_, h_);
+    return source;
+  }
+  [[nodiscard]] double density(View q) const override { return h_.density(q); }
+  [[nodiscard]] double atom_mass() const override { return h_.atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
+  void record(DensityRecord& record, double share) const override { h_.record(record, share); }
+  void observe(const Outcome& outcome, bool mine) override { h_.observe(outcome, mine); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return h_.sources(); }
+
+ private:
+  const Run& run_;
+  const LevelRecord& level_;
+  Guidance& h_;
 };
 
 /// One level at work: an instance, its planner, its guidance and its record.
 class Level {
  public:
   Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
-        const PlannerSpec& planner, const Guide* lift)
+        const PlannerSpec& planner, std::shared_ptr<const Guide> lift)
       : run_(run),
         parent_(parent),
-        lift_(lift),
+        lift_(std::move(lift)),
         instance_(std::move(instance)),
         kind_(*find_planner(planner.name())),
         planner_spec_(planner),
@@ -154,10 +202,11 @@ class Level {
     record_.key = std::move(key);
     record_.name = std::move(name);
     record_.space = instance_->space;
+    record_.start = instance_->start;
+    record_.goal = instance_->goal;
     record_.position_axes = instance_->position_axes;
     record_.planner = planner.name();
-    record_.search.nodes = Configurations(instance_->space.dimension());
-    record_.search.proposals = Configurations(instance_->space.dimension());
+    record_.search = Search(instance_->space.dimension());
     run.levels.push_back(this);
   }
 
@@ -168,9 +217,11 @@ class Level {
     double* above = run_.clock.switch_to(&record_.search.seconds);
     if (guidance_.guide() != nullptr) guidance_.guide()->prepare();
     if (!planner_) {
-      planner_ = kind_.make(planner_spec_.options(),
-                            Planner::Task{*instance_, guidance_, Stream(run_.seed, record_.key, "proposals"),
-                                          record_.search, guidance_.guided(), run_.interrupted});
+      Guidance* h = &guidance_;
+      if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
+      planner_ =
+          kind_.make(planner_spec_.options(), Planner::Task{*instance_, *h, Stream(run_.seed, record_.key, "proposals"),
+                                                            record_.search, guidance_.guided(), run_.interrupted});
     }
     ++record_.solves;
     Solution found = planner_->solve(common_.budget);
@@ -181,14 +232,26 @@ class Level {
     return record_.solution;
   }
 
-  /// The record, completed once the run is over.
+  /// The record, completed once the run is over; given away, but for its key.
   LevelRecord take_record() {
     record_.search.checks = instance_->checks;
     record_.search.sources = guidance_.sources();
     record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
     record_.root_proposals = lifted(record_.search.proposals, "lift proposals");
     record_.valid = [validity = instance_->validity](View q) { return validity->state(q); };
-    return record_;
+    record_.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
+    record_.search.density.compact();
+    if (record_.search.density.exact()) {
+      const auto density = std::make_shared<const DensityRecord>(record_.search.density);
+      record_.proposal_density = [density](View q) { return density->at(q); };
+      record_.root_proposal_density = lifted(record_.proposal_density);
+      record_.proposal_atoms = density->atoms();
+    }
+    std::string key = record_.key;
+    LevelRecord taken = std::move(record_);
+    // The levels below draw their lifts from streams that are named by it.
+    record_.key = std::move(key);
+    return taken;
   }
 
   /// Adds time spent for this level outside its solves: making its instance by f.
@@ -217,14 +280,29 @@ class Level {
     return current;
   }
 
+  /// A density over this level's space as that of what is lifted to the root's: at f of a configuration, times the
+  /// density on the fibre. It keeps every f that it needs.
+  [[nodiscard]] std::function<double(View)> lifted(std::function<double(View)> density) const {
+    for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+      density = [density = std::move(density), f = at->lift_,
+                 s = Configuration(at->instance_->space.dimension())](View q) mutable {
+        f->project(q, s);
+        const double p = density(s);
+        return p > 0.0 ? p * std::exp(f->log_fibre_density(q)) : p;
+      };
+    }
+    return density;
+  }
+
   Run& run_;
   Level* parent_;
-  const Guide* lift_;  ///< the guide that made this level's space from the parent's; nullptr at the root
+  std::shared_ptr<const Guide> lift_;  ///< that made this level's space from the parent's; nullptr at the root
   std::unique_ptr<Instance> instance_;
   const PlannerKind& kind_;
   PlannerSpec planner_spec_;
   PlannerCommon common_;
   LevelGuidance guidance_;
+  std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
 };
@@ -242,7 +320,7 @@ class ComponentGuidance final : public Prepared {
     auto sub = guide_->project(parent.instance());
     run.clock.switch_to(above);
     if (!sub) return;
-    level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_.get());
+    level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
     level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
@@ -250,10 +328,12 @@ class ComponentGuidance final : public Prepared {
   void prepare() override {
     if (heuristic_) return;
     if (!level_) {
+      ++epoch_;
       heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
       return;
     }
     const Solution& found = level_->solve();
+    ++epoch_;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
 
@@ -265,6 +345,11 @@ class ComponentGuidance final : public Prepared {
     return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
   }
   [[nodiscard]] double atom_mass() const override { return heuristic_ ? heuristic_->atom_mass() : 0.0; }
+  [[nodiscard]] std::uint64_t epoch() const override { return heuristic_ ? epoch_ + heuristic_->epoch() : epoch_; }
+  void record(DensityRecord& record, double share) const override {
+    if (!heuristic_) throw Fault("a guide that was not prepared has drawn nothing to record");
+    heuristic_->record(record, share);
+  }
 
   void observe(const Outcome& outcome, bool mine) override {
     guide_->learn(outcome);
@@ -274,6 +359,7 @@ class ComponentGuidance final : public Prepared {
     --resolves_left_;
     guide_->before_resolve();
     const Solution& found = level_->solve();
+    epoch_ = epoch() + 1;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
 
@@ -295,10 +381,11 @@ class ComponentGuidance final : public Prepared {
 
  private:
   Level& parent_;
-  std::unique_ptr<Guide> guide_;
+  std::shared_ptr<Guide> guide_;
   std::string name_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
+  std::uint64_t epoch_ = 0;  ///< beside the heuristic's own
   std::int64_t resolves_left_;
 };
 
@@ -313,6 +400,11 @@ class PartsGuidance : public Prepared {
   }
   void observe(const Outcome& outcome, bool mine) override {
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  }
+  [[nodiscard]] std::uint64_t epoch() const override {
+    std::uint64_t sum = 0;
+    for (const auto& part : parts_) sum += part->epoch();
+    return sum;
   }
   [[nodiscard]] std::vector<std::string> sources() const override { return sources_; }
   void inform(const Configurations& path) override {
@@ -360,6 +452,9 @@ class MixtureGuidance final : public PartsGuidance {
     for (std::size_t i = 0; i < parts_.size(); ++i) sum += weights_[i] * parts_[i]->atom_mass();
     return sum;
   }
+  void record(DensityRecord& record, double share) const override {
+    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->record(record, share * weights_[i]);
+  }
   [[nodiscard]] Configurations guiding_path() const override {
     for (const auto& part : parts_) {
       Configurations path = part->guiding_path();
@@ -384,6 +479,7 @@ class SequenceGuidance final : public PartsGuidance {
       const Configurations path = parts_[drawn_]->guiding_path();
       drawn_ = (drawn_ + 1) % parts_.size();
       served_ = 0;
+      ++turns_;
       if (!path.empty()) parts_[drawn_]->inform(path);
       parts_[drawn_]->prepare();
     }
@@ -392,11 +488,14 @@ class SequenceGuidance final : public PartsGuidance {
   }
   [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
   [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return turns_ + PartsGuidance::epoch(); }
+  void record(DensityRecord& record, double share) const override { parts_[drawn_]->record(record, share); }
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
 
  private:
   std::int64_t turn_;
   std::int64_t served_ = 0;
+  std::uint64_t turns_ = 0;  ///< passed on
 };
 
 std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
@@ -480,6 +579,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   Run run;
   run.seed = seed;
   run.interrupted = options.interrupted;
+  run.watch = options.watch;
   auto instance = make_instance(problem);
   instance->space.normalise(instance->start);
   instance->space.normalise(instance->goal);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,23 +16,44 @@ namespace trellis {
 
 /// What one level of a hierarchy did in one run. Level 0 is the root, the configuration space of the real robot.
 struct LevelRecord {
-  int level = 0;     ///< position in the run's list, depth first
-  int parent = -1;   ///< the level that this one guides
-  int depth = 0;     ///< 0 at the root
-  std::string key;   ///< path in the hierarchy that random streams are keyed by: "0", "0.0", "0.1.0"
-  std::string name;  ///< "root" or the guide as written: "shrink(0.5)"
-  Space space;       ///< S
+  int level = 0;        ///< position in the run's list, depth first
+  int parent = -1;      ///< the level that this one guides
+  int depth = 0;        ///< 0 at the root
+  std::string key;      ///< path in the hierarchy that random streams are keyed by: "0", "0.0", "0.1.0"
+  std::string name;     ///< "root" or the guide as written: "shrink(0.5)"
+  Space space;          ///< S
+  Configuration start;  ///< of its instance
+  Configuration goal;
   std::vector<std::size_t> position_axes;  ///< axes of the reference point's position, empty where none
   std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
   Search search;       ///< proposals, nodes, their fates, checks and time, over all solves
   Solution solution;   ///< the last one found
-  /// Validity in S, counted nowhere; for scoring. One thread at a time.
+  /// Validity in S as it was when the run ended, of configurations and of the straight motion from a valid one; counted
+  /// nowhere; for scoring. One thread at a time, as all functions of a level.
   std::function<bool(View)> valid;
+  std::function<bool(View, View)> valid_motion;
+  /// The density that the level's proposals were drawn from, the mean over them all, with respect to volume in metric
+  /// coordinates; its absolutely continuous part. Empty where there were no proposals or a part of h had no closed
+  /// form.
+  std::function<double(View)> proposal_density;
+  /// The same of the proposals lifted to the root's space.
+  std::function<double(View)> root_proposal_density;
+  /// The share of the proposals that came from atoms, in either space: what the densities' integrals fall short of 1.
+  /// NaN where these are empty.
+  double proposal_atoms = std::numeric_limits<double>::quiet_NaN();
   /// Nodes and proposals lifted to the root's space by the chain of h's (the same rows for level 0).
   Configurations root_nodes;
   Configurations root_proposals;
+
+  /// Lets go of the functions above and all that they hold.
+  void release() {
+    valid = nullptr;
+    valid_motion = nullptr;
+    proposal_density = nullptr;
+    root_proposal_density = nullptr;
+  }
 };
 
 struct RunRecord {
@@ -49,6 +71,8 @@ struct RunRecord {
 struct ExecuteOptions {
   std::int64_t shortcut = 0;          ///< rounds of shortcutting on the found path
   std::function<bool()> interrupted;  ///< polled between proposals; true ends the run with Status::interrupted
+  /// Shown h as it was when it drew a proposal, before the outcome is known, and the level that it drew for.
+  std::function<void(const LevelRecord& level, const Guidance& h)> watch;
 };
 
 /// Checks a problem: finite coordinates of the right number, inside the space, start and goal valid. Throws Error that

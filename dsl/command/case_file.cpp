@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/case_file.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include <dsl/language/modules.hpp>
+#include <dsl/language/problem.hpp>
+#include <dsl/language/session.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/instance/instance.hpp>
+#include <trellis/scene/readers.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr std::int64_t most_dimensions = 100;
+
+std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
+
+std::string describe(const Json& value) {
+  constexpr std::size_t longest = 60;
+  if (value.is_null()) return "null";
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > longest) text = text.substr(0, longest) + "...";
+  return text;
+}
+
+/// "3:17", the place of a byte (from 1) in a text.
+std::string place_of(const std::string& text, std::size_t byte) {
+  const std::string_view before = std::string_view(text).substr(0, byte > 0 ? byte - 1 : 0);
+  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 where there is none
+  return fmt::format("{}:{}", std::count(before.begin(), before.end(), '\n') + 1, before.size() - line_begin + 1);
+}
+
+/// What an exception of the parser says behind the first `mark`.
+std::string_view behind(const Json::exception& error, std::string_view mark) {
+  const std::string_view text = error.what();
+  const auto at = text.find(mark);
+  return at != std::string_view::npos ? text.substr(at + mark.size()) : text;
+}
+
+class Reader {
+ public:
+  explicit Reader(std::string file) : file_(std::move(file)), folder_(fs::path(file_).parent_path()) {}
+
+  Case read() {
+    parse();
+    Case result;
+    result.file = file_;
+    read_space(result);
+    read_path(result);
+    const Json& delta = required("delta", "a number greater than 0 (metres of the metric)");
+    if (!delta.is_number() || !(delta.get<double>() > 0.0) || !std::isfinite(delta.get<double>())) reject("delta");
+    result.tube.delta = delta.get<double>();
+    result.samples = (folder_ / text("samples", "the name of a CSV file")).string();
+    if (has("free")) {
+      result.free = text("free", "a scene of the standard library, a scene file, or a Lua script");
+      result.valid = validity(result);
+    }
+    result.tube.support = result.valid ? "free" : "all";
+    if (const Json* seed = find("seed", "an integer of at least 0")) {
+      if (!seed->is_number_unsigned()) reject("seed");
+      result.seed = seed->get<std::uint64_t>();
+    }
+    return result;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", file_, what)); }
+
+  void parse() {
+    const std::string bytes = dsl::read_file(file_);
+    std::vector<std::string> seen;
+    const Json::parser_callback_t watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
+      if (event != Json::parse_event_t::key || depth != 1) return true;
+      const auto key = parsed.get<std::string>();
+      if (std::find(seen.begin(), seen.end(), key) != seen.end()) fail(fmt::format("the key '{}' is there twice", key));
+      seen.push_back(key);
+      return true;
+    };
+    if (bytes.find_first_not_of(" \t\r\n") == std::string::npos) fail("the file is empty; expected a JSON object");
+    try {
+      document_ = Json::parse(bytes, watch);
+    } catch (const Json::parse_error& error) {
+      // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ..."
+      throw Error(fmt::format("{}:{}: this is not JSON: {}", file_, place_of(bytes, error.byte), behind(error, ": ")));
+    } catch (const Json::out_of_range& error) {
+      fail(std::string(behind(error, "] ")));
+    }
+    if (!document_.is_object()) fail(fmt::format("a case must be a JSON object, got {}", describe(document_)));
+    static const std::vector<std::string> known = {"dim",  "coords", "weights", "lo",   "hi",   "periodic",
+                                                   "path", "delta",  "samples", "free", "seed", "distance"};
+    for (const auto& [key, value] : document_.items()) {
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      fail(fmt::format("unknown key '{}'{}; the keys are: {}", key, did_you_mean(key, known), joined(known)));
+    }
+  }
+
+  [[nodiscard]] bool has(const char* key) const { return document_.contains(key); }
+  /// The value of a key; `expects` is what `reject` says of it.
+  const Json* find(const char* key, std::string expects) {
+    expects_ = std::move(expects);
+    const auto it = document_.find(key);
+    return it != document_.end() ? &*it : nullptr;
+  }
+  const Json& required(const char* key, std::string expects) {
+    const Json* value = find(key, std::move(expects));
+    if (value == nullptr) fail(fmt::format("the key '{}' is missing: {}", key, expects_));
+    return *value;
+  }
+  [[noreturn]] void reject(const char* key) const {
+    fail(fmt::format("{} must be {}, got {}", key, expects_, describe(document_.at(key))));
+  }
+
+  std::string text(const char* key, std::string expects) {
+    const Json& value = required(key, std::move(expects));
+    if (!value.is_string() || value.get<std::string>().empty()) reject(key);
+    return value.get<std::string>();
+  }
+
+  /// A list with an entry for each coordinate.
+  const Json& list(const char* key, const std::string& entries, std::size_t dimension) {
+    const Json& value = required(key, fmt::format("a list of {} {}", dimension, entries));
+    if (!value.is_array()) reject(key);
+    if (value.size() != dimension) {
+      fail(fmt::format("{} must be a list of {} {} (dim), got {}: {}", key, dimension, entries, value.size(),
+                       describe(value)));
+    }
+    return value;
+  }
+  std::vector<double> numbers(const char* key, std::size_t dimension) {
+    const Json& value = list(key, "numbers", dimension);
+    std::vector<double> result;
+    for (const Json& entry : value) {
+      if (!entry.is_number() || !std::isfinite(entry.get<double>())) {
+        fail(fmt::format("{} must hold finite numbers, got {} as number {}", key, describe(entry), result.size() + 1));
+      }
+      result.push_back(entry.get<double>());
+    }
+    return result;
+  }
+
+  void read_space(Case& result) {
+    const Json& dim = required("dim", fmt::format("the number of coordinates, an integer in [1, {}]", most_dimensions));
+    if (!dim.is_number_integer() || dim < 1 || dim > most_dimensions) reject("dim");
+    const auto dimension = dim.get<std::size_t>();
+    std::vector<std::string> names;
+    for (const Json& name : list("coords", "names", dimension)) {
+      const bool good = name.is_string() && !name.get<std::string>().empty() &&
+                        name.get<std::string>().find_first_of(",\"\r\n") == std::string::npos;
+      if (!good) {
+        fail(fmt::format("coords must hold names without commas and quotes, got {} as number {}", describe(name),
+                         names.size() + 1));
+      }
+      names.push_back(name.get<std::string>());
+      if (std::find(names.begin(), names.end() - 1, names.back()) != names.end() - 1) {
+        fail(fmt::format("coords holds '{}' twice", names.back()));
+      }
+    }
+    const auto weights = numbers("weights", dimension);
+    const auto lo = numbers("lo", dimension);
+    const auto hi = numbers("hi", dimension);
+    std::vector<bool> periodic;
+    for (const Json& entry : list("periodic", "booleans, true where the coordinate wraps from hi to lo", dimension)) {
+      if (!entry.is_boolean()) {
+        fail(fmt::format("periodic must hold booleans, got {} as number {}", describe(entry), periodic.size() + 1));
+      }
+      periodic.push_back(entry.get<bool>());
+    }
+    std::vector<Axis> axes;
+    for (std::size_t j = 0; j < dimension; ++j) {
+      if (!(weights[j] > 0.0)) {
+        fail(fmt::format("weights must be greater than 0 (metres of the metric per unit), got {:g} for {}", weights[j],
+                         names[j]));
+      }
+      if (!(lo[j] < hi[j])) {
+        fail(fmt::format("lo must be below hi, got lo = {:g} and hi = {:g} for {}", lo[j], hi[j], names[j]));
+      }
+      axes.push_back({names[j], lo[j], hi[j], weights[j], periodic[j]});
+    }
+    result.space = Space(fmt::format("({})", joined(names)), std::move(axes));
+
+    const Json* distance = find("distance", R"("planar" or "full")");
+    result.tube.distance = "full";
+    if (distance == nullptr) return;
+    if (*distance != "planar" && *distance != "full") reject("distance");
+    result.tube.distance = distance->get<std::string>();
+    if (result.tube.distance == "full") return;
+    if (dimension < 2) fail(R"(distance "planar" needs two coordinates of a position, and dim is 1; write "full")");
+    const auto x = std::find(names.begin(), names.end(), "x");
+    const auto y = std::find(names.begin(), names.end(), "y");
+    const bool named = x != names.end() && y != names.end();
+    result.position = {named ? static_cast<std::size_t>(x - names.begin()) : 0,
+                       named ? static_cast<std::size_t>(y - names.begin()) : 1};
+  }
+
+  void read_path(Case& result) {
+    const Space& space = result.space;
+    const std::size_t dimension = space.dimension();
+    const Json& path = required("path", "a list of configurations, start to goal, two at least");
+    if (!path.is_array()) reject("path");
+    if (path.size() < 2) {
+      fail(fmt::format("path must hold two configurations at least, got {}", path.size()));
+    }
+    result.path = Configurations(dimension);
+    Configuration q;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const auto wrong = [&](const std::string& what) {
+        fail(fmt::format("path: configuration {} of {} {}", i + 1, path.size(), what));
+      };
+      if (!path[i].is_array() || path[i].size() != dimension) {
+        wrong(fmt::format("must be a list of {} numbers {}, got {}", dimension, space.name(), describe(path[i])));
+      }
+      q.clear();
+      for (const Json& coordinate : path[i]) {
+        if (!coordinate.is_number() || !std::isfinite(coordinate.get<double>())) {
+          wrong(fmt::format("must hold finite numbers, got {}", describe(coordinate)));
+        }
+        q.push_back(coordinate.get<double>());
+      }
+      for (std::size_t j = 0; j < dimension; ++j) {
+        const Axis& axis = space.axes()[j];
+        if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
+        wrong(fmt::format("lies outside of the space: {} = {:g} is not in [{:g}, {:g}]", axis.name, q[j], axis.lo,
+                          axis.hi));
+      }
+      result.path.push(q);
+    }
+    if (!has_length(result)) {
+      fail(fmt::format("path has no length{}: a tube needs two configurations that differ",
+                       result.tube.distance == "planar" ? " in the position" : ""));
+    }
+  }
+
+  static bool has_length(const Case& c) {
+    Configuration step(c.space.dimension());
+    for (std::size_t i = 0; i + 1 < c.path.size(); ++i) {
+      c.space.difference(c.path[i], c.path[i + 1], step);
+      for (std::size_t j = 0; j < step.size(); ++j) {
+        const bool counts =
+            c.position.empty() || std::find(c.position.begin(), c.position.end(), j) != c.position.end();
+        if (counts && step[j] != 0.0) return true;
+      }
+    }
+    return false;
+  }
+
+  // What is valid
+  // --------------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] std::vector<Problem> problems(const std::string& free) const {
+    const std::string folder = folder_.string();
+    if (free.ends_with(".lua")) {
+      const std::string script = (folder_ / free).string();
+      dsl::Session session(fs::path(script).parent_path().string());
+      return session.problems(dsl::without_shebang(dsl::read_file(script)), script);
+    }
+    const bool name =
+        std::all_of(free.begin(), free.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+    if (name) {
+      dsl::Session session(folder);
+      try {
+        return session.problems(fmt::format("return scenes['{}']()", free), "free");
+      } catch (const Error& error) {
+        std::string why = error.what();
+        constexpr std::string_view place = "free:1: ";
+        if (why.starts_with(place)) why.erase(0, place.size());
+        throw Error(why + "; a scene file has a name with an ending, and so has a Lua script (.lua)");
+      }
+    }
+    std::vector<std::string> looked;
+    const std::string path = dsl::find_scene(free, folder, &looked);
+    if (path.empty()) throw Error(fmt::format("no file '{}' (looked for {})", free, joined(looked)));
+    return read_problems(path, {});
+  }
+
+  [[nodiscard]] Target::Valid validity(const Case& c) const {
+    std::vector<Problem> found;
+    try {
+      found = problems(c.free);
+    } catch (const Error& error) {
+      fail(fmt::format("free: {}", error.what()));
+    }
+    const Problem& problem = found.front();
+    for (const Problem& other : found) {
+      const bool same =
+          other.scene->world.identity() == problem.scene->world.identity() && other.space == problem.space;
+      if (!same) {
+        fail(fmt::format(
+            "free: '{}' holds {} problems in different worlds; name a Lua script that returns the one meant", c.free,
+            found.size()));
+      }
+    }
+    const auto& axes = problem.space.axes();
+    std::vector<std::string> names;
+    for (const Axis& axis : axes) names.push_back(axis.name);
+    if (axes.size() != c.space.dimension()) {
+      fail(fmt::format("free: a configuration of '{}' has {} coordinates ({}), one of the case has {} {}", problem.name,
+                       axes.size(), joined(names), c.space.dimension(), c.space.name()));
+    }
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      const std::string& name = c.space.axes()[j].name;
+      const auto there = std::find(names.begin(), names.end(), name);
+      if (there == names.end() || there == names.begin() + static_cast<std::ptrdiff_t>(j)) continue;
+      fail(fmt::format("free: the coordinates of '{}' are in another order: ({}), those of the case are {}",
+                       problem.name, joined(names), c.space.name()));
+    }
+    const std::shared_ptr<Instance> instance = make_instance(problem);
+    return [instance](View q) { return instance->validity->state(q); };
+  }
+
+  std::string file_;
+  fs::path folder_;
+  Json document_;
+  std::string expects_;  // of the key looked at last
+};
+
+}  // namespace
+
+Case read_case(const std::string& file) { return Reader(file).read(); }
+
+}  // namespace trellis::command

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/measure.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <dsl/language/random.hpp>
+#include <dsl/lua/state.hpp>
+#include <trellis/instance/instance.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+const Settings<TargetSettings>& user_settings() {
+  constexpr Range count{.lo = 64, .hi = 1e7};
+  static const auto settings =
+      Settings<TargetSettings>(Component::Kind::target, "target", "a target of one's own", "")
+          .number("delta", &TargetSettings::delta, "m", Range::positive(), "radius of the balls that coverage counts")
+          .integer("points", &TargetSettings::points, "points", count, "evaluation points on the target")
+          .integer("pool", &TargetSettings::pool, "points", count,
+                   "points of the target for the volumes of cut balls, at least as many as points; all are drawn");
+  return settings;
+}
+
+// A user's target
+// ------------------------------------------------------------------------------------------------------
+
+/// The functions of one `target { ... }`, and where it stands.
+struct UserFunctions {
+  std::string where;  ///< "script.lua:3: "
+  lua::Reference sample;
+  lua::Reference log_density;
+};
+
+std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
+
+void push_numbers(Stack& stack, View numbers) {
+  const Value list = stack.push_table();
+  for (const double x : numbers) {
+    stack.push(x);
+    stack.append(list);
+  }
+}
+
+/// One entry for each axis.
+template <class Push>
+void set_list(Stack& stack, Value table, const char* name, const Space& space, const Push& push) {
+  const Value list = stack.push_table();
+  for (const Axis& axis : space.axes()) {
+    push(axis);
+    stack.append(list);
+  }
+  stack.set_field(table, name);
+}
+
+void push_space(Stack& stack, const Space& space) {
+  const Value table = stack.push_table();
+  stack.push(space.name());
+  stack.set_field(table, "name");
+  stack.push(static_cast<std::int64_t>(space.dimension()));
+  stack.set_field(table, "dimension");
+  set_list(stack, table, "names", space, [&](const Axis& axis) { stack.push(axis.name); });
+  set_list(stack, table, "lower", space, [&](const Axis& axis) { stack.push(axis.lo); });
+  set_list(stack, table, "upper", space, [&](const Axis& axis) { stack.push(axis.hi); });
+  set_list(stack, table, "weights", space, [&](const Axis& axis) { stack.push(axis.weight); });
+  set_list(stack, table, "periodic", space, [&](const Axis& axis) { stack.push(axis.periodic); });
+}
+
+/// A configuration that a script gives: as many finite numbers as the space has axes.
+Configuration read_configuration(Value value, const Space& space, const std::string& what) {
+  Configuration q = read_numbers(value, what);
+  if (q.size() == space.dimension()) return q;
+  std::string names;
+  for (const Axis& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  throw Error(
+      fmt::format("{} must be a configuration of {} numbers ({}), got {}", what, space.dimension(), names, q.size()));
+}
+
+/// What the functions of a target are told: the path, the problem and its space, and what they may ask.
+void push_context(Stack& stack, const UserTarget::Context& context) {
+  const Space& space = context.problem.space;
+  const Value table = stack.push_table();
+  const Value path = stack.push_table();
+  for (std::size_t i = 0; i < context.path.size(); ++i) {
+    push_numbers(stack, context.path[i]);
+    stack.append(path);
+  }
+  stack.set_field(table, "path");
+  stack.push_object(context.problem);
+  stack.set_field(table, "problem");
+  push_space(stack, space);
+  stack.set_field(table, "space");
+  const auto stream = std::make_shared<Stream>(context.seed, "", "target");
+  stack.push_function(random_function(stream, "random"));
+  stack.set_field(table, "random");
+  stack.push_function([stream](Stack& call) { return call.result(stream->normal()); });
+  stack.set_field(table, "normal");
+  const std::shared_ptr<Instance> instance = make_instance(context.problem);
+  stack.push_function([instance](Stack& call) {
+    const Configuration q = read_configuration(call[1], instance->space, "valid: its argument");
+    return call.result(instance->space.contains(q) && instance->validity->state(q));
+  });
+  stack.set_field(table, "valid");
+}
+
+/// Draws from a user's target for one path, and its density there.
+class UserDraws {
+ public:
+  UserDraws(std::shared_ptr<const UserFunctions> functions, const UserTarget::Context& context)
+      : functions_(std::move(functions)),
+        space_(context.problem.space),
+        problem_(context.problem.name),
+        draws_(context.draws) {
+    interpreter("sample")->run([&](Stack& stack) {
+      push_context(stack, context);
+      context_ = std::make_shared<lua::Reference>(stack, stack.top());
+    });
+  }
+
+  [[nodiscard]] Configuration sample(std::int64_t draw) const {
+    const std::string which = fmt::format("sample, draw {} of {}", draw, draws_);
+    Configuration q;
+    ask(which, [&](Stack& stack) {
+      functions_->sample.push(stack);
+      context_->push(stack);
+      stack.call(1);
+      if (stack.size() == 0) throw Error("it returned nothing, expected a configuration");
+      q = read_configuration(stack[1], space_, "what it returns");
+      space_.normalise(q);
+      for (std::size_t j = 0; j < q.size(); ++j) {
+        const Axis& axis = space_.axes()[j];
+        if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
+        throw Error(fmt::format("what it returns must lie in the space {}: {} = {:g} is outside of [{:g}, {:g}]",
+                                space_.name(), axis.name, q[j], axis.lo, axis.hi));
+      }
+    });
+    return q;
+  }
+
+  [[nodiscard]] double log_density(View q) const {
+    double value = 0.0;
+    ask(
+        "log_density", q, [&] { return fmt::format("log_density at {}", coordinates_of(q)); }, value);
+    return value;
+  }
+
+  /// The density at a draw, where it must be finite.
+  void check_density(std::int64_t draw, View q) const {
+    const auto which = [&] { return fmt::format("log_density at draw {} of {}, {}", draw, draws_, coordinates_of(q)); };
+    double value = 0.0;
+    ask("log_density", q, which, value);
+    if (std::isfinite(value)) return;
+    fail(which(), fmt::format("it returned {:g} where 'sample' draws, expected a finite number: the target has a "
+                              "density wherever it is drawn from",
+                              value));
+  }
+
+ private:
+  [[nodiscard]] std::shared_ptr<lua::State> interpreter(const char* function) const {
+    auto interpreter = functions_->sample.interpreter();
+    if (!interpreter) throw Fault(fmt::format("target: '{}' is asked after its interpreter is gone", function));
+    return interpreter;
+  }
+
+  [[noreturn]] void fail(const std::string& which, const std::string& why) const {
+    throw lua::Located(fmt::format("{}target: {} (problem '{}'): {}", functions_->where, which, problem_, why));
+  }
+
+  void ask(const std::string& which, const std::function<void(Stack&)>& body) const {
+    try {
+      interpreter("sample")->run(body);
+    } catch (const Error& error) {
+      fail(which, error.what());
+    }
+  }
+
+  /// Asked often: nothing is put into words before something is wrong.
+  template <class Which>
+  void ask(const char* function, View q, const Which& which, double& value) const {
+    try {
+      interpreter(function)->run([&](Stack& stack) {
+        functions_->log_density.push(stack);
+        push_numbers(stack, q);
+        context_->push(stack);
+        stack.call(2);
+        const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
+        if (!number || std::isnan(*number) || *number == std::numeric_limits<double>::infinity()) {
+          throw Error(
+              fmt::format("it returned {}, expected the logarithm of a density, and -math.huge where there is "
+                          "none",
+                          stack.size() > 0 ? stack[1].describe() : "nothing"));
+        }
+        value = *number;
+      });
+    } catch (const Error& error) {
+      fail(which(), error.what());
+    }
+  }
+
+  std::shared_ptr<const UserFunctions> functions_;
+  std::shared_ptr<const lua::Reference> context_;
+  Space space_;
+  std::string problem_;
+  std::int64_t draws_;
+};
+
+Target::Distribution distribution(const std::shared_ptr<const UserFunctions>& functions,
+                                  const UserTarget::Context& context) {
+  const auto draws = std::make_shared<const UserDraws>(functions, context);
+  Target::Distribution made{Configurations(context.problem.space.dimension()),
+                            [draws](View q) { return draws->log_density(q); }};
+  made.samples.reserve(static_cast<std::size_t>(context.draws));
+  for (std::int64_t i = 1; i <= context.draws; ++i) {
+    const Configuration q = draws->sample(i);
+    draws->check_density(i, q);
+    made.samples.push(q);
+  }
+  return made;
+}
+
+int make_user_target(Stack& call) {
+  const Arguments arguments(target_construct(), call);
+  for (const char* name : {"sample", "log_density"}) {
+    if (arguments[name].type() != Type::function) arguments.reject(name);
+  }
+  UserTarget target;
+  static_cast<TargetSettings&>(target) = user_settings().read(arguments.options());
+  const auto position = call.where();
+  const std::shared_ptr<const UserFunctions> functions(new UserFunctions{
+      position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}});
+  target.make = [functions](const UserTarget::Context& context) { return distribution(functions, context); };
+  return call.result(TargetSpec(std::move(target)));
+}
+
+// Texts
+// ----------------------------------------------------------------------------------------------------------------
+
+/// The options of a target, in any order.
+std::pair<const Component*, std::vector<Options::Entry>> options_of(const TargetSpec& target) {
+  const TargetSettings& common = common_settings(target);
+  std::vector<Options::Entry> options = {{"delta", common.delta}, {"points", common.points}, {"pool", common.pool}};
+  const Component* component = &user_settings().component();
+  const auto own = [&](const Component& of, std::vector<Options::Entry> entries) {
+    component = &of;
+    options.insert(options.end(), entries.begin(), entries.end());
+  };
+  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
+    own(tube_settings().component(), {{"distance", tube->distance}, {"support", tube->support}});
+  } else if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
+    own(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
+  } else if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
+    own(progress_settings().component(), {{"step", progress->step}, {"controls", progress->controls}});
+  }
+  return {component, std::move(options)};
+}
+
+template <class T>
+int to_text(Stack& call) {
+  const auto* value = call[1].get<T>();
+  if (value == nullptr) return call.result(call[1].describe());
+  if constexpr (std::same_as<T, EstimatorSpec>) {
+    const std::string text = value->text();
+    return call.result(text.ends_with('}') ? text : text + " {}");
+  } else {
+    return call.result(text_of(*value));
+  }
+}
+
+int equal_estimators(Stack& call) {
+  const auto* a = call[1].get<EstimatorSpec>();
+  const auto* b = call[2].get<EstimatorSpec>();
+  return call.result(a != nullptr && b != nullptr && *a == *b);
+}
+
+}  // namespace
+
+std::vector<const Component*> target_components() {
+  return {&tube_settings().component(), &near_optimal_settings().component(), &progress_settings().component()};
+}
+
+std::vector<const Component*> estimator_components() {
+  std::vector<const Component*> components;
+  for (const auto& kind : measure::estimator_kinds()) components.push_back(kind.component);
+  return components;
+}
+
+const Construct& target_construct() {
+  static const Construct construct = {
+      .name = "target",
+      .usage = "target { sample = function(context) ... end, log_density = function(q, context) ... end }",
+      .summary = "a target of one's own: a distribution over the space of the strategy's root",
+      .list = "",
+      .fields = {{"sample", "a function",
+                  "called with a context, returns one configuration of the root's space, drawn from the target; it has "
+                  "context.path (a list of configurations), context.problem, context.space (name, dimension, and the "
+                  "lists names, lower, upper, weights, periodic), context.random() as math.random, context.normal(), "
+                  "and context.valid(q)",
+                  true},
+                 {"log_density", "a function",
+                  "called with a configuration and the context, returns the logarithm of the target's density with "
+                  "respect to volume in metric coordinates (each coordinate times its weight), -math.huge outside of "
+                  "the support",
+                  true}},
+      .options = user_settings().component()};
+  return construct;
+}
+
+int make_target(const Component& component, Stack& call) {
+  const Options options = Options::validate(component, read_options(component, call, 2, false).options);
+  const auto made = [&](const auto& settings) { return call.result(TargetSpec(settings.read(options))); };
+  if (&component == &tube_settings().component()) return made(tube_settings());
+  if (&component == &near_optimal_settings().component()) return made(near_optimal_settings());
+  if (&component == &progress_settings().component()) return made(progress_settings());
+  throw Fault("unknown target " + component.name);
+}
+
+int make_estimator(const Component& component, Stack& call) {
+  return call.result(EstimatorSpec::make(component.name, read_options(component, call, 2, false).options));
+}
+
+std::string text_of(const TargetSpec& target) {
+  const auto [component, options] = options_of(target);
+  std::string inside = std::holds_alternative<UserTarget>(target) ? "sample = function, log_density = function" : "";
+  for (const Option& option : component->options) {
+    const auto it =
+        std::find_if(options.begin(), options.end(), [&](const auto& entry) { return entry.first == option.name; });
+    if (it == options.end() || it->second == option.default_value) continue;
+    inside += fmt::format("{}{} = {}", inside.empty() ? "" : ", ", option.name, to_string(it->second));
+  }
+  return inside.empty() ? component->name + " {}" : fmt::format("{} {{ {} }}", component->name, inside);
+}
+
+std::string text_of(const std::vector<EstimatorSpec>& estimators) {
+  std::string text;
+  for (const EstimatorSpec& estimator : estimators) text += (text.empty() ? "" : ", ") + estimator.text();
+  return text;
+}
+
+void open_measure(Stack& stack) {
+  stack.declare<TargetSpec>({{"__tostring", to_text<TargetSpec>}});
+  stack.declare<EstimatorSpec>({{"__tostring", to_text<EstimatorSpec>}, {"__eq", equal_estimators}});
+  for (const auto& components : {target_components(), estimator_components()}) {
+    for (const Component* component : components) {
+      stack.push_object(Constructor{component});
+      stack.set_global(component->name);
+    }
+  }
+  stack.push_function(make_user_target);
+  stack.set_global(target_construct().name);
+}
+
+}  // namespace trellis::dsl

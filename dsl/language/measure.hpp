@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <dsl/language/construct.hpp>
+#include <dsl/lua/stack.hpp>
+#include <trellis/experiment/experiment.hpp>
+
+namespace trellis::dsl {
+
+/// Makes the targets and the estimators known: a constructor of each, and `target`.
+void open_measure(lua::Stack& stack);
+
+/// The targets and the estimators that are components. (A user's own target is a construct.)
+std::vector<const Component*> target_components();
+std::vector<const Component*> estimator_components();
+
+/// target { sample = function, log_density = function }.
+const Construct& target_construct();
+
+/// What a call of a target's or an estimator's constructor makes.
+int make_target(const Component& component, lua::Stack& call);
+int make_estimator(const Component& component, lua::Stack& call);
+
+/// The target as a script would write it: "tube { delta = 0.25 }", with the options that differ from their defaults.
+std::string text_of(const TargetSpec& target);
+/// "knn, kde { bandwidth = 0.3 }".
+std::string text_of(const std::vector<EstimatorSpec>& estimators);
+
+}  // namespace trellis::dsl

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <trellis/draw/chart.hpp>
+
+/// The two pictures of the measure, from plain numbers; plot() draws them. A figure that does not exist is NaN.
+namespace trellis::draw {
+
+struct WaterfallStep {
+  std::string label{};
+  double value = std::numeric_limits<double>::quiet_NaN();  ///< nats
+  double lo = std::numeric_limits<double>::quiet_NaN();     ///< its 95 % interval
+  double hi = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// From blind sampling to the sampling efficiency of the root, level by level.
+struct WaterfallPanel {
+  std::string title{};                        ///< "tree", "expansion"
+  WaterfallStep uniform{.label = "uniform"};  ///< the divergence of uniform sampling
+  std::vector<WaterfallStep>
+      levels{};  ///< nats won by each, as `gain` is signed: a positive value lowers the divergence
+  WaterfallStep root{.label = "root"};  ///< the sampling efficiency of the root
+};
+
+struct Waterfall {
+  std::string title{};
+  std::string caption{};
+  std::vector<WaterfallPanel> panels{};
+};
+
+/// One bar of a waterfall, from one running total to the next, in nats of divergence.
+struct WaterfallBar {
+  /// `rest`: what the levels leave unexplained between uniform and root. `missing`: a level without a value, which
+  /// leaves the running total where it is.
+  enum class Kind : std::uint8_t { total, gain, loss, rest, missing };
+
+  std::string label{};
+  Kind kind = Kind::total;
+  double from = 0.0;
+  double to = 0.0;
+  double lo = std::numeric_limits<double>::quiet_NaN();  ///< the interval, around `to`
+  double hi = std::numeric_limits<double>::quiet_NaN();
+  std::string text{};  ///< its value as printed: of totals as it is, else the signed change
+};
+
+/// The bars: uniform, the levels, the rest where it does not vanish in print, the root. Each begins at the running
+/// total that the ones before it leave; after an infinite value it stays where it was.
+std::vector<WaterfallBar> waterfall_bars(const WaterfallPanel& panel);
+
+/// Panels side by side, or below each other where they have many bars.
+Figure waterfall(const Waterfall& waterfall);
+
+/// Where along the path the samples of one strategy, level or role lie.
+struct ProfileSeries {
+  std::string name{};
+  std::vector<double> share{};  ///< of the samples, per bin: the mean over the runs, as it is, not smoothed
+  std::vector<double> lo{};     ///< its interval; empty: none
+  std::vector<double> hi{};
+};
+
+struct ProfilePanel {
+  std::string title{};
+  std::vector<double> edges{};   ///< of the bins, along the path: one more than there are bins
+  std::vector<double> target{};  ///< the target's share of each bin
+  std::vector<ProfileSeries> series{};
+};
+
+struct Profile {
+  std::string title{};
+  std::string caption{};
+  std::string x_label = "place along the path (share of its length)";
+  std::vector<ProfilePanel> panels{};
+};
+
+/// Bins that belong to the target and hold no sample of a series are marked in strips on top of the panel; those that
+/// hold none of any series are shaded.
+Figure profile(const Profile& profile);
+
+}  // namespace trellis::draw

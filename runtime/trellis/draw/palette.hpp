@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace trellis::draw {
+
+/// sRGB and opacity, each in [0, 1].
+struct Colour {
+  double r = 0.0;
+  double g = 0.0;
+  double b = 0.0;
+  double a = 1.0;
+
+  [[nodiscard]] constexpr Colour faded(double alpha) const { return {r, g, b, alpha}; }
+  friend constexpr bool operator==(const Colour&, const Colour&) = default;
+};
+
+/// 0xRRGGBB.
+constexpr Colour rgb(unsigned hex) {
+  const auto part = [hex](unsigned shift) { return static_cast<double>((hex >> shift) & 0xFFU) / 255.0; };
+  return {part(16U), part(8U), part(0U), 1.0};
+}
+
+/// The colours of Okabe and Ito (2008), told apart with any colour vision, and greys; then what each stands for.
+namespace palette {
+
+inline constexpr Colour black = rgb(0x000000);
+inline constexpr Colour orange = rgb(0xE69F00);
+inline constexpr Colour sky = rgb(0x56B4E9);
+inline constexpr Colour green = rgb(0x009E73);
+inline constexpr Colour yellow = rgb(0xF0E442);
+inline constexpr Colour blue = rgb(0x0072B2);
+inline constexpr Colour vermillion = rgb(0xD55E00);
+inline constexpr Colour purple = rgb(0xCC79A7);
+
+inline constexpr Colour paper = rgb(0xFFFFFF);
+inline constexpr Colour ink = rgb(0x222222);    ///< text, whiskers
+inline constexpr Colour muted = rgb(0x666666);  ///< what stands back: captions, references, ticks
+inline constexpr Colour frame = rgb(0x444444);
+inline constexpr Colour grid = rgb(0xE4E4E4);
+inline constexpr Colour shade = rgb(0xEBEBEB);  ///< a stretch of an axis that is marked
+
+inline constexpr Colour total = rgb(0x9A9A9A);
+inline constexpr Colour gain = blue;
+inline constexpr Colour loss = vermillion;
+inline constexpr Colour rest = rgb(0xCFCFCF);
+inline constexpr Colour target = black;
+
+/// For series without a colour of their own, in this order; the faint yellow is left out.
+inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, orange, purple, sky, black};
+constexpr Colour nth(std::size_t i) { return series[i % series.size()]; }
+
+}  // namespace palette
+
+}  // namespace trellis::draw

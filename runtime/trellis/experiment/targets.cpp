@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/experiment/targets.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <trellis/experiment/cost_field.hpp>
+#include <trellis/measure/frame.hpp>
+#include <trellis/measure/low_discrepancy.hpp>
+
+namespace trellis {
+
+namespace {
+
+constexpr std::uint64_t cost_seed = 0x6f7074696d756d00;
+
+/// Whether a path has length over some axes.
+bool has_length(const Space& space, const Configurations& path, const std::vector<std::size_t>& axes) {
+  Configuration step(space.dimension());
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    space.difference(path[i], path[i + 1], step);
+    for (const std::size_t axis : axes) {
+      if (step[axis] != 0.0) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<std::size_t> all_axes(const Space& space) {
+  std::vector<std::size_t> axes(space.dimension());
+  for (std::size_t j = 0; j < axes.size(); ++j) axes[j] = j;
+  return axes;
+}
+
+}  // namespace
+
+MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
+                     std::uint64_t seed) {
+  const bool planar = settings.distance == "planar" && !level.position_axes.empty();
+  std::vector<std::size_t> axes = planar ? level.position_axes : all_axes(level.space);
+  if (!has_length(level.space, path, axes)) return {nullptr, "the path has no length"};
+  auto target = std::make_shared<const Target>(level.space, path, std::move(axes), settings, level.valid, seed);
+  if (target->empty()) return {nullptr, "no valid configuration within delta of the path"};
+  return {std::move(target), ""};
+}
+
+MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings) {
+  const auto field = std::make_shared<CostField>(
+      CostFieldInstance{level.space, level.start, level.goal, level.valid, level.valid_motion},
+      CostFieldSettings{static_cast<std::size_t>(settings.nodes)}, cost_seed);
+  const double limit = (1.0 + settings.epsilon) * field->optimum();
+  if (!std::isfinite(limit)) return {nullptr, "the PRM* found no path from start to goal"};
+  auto target = std::make_shared<const Target>(Target::region(
+      level.space, settings, [field, limit](View q) { return field->cost(q) <= limit; }, cost_seed));
+  if (target->empty()) return {nullptr, "no configuration was found near the optimum"};
+  return {std::move(target), ""};
+}
+
+Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed) {
+  const Space& space = level.space;
+  const Search& search = level.search;
+  const std::size_t d = space.dimension();
+  const auto& from = tree ? search.parents : search.near;
+  const Configurations& to = tree ? search.nodes : search.proposals;
+
+  // Unit vectors in metric coordinates, the same for all motions.
+  const auto controls = static_cast<std::size_t>(settings.controls);
+  Stream stream(seed, level.key, tree ? "progress nodes" : "progress proposals");
+  std::vector<double> directions(controls * d);
+  for (std::size_t i = 0; i < controls; ++i) {
+    double square = 0.0;
+    for (std::size_t j = 0; j < d; ++j) {
+      directions[i * d + j] = stream.normal();
+      square += directions[i * d + j] * directions[i * d + j];
+    }
+    for (std::size_t j = 0; j < d; ++j) directions[i * d + j] /= std::sqrt(square);
+  }
+
+  const Space ranks = Space::euclidean({{0.0, 1.0}});
+  Configurations samples(1);
+  std::vector<double> progressing;  // the share of each motion's rivals that come closer to the goal
+  Configuration end(d);
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    if (from[i] == no_node || (tree && from[i] == i)) continue;
+    const View x = search.nodes[from[i]];
+    const double wanted = space.distance(x, to[i]);
+    if (!(wanted > 0.0)) continue;
+    const double length = std::min(settings.step, wanted);
+    space.interpolate(x, to[i], length / wanted, end);
+    const double reached = space.distance(end, level.goal);
+    const double here = space.distance(x, level.goal);
+    double better = 0.0;
+    double closer = 0.0;
+    double all = 0.0;
+    for (std::size_t c = 0; c < controls; ++c) {
+      for (std::size_t j = 0; j < d; ++j) end[j] = x[j] + length * directions[c * d + j] / space.axes()[j].weight;
+      space.normalise(end);
+      if (!space.contains(end)) continue;
+      const double there = space.distance(end, level.goal);
+      all += 1.0;
+      better += there < reached ? 1.0 : 0.0;
+      closer += there < here ? 1.0 : 0.0;
+    }
+    if (closer == 0.0) continue;
+    // Ranks are multiples of 1 / (rivals + 1); a motion's place within its own is as good as any.
+    samples.push(std::vector<double>{std::min(1.0, (better + stream.uniform()) / (all + 1.0))});
+    progressing.push_back(closer / all);
+  }
+  Ranks result{{}, std::move(samples)};
+  if (progressing.empty()) {
+    result.target.reason = "the planner makes no motions from node to node";
+    return result;
+  }
+
+  // T is the mean of the uniform distributions on [0, share]: a falling step function.
+  std::sort(progressing.begin(), progressing.end());
+  const std::size_t n = progressing.size();
+  std::vector<double> above(n + 1, 0.0);  // sum of 1 / share over the motions from this one on
+  for (std::size_t i = n; i-- > 0;) above[i] = above[i + 1] + 1.0 / progressing[i];
+  const auto log_density = [progressing, above, n](View z) {
+    const auto first = std::upper_bound(progressing.begin(), progressing.end(), z[0]) - progressing.begin();
+    return std::log(above[static_cast<std::size_t>(first)] / static_cast<double>(n));
+  };
+  Target::Distribution distribution{Configurations(1), log_density};
+  measure::LowDiscrepancy sequence(2, {stream.uniform(), stream.uniform()});
+  std::vector<double> unit(2);
+  const auto wanted = static_cast<std::size_t>(std::max(settings.points, settings.pool));
+  for (std::size_t i = 0; i < wanted; ++i) {
+    sequence.next(unit);
+    const auto which = std::min(n - 1, static_cast<std::size_t>(unit[0] * static_cast<double>(n)));
+    distribution.samples.push(std::vector<double>{progressing[which] * unit[1]});
+  }
+  result.target.target = std::make_shared<const Target>(Target::distribution(ranks, settings, distribution));
+  return result;
+}
+
+}  // namespace trellis

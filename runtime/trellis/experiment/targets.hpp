@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <trellis/experiment/experiment.hpp>
+
+namespace trellis {
+
+/// A target, or why there is none.
+struct MadeTarget {
+  std::shared_ptr<const Target> target;
+  std::string reason;
+};
+
+/// A tube about a path in a level's space. A path without length in the target's sense makes none.
+MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
+                     std::uint64_t seed);
+
+/// The configurations near the optimum of a level's instance; the same for every run of it.
+MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings);
+
+/// A search's motions ranked by how much closer they come to the goal, and the target of those ranks.
+struct Ranks {
+  MadeTarget target;
+  Configurations samples;
+};
+/// \param tree  the motions that made nodes, from each one's parent; else those that were proposed
+/// Planners without a tree make none.
+Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed);
+
+}  // namespace trellis

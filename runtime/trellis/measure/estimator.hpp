@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <trellis/base/component.hpp>
+#include <trellis/measure/point_tree.hpp>
+#include <trellis/measure/samples.hpp>
+#include <trellis/measure/target.hpp>
+
+namespace trellis {
+
+/// The uniform shares of the defended divergences: the headline's and the one beside it.
+inline constexpr double defence = 0.05;
+inline constexpr double light_defence = 0.01;
+
+/// What one estimator makes of a set of samples, in nats. A figure that does not exist is NaN.
+struct Estimate {
+  std::string estimator = "knn";
+  /// D_eps, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q that has samples, at most
+  /// log(1/eps) + uniform.
+  double value = std::numeric_limits<double>::quiet_NaN();
+  /// The same with eps = 0.01.
+  double light_value = std::numeric_limits<double>::quiet_NaN();
+  /// D(T || Q), undefended; +inf where Q has no density on a part of T, and where no sample lies in A.
+  double undefended = std::numeric_limits<double>::quiet_NaN();
+  /// uniform - value: nats won over blind sampling.
+  double gain = std::numeric_limits<double>::quiet_NaN();
+  /// Jensen-Shannon divergence of T and Q, in [0, log 2].
+  double js = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// An estimator with its validated options.
+class EstimatorSpec {
+ public:
+  /// Throws Error for an unknown estimator (with the nearest name) or a wrong option.
+  static EstimatorSpec make(const std::string& name, const std::vector<Options::Entry>& given = {});
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const Options& options() const { return options_; }
+  /// "kde { bandwidth = 0.3 }": the options that differ from their defaults.
+  [[nodiscard]] std::string text() const;
+  friend bool operator==(const EstimatorSpec&, const EstimatorSpec&) = default;
+
+ private:
+  std::string name_;
+  Options options_;
+};
+
+/// Where densities are known they are used, else nearest neighbours: { exact, knn }.
+const std::vector<EstimatorSpec>& default_estimators();
+
+namespace measure {
+
+/// What estimators work from: samples made ready, the target's evaluation points, and what is asked of both by all.
+struct Evaluation {
+  const Target& target;
+  const Frame& frame;
+  const SampleSet& samples;
+  std::size_t points = 0;                            ///< evaluation points, a prefix of the target's pool
+  const PointTree& all;                              ///< over samples.all
+  std::span<const double> neighbours;                ///< squared distances to the `neighbour_count` nearest of all
+  const std::function<double(View)>& known_density;  ///< of Q where it is known, raw coordinates; else empty
+  std::span<const char> unreachable;                 ///< evaluation points where Q is known to be 0; empty: none
+
+  static constexpr std::size_t neighbour_count = 8;
+  /// The i-th evaluation point in metric coordinates.
+  [[nodiscard]] View at(std::size_t i) const {
+    const std::size_t d = frame.dimension();
+    return View(target.pool_rows()).subspan(i * d, d);
+  }
+};
+
+/// The figures that follow from log q at the evaluation points.
+/// \param mass  the mass that Q has in A without atoms, for JS
+Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density, double mass);
+
+/// One kind of estimator.
+struct EstimatorKind {
+  const Component* component = nullptr;
+  /// A reason why it has no figure for these samples; "" where it has.
+  std::string (*unfit)(const Options&, const Evaluation&) = nullptr;
+  Estimate (*estimate)(const Options&, const Evaluation&) = nullptr;
+};
+
+/// All estimators, in the order of the reference.
+const std::vector<EstimatorKind>& estimator_kinds();
+const EstimatorKind* find_estimator(std::string_view name);
+
+EstimatorKind knn_kind();
+EstimatorKind exact_kind();
+EstimatorKind kde_kind();
+EstimatorKind histogram_kind();
+EstimatorKind legacy_kind();
+
+}  // namespace measure
+
+}  // namespace trellis

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include <trellis/measure/estimator.hpp>
+
+namespace trellis::measure {
+
+namespace {
+
+struct ExactSettings {};
+
+const Settings<ExactSettings>& exact_settings() {
+  static const Settings<ExactSettings> settings(Component::Kind::estimator, "exact",
+                                                "no estimation: the recorded densities of the proposals, integrated "
+                                                "over the target; for expansion where every h has a density",
+                                                "Attali et al. 2022");
+  return settings;
+}
+
+Estimate estimate(const Options&, const Evaluation& evaluation) {
+  std::vector<double> log_density(evaluation.points);
+  double mass = 0.0;
+  for (std::size_t i = 0; i < evaluation.points; ++i) {
+    log_density[i] = std::log(evaluation.known_density(evaluation.target.pool()[i]));
+    mass += std::exp(log_density[i] - evaluation.target.log_density(i));
+  }
+  mass /= static_cast<double>(evaluation.points);
+  return estimate_from(evaluation, log_density, std::min(mass, 1.0));
+}
+
+std::string unfit(const Options&, const Evaluation& evaluation) {
+  return evaluation.known_density ? "" : "the density of these samples is not known";
+}
+
+}  // namespace
+
+EstimatorKind exact_kind() { return {&exact_settings().component(), unfit, estimate}; }
+
+}  // namespace trellis::measure

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/special_functions/digamma.hpp>
+#include <cmath>
+#include <memory>
+
+#include <trellis/measure/cut_ball.hpp>
+#include <trellis/measure/estimator.hpp>
+
+namespace trellis::measure {
+
+namespace {
+
+constexpr std::size_t space_points = 256;  // of a ball, for its share in C
+constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
+constexpr std::size_t pool_enough = 30;    // pool points in a ball that tell its volume in A
+constexpr std::size_t pool_expected = 64;  // pool points wanted in a ball, where the pool could give many more
+constexpr std::size_t least_pool = 2048;
+
+struct KnnSettings {
+  std::int64_t k = 3;
+  std::int64_t k_all = 8;
+  bool blend = true;
+  bool boundary = true;
+};
+
+const Settings<KnnSettings>& knn_settings() {
+  static const Settings<KnnSettings> settings =
+      Settings<KnnSettings>(Component::Kind::estimator, "knn",
+                            "k nearest neighbours among all samples and among those in the target, blended",
+                            "Kozachenko and Leonenko 1987; Singh et al. 2003")
+          .integer("k", &KnnSettings::k, "neighbours", {.lo = 1, .hi = 1000},
+                   "the neighbour among the samples in the target whose distance counts; few keep the target's border "
+                   "sharp")
+          .integer("k_all", &KnnSettings::k_all, "neighbours", {.lo = 1, .hi = 1000},
+                   "the same among all samples, or as many as there are; more of them vary less")
+          .boolean("blend", &KnnSettings::blend,
+                   "whether the density among the samples in the target is blended in; false: all samples only")
+          .boolean("boundary", &KnnSettings::boundary,
+                   "whether balls are cut to the space; false: their whole volume, as textbooks have it")
+          .positional({"k"});
+  return settings;
+}
+
+double digamma(std::size_t n) { return boost::math::digamma(static_cast<double>(n)); }
+
+/// log q at points of A by blended k nearest neighbours.
+///
+/// The plain term sees all samples and is blind to the border of A; the in-tube term sees the samples in A only, and
+/// the part of its ball in A. Each is best where the other is worst, and the share of samples in A weighs them.
+class BlendedNeighbours {
+ public:
+  BlendedNeighbours(const KnnSettings& settings, const Evaluation& evaluation)
+      : evaluation_(evaluation),
+        target_(evaluation.target),
+        inside_(evaluation.frame, evaluation.samples.inside),
+        space_ball_(evaluation.frame, space_points),
+        target_ball_(evaluation.frame, target_points),
+        boundary_(settings.boundary),
+        k_all_(std::min(static_cast<std::size_t>(settings.k_all), evaluation.all.size())),
+        k_inside_(settings.blend ? std::min(static_cast<std::size_t>(settings.k), inside_.size()) : 0),
+        // Atoms raise N, and with it lower the density of the rest, but do not make the in-tube term any better.
+        share_(k_inside_ == 0 ? 0.0 : static_cast<double>(inside_.size()) / static_cast<double>(evaluation.all.size())),
+        log_mass_all_(digamma(k_all_) - digamma(evaluation.samples.total + 1)),
+        log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(evaluation.samples.total + 1) : 0.0),
+        least_radius_(1e-9 * target_.space().diameter()),
+        squared_(std::max(k_all_, k_inside_)) {
+    // With few samples in A the balls are wide and hold a good part of the pool. 64 points a ball make 20 points of the
+    // pool to a sample, and add no more than a twentieth to the variance; the whole pool would cost many times that.
+    const std::size_t wanted =
+        std::max<std::size_t>(least_pool, pool_expected * inside_.size() / std::max<std::size_t>(k_inside_, 1));
+    if (k_inside_ > 0 && target_.is_uniform() && 2 * wanted < target_.pool().size()) {
+      part_size_ = wanted;
+      part_ = std::make_unique<PointTree>(evaluation.frame,
+                                          std::span(target_.pool_rows()).first(wanted * evaluation.frame.dimension()));
+    }
+  }
+
+  /// log q at the i-th evaluation point.
+  [[nodiscard]] double log_density(std::size_t i) {
+    const View y = evaluation_.at(i);
+    double kth = 0.0;
+    if (k_all_ <= Evaluation::neighbour_count) {
+      kth = evaluation_.neighbours[i * Evaluation::neighbour_count + k_all_ - 1];
+    } else {
+      evaluation_.all.nearest(y, std::span(squared_).first(k_all_));
+      kth = squared_[k_all_ - 1];
+    }
+    const double r = std::max(std::sqrt(kth), least_radius_);
+    const double volume = boundary_ ? space_ball_.log_volume(y, r)
+                                    : log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r);
+    const double plain = log_mass_all_ - volume;
+    if (k_inside_ == 0) return plain;
+    inside_.nearest(y, std::span(squared_).first(k_inside_));
+    const double in_tube = log_mass_inside_ - log_volume_in_target(i, y, squared_[k_inside_ - 1]);
+    return share_ * in_tube + (1.0 - share_) * plain;
+  }
+
+ private:
+  /// log of the volume of the part of a ball around the i-th point of the pool that lies in A.
+  [[nodiscard]] double log_volume_in_target(std::size_t i, View y, double squared) const {
+    if (!target_.is_uniform()) return by_draws(y, squared);
+    // The mean of psi(1 + m) over Poisson counts m of the other points is the log of their mean, so the centre, a
+    // point of the pool itself, is counted once.
+    const auto by_pool = [&](std::size_t with_centre, std::size_t pool) {
+      return target_.log_volume() + digamma(with_centre) - std::log(static_cast<double>(pool));
+    };
+    if (part_) {
+      const std::size_t self = i < part_size_ ? 0 : 1;
+      const std::size_t m = part_->count_within(y, squared) + self;
+      if (m >= pool_enough) return by_pool(m, part_size_ + self);
+    }
+    const std::size_t m = target_.pool_tree().count_within(y, squared);
+    if (m < pool_enough) {
+      std::vector<double> x(y.size());
+      const double r = std::max(std::sqrt(squared), least_radius_);
+      const double by_points = target_ball_.log_volume(y, r, [&](View at) {
+        evaluation_.frame.to_raw(at, x);
+        return target_.contains(x);
+      });
+      if (std::isfinite(by_points)) return by_points;
+    }
+    return by_pool(std::max<std::size_t>(m, 1), target_.pool_tree().size());
+  }
+
+  /// The same for a target that is a distribution with a support of its own: fixed points of the ball.
+  [[nodiscard]] double by_draws(View y, double squared) const {
+    std::vector<double> x(y.size());
+    const double r = std::max(std::sqrt(squared), least_radius_);
+    const double volume = target_ball_.log_volume(y, r, [&](View at) {
+      evaluation_.frame.to_raw(at, x);
+      return target_.contains(x);
+    });
+    return std::isfinite(volume) ? volume : space_ball_.log_volume(y, r);
+  }
+
+  const Evaluation& evaluation_;
+  const Target& target_;
+  PointTree inside_;
+  CutBall space_ball_;
+  CutBall target_ball_;
+  bool boundary_;
+  std::size_t k_all_;
+  std::size_t k_inside_;
+  double share_;
+  double log_mass_all_;
+  double log_mass_inside_;
+  double least_radius_;
+  std::vector<double> squared_;  // scratch
+  std::size_t part_size_ = 0;
+  std::unique_ptr<PointTree> part_;  // a prefix of the pool; null where the whole pool is wanted
+};
+
+Estimate estimate(const Options& options, const Evaluation& evaluation) {
+  const SampleSet& samples = evaluation.samples;
+  const auto total = static_cast<double>(samples.total);
+  const std::size_t d = evaluation.frame.dimension();
+  const KnnSettings settings = knn_settings().read(options);
+  std::vector<double> log_density(evaluation.points);
+  if (samples.inside.empty()) {
+    // Half a sample, spread over A: what N samples without a hit leave possible.
+    for (std::size_t i = 0; i < evaluation.points; ++i) {
+      log_density[i] = std::log(0.5 / (total + 1.0)) + evaluation.target.log_density(i);
+    }
+    Estimate result = estimate_from(evaluation, log_density, 0.0);
+    result.undefended = std::numeric_limits<double>::infinity();
+    return result;
+  }
+  BlendedNeighbours density(settings, evaluation);
+  for (std::size_t i = 0; i < evaluation.points; ++i) log_density[i] = density.log_density(i);
+  return estimate_from(evaluation, log_density, static_cast<double>(samples.inside.size() / d) / total);
+}
+
+std::string unfit(const Options& options, const Evaluation& evaluation) {
+  const SampleSet& samples = evaluation.samples;
+  const auto k = static_cast<std::size_t>(knn_settings().read(options).k);
+  const std::size_t distinct = samples.all.size() / evaluation.frame.dimension();
+  if (distinct >= k) return "";
+  if (samples.total >= k && distinct == 0 && !samples.atoms.empty()) {
+    return "all samples occur more than once: they have no density";
+  }
+  return fmt::format("too few samples: {} that occur once, k = {} are needed", distinct, k);
+}
+
+}  // namespace
+
+EstimatorKind knn_kind() { return {&knn_settings().component(), unfit, estimate}; }
+
+}  // namespace trellis::measure

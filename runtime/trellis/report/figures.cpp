@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <trellis/draw/chart.hpp>
+#include <trellis/draw/figures.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis {
+
+namespace {
+
+draw::WaterfallStep step(const std::string& label, const Interval& interval) {
+  return {label, interval.value, interval.lo, interval.hi};
+}
+
+/// The guides of a level that have steps of their own, in the waterfall's order.
+std::vector<const WaterfallStep*> steps_to(const Waterfall& waterfall, int level) {
+  std::vector<const WaterfallStep*> steps;
+  for (const WaterfallStep& s : waterfall.steps) {
+    if (s.level == level) steps.push_back(&s);
+  }
+  return steps;
+}
+
+/// One panel for each way from a level that nothing guides to the root: a chain has one, a mixture several.
+void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Figure& root, const std::string& role,
+                draw::Waterfall& picture) {
+  std::vector<std::vector<const WaterfallStep*>> ways;
+  const auto follow = [&](int level, std::vector<const WaterfallStep*> way, auto&& self) -> void {
+    for (const WaterfallStep* s : steps_to(waterfall, level)) {
+      auto longer = way;
+      longer.insert(longer.begin(), s);
+      if (s->from < 0) {
+        ways.push_back(std::move(longer));
+      } else {
+        self(s->from, longer, self);
+      }
+    }
+  };
+  follow(0, {}, follow);
+  for (std::size_t w = 0; w < ways.size(); ++w) {
+    draw::WaterfallPanel panel;
+    panel.title = ways.size() == 1 ? role : fmt::format("{}, by {}", role, [&] {
+      return summary.levels[static_cast<std::size_t>(ways[w].front()->level)].name;
+    }());
+    panel.uniform = step("uniform", waterfall.uniform);
+    for (const WaterfallStep* s : ways[w]) {
+      panel.levels.push_back(step(summary.levels[static_cast<std::size_t>(s->level)].name, s->added));
+    }
+    panel.root = step("SE of the root", root.value);
+    picture.panels.push_back(std::move(panel));
+  }
+}
+
+/// A role's profile, in the last panel where its bins are as many, else in one of its own.
+void add_profile(const Figure& figure, const std::string& level, const std::string& role, draw::Profile& picture,
+                 bool fresh) {
+  if (figure.profile.empty()) return;
+  const std::size_t bins = figure.profile.size();
+  if (fresh || picture.panels.back().edges.size() != bins + 1) {
+    draw::ProfilePanel panel;
+    panel.title = fresh ? level : fmt::format("{}, {}", level, role);
+    for (std::size_t i = 0; i <= bins; ++i) panel.edges.push_back(static_cast<double>(i) / static_cast<double>(bins));
+    panel.target = figure.profile_target;
+    picture.panels.push_back(std::move(panel));
+  }
+  draw::ProfileSeries series;
+  series.name = role;
+  for (const Interval& share : figure.profile) {
+    series.share.push_back(share.value);
+    series.lo.push_back(share.lo);
+    series.hi.push_back(share.hi);
+  }
+  picture.panels.back().series.push_back(std::move(series));
+}
+
+void write(const draw::Figure& figure, const std::filesystem::path& stem) {
+  const draw::Canvas canvas = draw::plot(figure);
+  write_file(stem.string() + ".svg", canvas.render(draw::Format::svg));
+  write_file(stem.string() + ".png", canvas.render(draw::Format::png));
+}
+
+}  // namespace
+
+void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory) {
+  Directories problems;
+  std::map<std::string, Directories> strategies;  // of each problem
+  for (const auto& problem : experiment.problems) {
+    for (const auto& entry : experiment.strategies) {
+      const std::string& name = entry.first;
+      const auto runs = select_runs(result, problem.name, name);
+      const RunsSummary summary = summarise(runs);
+      if (summary.levels.empty()) continue;
+      const std::filesystem::path place =
+          std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
+      const std::string heading = fmt::format("{} on {}", name, problem.name);
+      const std::string seeds = fmt::format("{} seed{}", runs.size(), runs.size() == 1 ? "" : "s");
+
+      draw::Waterfall waterfall;
+      waterfall.title = heading + ": what each level took off the divergence";
+      waterfall.caption = fmt::format(
+          "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over {}.", seeds);
+      const FigurePair& root = summary.levels.front().root;
+      add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
+      add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
+
+      draw::Profile profile;
+      profile.title = heading + ": where along the path its samples lie";
+      profile.caption = fmt::format(
+          "Each level in its own space along its own path; line: the target; bands: 95 % Student interval over {}.",
+          seeds);
+      for (const LevelSummary& level : summary.levels) {
+        add_profile(level.own.tree, level.name, "tree", profile, true);
+        add_profile(level.own.expansion, level.name, "expansion", profile, level.own.tree.profile.empty());
+      }
+      if (waterfall.panels.empty() && profile.panels.empty()) continue;
+      make_directory(place.string());
+      if (!waterfall.panels.empty()) write(draw::waterfall(waterfall), place / "waterfall");
+      if (!profile.panels.empty()) write(draw::profile(profile), place / "profile");
+    }
+  }
+}
+
+}  // namespace trellis

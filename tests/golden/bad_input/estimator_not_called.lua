@@ -1,0 +1,1 @@
+return experiment { problems = scenes.cup(), strategies = { rrt = rrt {} }, estimators = { exact(), knn } }

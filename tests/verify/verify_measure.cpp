@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measures the estimators' errors where the truth is known, and writes what it found: a section of Markdown on stdout,
+// pictures into a folder. scripts/verify-measure puts the section into docs/measure.md.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include <trellis/draw/chart.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/scoring.hpp>
+
+#include "support/worlds.hpp"
+#include "verify/measure_cases.hpp"
+
+namespace {
+
+using namespace trellis;
+using verify::Case;
+
+const std::vector<std::size_t> numbers = {300, 1000, 3000};
+unsigned jobs() { return std::max(1U, std::thread::hardware_concurrency()); }
+
+struct Errors {
+  double bias = 0.0;
+  double spread = 0.0;
+  double rmse = 0.0;
+  std::size_t infinite = 0;
+  std::map<std::string, std::size_t> flags;
+};
+
+Errors errors_of(const std::vector<double>& values, double truth) {
+  Errors e;
+  double sum = 0.0;
+  double squares = 0.0;
+  double n = 0.0;
+  for (const double v : values) {
+    if (!std::isfinite(v)) {
+      ++e.infinite;
+      continue;
+    }
+    sum += v - truth;
+    squares += (v - truth) * (v - truth);
+    n += 1.0;
+  }
+  e.bias = sum / n;
+  e.spread = std::sqrt(std::max(0.0, squares / n - e.bias * e.bias));
+  e.rmse = std::sqrt(squares / n);
+  return e;
+}
+
+struct Measured {
+  Errors defended;
+  Errors plain;
+  std::vector<double> values;
+};
+
+Measured measure(const Case& c, std::size_t n, std::size_t repetitions, const EstimatorSpec& estimator,
+                 std::uint64_t first = 0) {
+  std::vector<Efficiency> found(repetitions);
+  in_parallel(repetitions, jobs(), [&](std::size_t r) {
+    found[r] = efficiency(*c.target, c.samples(n, first + r), {.held = Held::anything, .estimators = {estimator}});
+  });
+  Measured m;
+  std::vector<double> plain;
+  for (const Efficiency& e : found) {
+    m.values.push_back(e.value);
+    plain.push_back(e.undefended);
+  }
+  m.defended = errors_of(m.values, c.d_defended);
+  m.plain = errors_of(plain, c.d);
+  for (const Efficiency& e : found) {
+    for (const auto& flag : e.flags) ++m.defended.flags[flag];
+  }
+  return m;
+}
+
+std::string signed_text(double x) { return fmt::format("{:+.3f}", x); }
+std::string truth_text(double x) { return std::isinf(x) ? "inf" : fmt::format("{:.3f}", x); }
+
+draw::Series points(const std::string& name, const std::vector<double>& y, const std::vector<double>& half) {
+  draw::Series series;
+  series.kind = draw::Series::Kind::points;
+  series.name = name;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    series.x.push_back(static_cast<double>(i));
+    series.y.push_back(y[i]);
+    series.lo.push_back(y[i] - half[i]);
+    series.hi.push_back(y[i] + half[i]);
+  }
+  return series;
+}
+
+void save(const draw::Figure& figure, const std::string& path) {
+  std::ofstream(path, std::ios::binary) << draw::plot(figure).render(draw::Format::svg);
+}
+
+struct Report {
+  std::string text;
+  std::string folder;
+  std::size_t repetitions = 200;
+  bool passed = true;
+
+  void require(bool holds, const std::string& what) {
+    text += fmt::format("- {}: **{}**\n", what, holds ? "holds" : "does not hold");
+    passed = passed && holds;
+  }
+};
+
+void error_tables(Report& report, const std::vector<Case>& cases) {
+  const EstimatorSpec knn = EstimatorSpec::make("knn");
+  report.text += fmt::format(
+      "### Bias and spread\n\nThe error of D_eps by the default estimator over {} repetitions: mean ± standard "
+      "deviation, in nats. `D inf` counts the repetitions where D was given as infinite.\n\n"
+      "| case | D | D_eps | N = 300 | N = 1000 | N = 3000 | D inf at 1000 | flags at 1000 |\n"
+      "|---|---|---|---|---|---|---|---|\n",
+      report.repetitions);
+  draw::Figure figure;
+  figure.title = "Error of D_eps where the truth is known";
+  figure.caption = fmt::format("Mean and standard deviation over {} repetitions.", report.repetitions);
+  figure.width = 640;
+  figure.columns = 1;
+  figure.share_x = true;
+  std::vector<std::vector<double>> bias(numbers.size());
+  std::vector<std::vector<double>> spread(numbers.size());
+  std::vector<std::string> names;
+  for (const Case& c : cases) {
+    std::string row = fmt::format("| {}: {} | {} | {} |", c.name, c.what, truth_text(c.d), truth_text(c.d_defended));
+    std::string infinite;
+    std::string flags;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const Measured m = measure(c, numbers[k], report.repetitions, knn);
+      row += fmt::format(" {} ± {:.3f} |", signed_text(m.defended.bias), m.defended.spread);
+      bias[k].push_back(m.defended.bias);
+      spread[k].push_back(m.defended.spread);
+      if (numbers[k] != 1000) continue;
+      infinite = fmt::format("{}", m.plain.infinite);
+      for (const auto& [flag, times] : m.defended.flags)
+        flags += fmt::format("{}{} {}", flags.empty() ? "" : ", ", flag, times);
+      if (std::isinf(c.d) && c.mendable) {
+        report.passed = report.passed && m.plain.infinite == report.repetitions;
+      }
+    }
+    report.text += fmt::format("{} {} | {} |\n", row, infinite, flags.empty() ? "-" : flags);
+    names.push_back(c.name);
+  }
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    draw::Panel panel;
+    panel.title = fmt::format("N = {}", numbers[k]);
+    panel.x.categories = names;
+    panel.y.label = "error, nats";
+    panel.references.push_back({0.0, ""});
+    panel.series.push_back(points("", bias[k], spread[k]));
+    figure.panels.push_back(std::move(panel));
+  }
+  save(figure, report.folder + "/measure_errors.svg");
+  report.text += "\n![errors](figures/measure_errors.svg)\n\n";
+}
+
+void estimator_table(Report& report, const std::vector<Case>& cases) {
+  report.text +=
+      "### The four standard cases, by estimator\n\nRMSE of D_eps over the four standard cases (uniform, elsewhere, "
+      "tree-like, T itself).\n\n| estimator | R^2, 300 | R^2, 1000 | R^2, 3000 | SE(2), 300 | SE(2), 1000 | SE(2), "
+      "3000 "
+      "| repetitions |\n|---|---|---|---|---|---|---|---|\n";
+  struct Row {
+    std::string name;
+    std::vector<Options::Entry> options;
+    std::size_t repetitions;
+  };
+  const std::vector<Row> rows = {
+      {"knn", {}, report.repetitions},
+      {"knn", {{"k_all", std::int64_t{3}}}, report.repetitions},
+      {"knn", {{"k", std::int64_t{3}}, {"k_all", std::int64_t{3}}, {"blend", false}}, report.repetitions},
+      {"kde", {}, report.repetitions / 10},
+      {"kde", {{"rule", std::string("scott")}}, report.repetitions / 10},
+      {"histogram", {}, report.repetitions},
+      {"histogram", {{"smoothing", std::string("floor")}}, report.repetitions},
+  };
+  for (const Row& row : rows) {
+    const EstimatorSpec spec = EstimatorSpec::make(row.name, row.options);
+    std::string line = fmt::format("| `{}` |", spec.text());
+    for (const char* space : {"R^2", "SE(2)"}) {
+      for (const std::size_t n : numbers) {
+        double squares = 0.0;
+        for (const Case& c : cases) {
+          if (!c.standard || c.name.find(space) == std::string::npos) continue;
+          const double rmse = measure(c, n, row.repetitions, spec).defended.rmse;
+          squares += 0.25 * rmse * rmse;
+        }
+        const double rmse = std::sqrt(squares);
+        line += fmt::format(" {:.3f} |", rmse);
+        if (row.name == "knn" && row.options.empty() && n == 1000) {
+          const double limit = std::string_view(space) == "R^2" ? 0.08 : 0.12;
+          report.require(rmse <= limit,
+                         fmt::format("RMSE in {} at N = 1000 is {:.3f}, at most {:.2f} asked", space, rmse, limit));
+          // The requirement is told above the table.
+          const auto at = report.text.rfind("- RMSE");
+          std::string told = report.text.substr(at);
+          report.text.erase(at);
+          report.text.insert(report.text.find("| estimator |"), told + "\n");
+        }
+      }
+    }
+    report.text += fmt::format("{} {} |\n", line, row.repetitions);
+  }
+  report.text += '\n';
+}
+
+void interval_table(Report& report, const std::vector<Case>& cases) {
+  constexpr std::size_t runs = 15;
+  const std::size_t experiments = 2 * report.repetitions;
+  report.text += fmt::format(
+      "### Intervals\n\nHow often the 95 % Student interval over {} runs of N = 1000 samples covers the truth, in {} "
+      "experiments (a share of {} such experiments is itself known to ± {:.1f} %).\n\n| case | covered |\n|---|---|\n",
+      runs, experiments, experiments, 100.0 * 1.96 * std::sqrt(0.95 * 0.05 / static_cast<double>(experiments)));
+  for (const Case& c : cases) {
+    if (!c.standard) continue;
+    const Measured m = measure(c, 1000, runs * experiments, EstimatorSpec::make("knn"), 100000);
+    std::size_t covered = 0;
+    for (std::size_t e = 0; e < experiments; ++e) {
+      const Interval interval = student_interval(std::span(m.values).subspan(e * runs, runs));
+      if (interval.lo <= c.d_defended && c.d_defended <= interval.hi) ++covered;
+    }
+    report.text += fmt::format("| {} | {:.1f} % |\n", c.name,
+                               100.0 * static_cast<double>(covered) / static_cast<double>(experiments));
+  }
+  report.text += '\n';
+}
+
+/// The proposals of plain RRT: uniform, and 5 % the goal itself.
+void rrt_table(Report& report) {
+  report.text +=
+      "### Proposals of plain RRT\n\nTheir density is known: D = log(|C|/|A|) - log 0.95. The samples scored by `knn` "
+      "on "
+      "the paths of other seeds (15 seeds, 4 paths each) against that, and by `exact`.\n\n"
+      "| scene | error of knn | 95 % interval | error of exact |\n|---|---|---|---|\n";
+  for (const Problem& problem : {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()}) {
+    Experiment experiment;
+    experiment.problems = {problem};
+    experiment.strategies = {{"rrt", StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}))}};
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) experiment.seeds.push_back(seed);
+    experiment.measure = Measure{};
+    const ExperimentResult result = run(experiment, {.jobs = jobs(), .progress = {}, .interrupted = {}});
+    std::vector<double> knn;
+    std::vector<double> exact;
+    for (const RunResult& r : result.runs) {
+      if (r.levels.empty() || !r.levels.front().root_cross) continue;
+      const Efficiency& e = r.levels.front().root_cross->expansion;
+      const double truth = e.uniform - std::log(0.95);
+      exact.push_back(e.undefended - truth);
+      if (!e.others.empty()) knn.push_back(e.others.front().undefended - truth);
+    }
+    const Interval k = student_interval(knn);
+    const Interval x = student_interval(exact);
+    report.text += fmt::format("| {} | {} | {} to {} | {:.1e} |\n", problem.name, signed_text(k.value),
+                               signed_text(k.lo), signed_text(k.hi), x.value);
+    report.passed = report.passed && std::abs(k.value) <= 0.05 && std::abs(x.value) <= 0.01;
+    if (!(std::abs(k.value) <= 0.05)) report.text += "| | more than 0.05 | | |\n";
+  }
+  report.text += '\n';
+}
+
+/// `exact` at the default number of points against a fine quasi Monte Carlo integral of the same density.
+void exact_table(Report& report) {
+  report.text +=
+      "### Exact densities\n\n`exact` with 4096 points against an integral over 2^18 points of the recorded density, "
+      "nested strategy (skeleton >> shrink >> lazy >> rrt), seed 1, its own path.\n\n"
+      "| scene | level | D_eps, 4096 points | D_eps, 2^18 points | difference |\n|---|---|---|---|---|\n";
+  const StrategySpec nested = GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
+                              GuideSpec::make("lazy", {}) >> PlannerSpec::make("rrt", {{"step", 0.5}});
+  for (const Problem& problem : {test::simple_passage_problem(), test::cup_problem()}) {
+    const RunRecord record = execute(nested, problem, 1);
+    if (!record.solved) continue;
+    for (const LevelRecord& level : record.levels) {
+      if (!level.root_proposal_density || level.root_proposals.empty()) continue;
+      const LevelRecord& root = record.levels.front();
+      const auto defended = [&](std::int64_t pool) {
+        TubeSettings settings;
+        settings.pool = std::max<std::int64_t>(pool, settings.pool);
+        settings.points = pool;
+        const Target target(root.space, record.path, root.position_axes, settings, root.valid, 1);
+        return efficiency(target, level.root_proposals,
+                          {.estimators = {EstimatorSpec::make("exact")}, .density = level.root_proposal_density})
+            .value;
+      };
+      const double coarse = defended(4096);
+      const double fine = defended(1 << 18);
+      report.text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {:+.4f} |\n", problem.name, level.name, coarse, fine,
+                                 coarse - fine);
+      report.passed = report.passed && std::abs(coarse - fine) <= 0.01;
+    }
+  }
+  report.text += '\n';
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fputs("usage: verify_measure FOLDER [REPETITIONS]\n", stderr);
+    return 2;
+  }
+  Report report;
+  report.folder = argv[1];
+  if (argc > 2) report.repetitions = static_cast<std::size_t>(std::max(20, std::atoi(argv[2])));
+  std::vector<Case> cases = verify::standard_cases(2);
+  for (auto& c : verify::standard_cases(3)) cases.push_back(std::move(c));
+  const std::vector<Case> standard = cases;
+  for (auto& c : verify::closed_cases()) cases.push_back(std::move(c));
+  error_tables(report, cases);
+  estimator_table(report, standard);
+  interval_table(report, standard);
+  rrt_table(report);
+  exact_table(report);
+  std::fputs(report.text.c_str(), stdout);
+  std::fprintf(stderr, "%s\n", report.passed ? "all requirements hold" : "some requirement does not hold");
+  return report.passed ? 0 : 1;
+}
