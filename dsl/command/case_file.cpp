@@ -270,7 +270,7 @@ class Reader {
       return session.problems(dsl::without_shebang(dsl::read_file(script)), script);
     }
     const bool name =
-        std::all_of(free.begin(), free.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+        std::all_of(free.begin(), free.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
     if (name) {
       dsl::Session session(folder);
       try {
@@ -307,6 +307,7 @@ class Reader {
     }
     const auto& axes = problem.space.axes();
     std::vector<std::string> names;
+    names.reserve(axes.size());
     for (const Axis& axis : axes) names.push_back(axis.name);
     if (axes.size() != c.space.dimension()) {
       fail(fmt::format("free: a configuration of '{}' has {} coordinates ({}), one of the case has {} {}", problem.name,

@@ -183,7 +183,7 @@ std::string meaning_of(const std::string& flag) {
        {"below mass bound", "D is below what the share of the samples in the target allows: do not believe it"},
        {"cannot reach", "part of the target is invalid, and these samples can never be"},
        {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
-  const auto it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
+  const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
   return it != meanings.end() ? fmt::format("{}: {}", flag, it->second) : flag;
 }
 

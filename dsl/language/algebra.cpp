@@ -334,8 +334,10 @@ const Construct& ablations_construct() {
   static const Construct construct = {
       .name = "ablations",
       .usage = "ablations(skeleton() >> shrink(0.5) >> rrt {})",
-      .summary = "a strategy and what is left of it without each of its guides, as a list of { \"name\", strategy }",
-      .list = "one strategy; the list is what experiment's 'strategies' takes, the strategy itself first as \"whole\"",
+      .summary = "a strategy, and what is left of it without each of its guides, under names",
+      .list =
+          "one strategy; what comes back is a list of pairs {\"name\", strategy}, as experiment's 'strategies' takes "
+          "it, the strategy itself first as \"whole\"",
       .fields = {},
       .options = {}};
   return construct;

@@ -113,8 +113,7 @@ void State::run(const std::function<void(Stack&)>& body) {
   if (status != LUA_OK) throw Located(message);
 }
 
-Reference::Reference(const Stack& stack, Value value)
-    : interpreter_(State::of(stack.state()).weak_from_this()), key_(LUA_NOREF) {
+Reference::Reference(const Stack& stack, Value value) : interpreter_(State::of(stack.state()).weak_from_this()) {
   luaL_checkstack(stack.state(), 2, "too many values");
   lua_pushvalue(stack.state(), value.index());
   key_ = luaL_ref(stack.state(), LUA_REGISTRYINDEX);

@@ -58,7 +58,7 @@ class Reference {
 
  private:
   std::weak_ptr<State> interpreter_;
-  int key_;  // in Lua's registry
+  int key_ = -2;  // in Lua's registry; LUA_NOREF at first
 };
 
 /// Opens the parts of Lua's own library that can do no harm: base, table, string, math, utf8, coroutine; no files,

@@ -46,6 +46,7 @@ MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const
 }
 
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings) {
+  if (!level.valid(level.start) || !level.valid(level.goal)) return {nullptr, "start or goal is invalid in this space"};
   const auto field = std::make_shared<CostField>(
       CostFieldInstance{level.space, level.start, level.goal, level.valid, level.valid_motion},
       CostFieldSettings{static_cast<std::size_t>(settings.nodes)}, cost_seed);

@@ -36,7 +36,7 @@ const Settings<TubeSettings>& tube_settings();
 /// times the optimal length.
 struct NearOptimalSettings : TargetSettings {
   double epsilon = 0.1;       ///< how much longer than the optimum
-  std::int64_t nodes = 2000;  ///< of the PRM* that costs are taken from
+  std::int64_t nodes = 8000;  ///< of the PRM* that costs are taken from
 };
 const Settings<NearOptimalSettings>& near_optimal_settings();
 

@@ -31,7 +31,7 @@ struct LevelRecord {
   Search search;       ///< proposals, nodes, their fates, checks and time, over all solves
   Solution solution;   ///< the last one found
   /// Validity in S as it was when the run ended, of configurations and of the straight motion from a valid one; counted
-  /// nowhere; for scoring. One thread at a time, as all functions of a level.
+  /// nowhere; for scoring. One thread at a time, as all functions of all levels of a run: levels may share a checker.
   std::function<bool(View)> valid;
   std::function<bool(View, View)> valid_motion;
   /// The density that the level's proposals were drawn from, the mean over them all, with respect to volume in metric
