@@ -79,6 +79,30 @@ TEST_CASE("files are written where they are asked for") {
   CHECK_FALSE(fs::exists(place / "deep/samples/cup/strategy/seed-7"));
 }
 
+TEST_CASE("the command line asks for ablations, other paths and figures") {
+  const Place place;
+  place.script("guided.lua",
+               "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
+               "strategies = { guided = skeleton() >> rrt { step = 0.5 }, plain = rrt { step = 0.5 } } }");
+  const auto outcome =
+      place.run({"run", "guided.lua", "--ablate", "--cross", "0", "--json", "all.json", "--figures", "figures"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  const std::string json = content(place / "all.json");
+  CHECK(json.find("guided without skeleton") != std::string::npos);
+  CHECK(json.find("plain without") == std::string::npos);
+  REQUIRE(fs::is_directory(place / "figures"));
+  CHECK_FALSE(fs::is_empty(place / "figures"));
+
+  place.script("quick.lua", quick);
+  CHECK(place.run({"run", "quick.lua", "--ablate"}).err ==
+        "trellis: --ablate: no strategy has a guide that could be taken out\n");
+  place.script("unmeasured.lua",
+               "return experiment { problems = scenes.cup(), strategies = { rrt {} }, measure = false }");
+  CHECK(place.run({"run", "unmeasured.lua", "--cross", "1"}).err ==
+        "trellis: --cross: the script measures nothing (measure = false)\n");
+}
+
 TEST_CASE("the samples do not depend on the number of jobs, or on the day") {
   const Place place;
   place.script("nested.lua",
@@ -118,6 +142,10 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                                        {"run", "quick.lua", "--seed", "9223372036854775808"},
                                                        {"run", "quick.lua", "--jobs", "0"},
                                                        {"run", "quick.lua", "--jobs", "many"},
+                                                       {"run", "quick.lua", "--cross", "-1"},
+                                                       {"run", "quick.lua", "--cross", "all"},
+                                                       {"run", "quick.lua", "--figures", ""},
+                                                       {"run", "quick.lua", "--ablate"},
                                                        {"check"},
                                                        {"help", "shrnik"}};
   for (const auto& arguments : wrong) {
@@ -156,6 +184,7 @@ TEST_CASE("an output that cannot be written is found out before the run") {
                                                  {"--json", "."},
                                                  {"--json", "file/all.json"},
                                                  {"--json", "/proc/none.json"},
+                                                 {"--figures", "file"},
                                                  {"--samples", "file"},
                                                  {"--samples", "file/samples"},
                                                  {"--samples", "/proc/samples"}}) {
@@ -177,6 +206,7 @@ TEST_CASE("check validates without planning") {
   const auto good = place.run({"check", "endless.lua"});
   CHECK(good.status == 0);
   CHECK(good.out.starts_with("endless.lua: 1 problem, 1 strategy, 1000 seeds\n\n  rrt: rrt { step = 0.001 }\n    rrt"));
+  CHECK(good.out.ends_with("\n  measured against tube {}, by exact, knn, on 4 paths of other seeds too\n"));
   const auto both = place.run({"check", "wrong.lua", "endless.lua"});
   CHECK(both.status == 2);
   CHECK(both.err.starts_with("trellis: wrong.lua:1: the script returns 42"));
@@ -192,6 +222,9 @@ TEST_CASE("the program tells its version and its words") {
   CHECK(place.run({"help", "shrink"}).out.find("scale") != std::string::npos);
   CHECK(place.run({"--help"}).status == 0);
   CHECK(place.run({"run", "--help"}).out.find("--samples") != std::string::npos);
+  CHECK(all.out.find("measure ") != std::string::npos);
+  CHECK(place.run({"measure", "--help"}).out.find("--estimator") != std::string::npos);
+  CHECK(place.run({"help", "near_optimal"}).out.starts_with("near_optimal (target): "));
 }
 
 TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {

@@ -100,6 +100,7 @@ void ablate(Experiment& experiment, const std::vector<std::string>& names) {
     const auto it = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
     if (it == all.end()) {
       std::vector<std::string> known;
+      known.reserve(all.size());
       for (const auto& entry : all) known.push_back(entry.first);
       throw Error(fmt::format("experiment: ablate names no strategy: '{}'{}", name, did_you_mean(name, known)));
     }
@@ -133,7 +134,7 @@ void check(const Experiment& experiment) {
     }
   }
   if (experiment.measure) check(*experiment.measure);
-  if (!experiment.baseline.empty() && strategies.count(experiment.baseline) == 0) {
+  if (!experiment.baseline.empty() && !strategies.contains(experiment.baseline)) {
     const std::vector<std::string> known(strategies.begin(), strategies.end());
     throw Error(fmt::format("experiment: baseline '{}' is no strategy{}", experiment.baseline,
                             did_you_mean(experiment.baseline, known)));

@@ -170,7 +170,8 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   }
   BlendedNeighbours density(settings, evaluation);
   for (std::size_t i = 0; i < evaluation.points; ++i) log_density[i] = density.log_density(i);
-  return estimate_from(evaluation, log_density, static_cast<double>(samples.inside.size() / d) / total);
+  const std::size_t inside = samples.inside.size() / d;
+  return estimate_from(evaluation, log_density, static_cast<double>(inside) / total);
 }
 
 std::string unfit(const Options& options, const Evaluation& evaluation) {
