@@ -33,7 +33,7 @@ std::vector<const WaterfallStep*> steps_to(const Waterfall& waterfall, int level
 void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Figure& root, const std::string& role,
                 draw::Waterfall& picture) {
   std::vector<std::vector<const WaterfallStep*>> ways;
-  const auto follow = [&](int level, std::vector<const WaterfallStep*> way, auto&& self) -> void {
+  const auto follow = [&](int level, const std::vector<const WaterfallStep*>& way, auto&& self) -> void {
     for (const WaterfallStep* s : steps_to(waterfall, level)) {
       auto longer = way;
       longer.insert(longer.begin(), s);
