@@ -35,8 +35,9 @@ std::string describe(const Json& value) {
   constexpr std::size_t longest = 60;
   if (value.is_null()) return "null";
   std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (text.size() > longest) text = text.substr(0, longest) + "...";
-  return text;
+  if (text.size() <= longest) return text;
+  text.resize(longest);
+  return text + "...";
 }
 
 /// "3:17", the place of a byte (from 1) in a text.

@@ -115,12 +115,14 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   result.uniform = student_interval(uniform);
   const auto over_runs = [&](auto field) {
     std::vector<double> values;
+    values.reserve(figures.size());
     for (const Efficiency* e : figures) values.push_back(field(*e));
     return student_interval(values);
   };
   using E = const Efficiency&;
   const auto middle = [&](auto field) {
     std::vector<double> values;
+    values.reserve(figures.size());
     for (const Efficiency* e : figures) values.push_back(static_cast<double>(field(*e)));
     return median(values);
   };
@@ -163,6 +165,7 @@ MetricsSummary metrics(const LevelResults& levels) {
   result.measured = measured.size();
   const auto over_runs = [&](auto field) {
     std::vector<double> values;
+    values.reserve(measured.size());
     for (const SearchMetrics* m : measured) values.push_back(field(*m));
     return student_interval(values);
   };
@@ -346,6 +349,7 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
     if (mine.size() != theirs.size()) continue;
     const auto values = [](const std::vector<const RunResult*>& runs, auto field) {
       std::vector<double> list;
+      list.reserve(runs.size());
       for (const RunResult* run : runs) list.push_back(field(*run));
       return list;
     };

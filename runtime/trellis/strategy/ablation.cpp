@@ -53,6 +53,7 @@ std::vector<Ablation> ablations(const StrategySpec& strategy) {
   std::vector<const GuideSpec*> components;
   collect(*strategy.guide(), components);
   std::vector<std::string> names;
+  names.reserve(components.size());
   for (const GuideSpec* component : components) names.push_back(bare(*component).text());
   for (std::size_t i = 0; i < components.size(); ++i) {
     std::string name = names[i];
