@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -51,10 +52,24 @@ int dispatch(int argc, char** argv) {
   help->add_option("TOPIC", topic, "a planner, guide, constructor or module");
 
   const std::string usage = app.help();  // once parsed, it is the command's
+  const auto unknown_option = [&](const std::string& word) {
+    std::vector<std::string> known;
+    for (const auto* parsed : app.get_subcommands()) {
+      for (const auto* option : parsed->get_options()) {
+        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+      }
+    }
+    return fmt::format("no option {}{}", word, did_you_mean(word, known));
+  };
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+      const auto words = app.remaining(true);
+      const auto word = std::find_if(words.begin(), words.end(), [](const auto& w) { return w.starts_with("--"); });
+      if (word != words.end()) throw Error(unknown_option(*word) + "; 'trellis help' shows the usage");
+    }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
   for (const auto* parsed : {run, measure}) {

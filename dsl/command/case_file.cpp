@@ -100,7 +100,13 @@ class Reader {
       // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ..."
       throw Error(fmt::format("{}:{}: this is not JSON: {}", file_, place_of(bytes, error.byte), behind(error, ": ")));
     } catch (const Json::out_of_range& error) {
-      fail(std::string(behind(error, "] ")));
+      // "[json.exception.out_of_range.406] number overflow parsing '1e999'"
+      std::string what(behind(error, "] "));
+      const auto begin = what.find('\'');
+      const auto at =
+          begin != std::string::npos ? bytes.find(what.substr(begin + 1, what.size() - begin - 2)) : std::string::npos;
+      if (at != std::string::npos) what += fmt::format(" at {}", place_of(bytes, at + 1));
+      fail(what);
     }
     if (!document_.is_object()) fail(fmt::format("a case must be a JSON object, got {}", describe(document_)));
     static const std::vector<std::string> known = {"dim",  "coords", "weights", "lo",   "hi",   "periodic",
@@ -274,6 +280,16 @@ class Reader {
         std::all_of(free.begin(), free.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
     if (name) {
       dsl::Session session(folder);
+      auto there = session.evaluate(
+          "local names = {} for name in pairs(scenes) do if name ~= 'load' and name ~= 'exists' then "
+          "names[#names + 1] = name end end table.sort(names) return table.unpack(names)",
+          "free");
+      if (std::find(there.begin(), there.end(), free) == there.end()) {
+        throw Error(fmt::format(
+            "no scene is called '{}'{}; there are: {}; a scene file has a name with an ending, and so has a "
+            "Lua script (.lua)",
+            free, did_you_mean(free, there), joined(there)));
+      }
       try {
         return session.problems(fmt::format("return scenes['{}']()", free), "free");
       } catch (const Error& error) {

@@ -29,7 +29,11 @@ std::string_view trimmed(std::string_view text) {
 
 std::string quoted(std::string_view text) {
   constexpr std::size_t longest = 40;
-  return fmt::format("'{}{}'", text.substr(0, longest), text.size() > longest ? "..." : "");
+  std::string shown(text.substr(0, longest));
+  // What is no text would cut the message short or upset the terminal.
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return fmt::format("'{}{}'", shown, text.size() > longest ? "..." : "");
 }
 
 /// The text of a file, line by line.
@@ -172,8 +176,13 @@ class Reader {
 
 }  // namespace
 
-Configurations read_csv(const std::string& path, const std::vector<std::string>& columns) {
-  const std::string text = dsl::read_file(path, largest_csv);
+Configurations read_csv(const std::string& path, const std::vector<std::string>& columns, const std::string& named_by) {
+  std::string text;
+  try {
+    text = dsl::read_file(path, largest_csv);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", named_by, error.what()));
+  }
   return Reader(path, columns).read(text);
 }
 

@@ -12,6 +12,7 @@ namespace trellis::command {
 /// line, its coordinates in the order of `columns`. Lines may end with CR LF, cells may be padded, a byte order mark is
 /// skipped. Throws Error with file, line and column for anything else, numbers that are not finite among it, and for a
 /// file without rows.
-Configurations read_csv(const std::string& path, const std::vector<std::string>& columns);
+/// \param named_by  what named the file, for the message where it cannot be read: "case.json: samples"
+Configurations read_csv(const std::string& path, const std::vector<std::string>& columns, const std::string& named_by);
 
 }  // namespace trellis::command

@@ -41,6 +41,7 @@ struct Measured {
   std::vector<Answer> answers;  ///< of all estimators; empty unless all were asked
   double log_volume = 0.0;      ///< log|T|
   std::size_t outside = 0;      ///< samples outside of the space
+  std::vector<std::string> notes;
 };
 
 std::vector<EstimatorSpec> specs_of(const std::string& asked) {
@@ -61,28 +62,58 @@ std::vector<EstimatorSpec> specs_of(const std::string& asked) {
   return specs;
 }
 
+/// What looks like a mistake and may be none.
+std::vector<std::string> notes_on(const Space& space, const Configurations& samples) {
+  constexpr double many_turns = 4.0;
+  std::vector<std::string> notes;
+  for (std::size_t j = 0; j < space.dimension(); ++j) {
+    const Axis& axis = space.axes()[j];
+    if (!axis.periodic) continue;
+    double lo = samples[0][j];
+    double hi = lo;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      lo = std::min(lo, samples[i][j]);
+      hi = std::max(hi, samples[i][j]);
+    }
+    const double turns = (hi - lo) / (axis.hi - axis.lo);
+    if (turns < many_turns) continue;
+    notes.push_back(fmt::format("{} goes from {:g} to {:g}, {:.0f} times around [{:g}, {:g}]: is it in other units?",
+                                axis.name, lo, hi, turns, axis.lo, axis.hi));
+  }
+  return notes;
+}
+
 /// Throws Error where there are no samples, no target, or no figure by the first estimator.
 Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
   std::vector<std::string> names;
   for (const Axis& axis : c.space.axes()) names.push_back(axis.name);
-  const Configurations samples = read_csv(c.samples, names);
+  const Configurations samples = read_csv(c.samples, names, c.file + ": samples");
   const Target target(c.space, c.path, c.position, c.tube, c.valid, c.seed);
+  if (target.empty() && !c.valid) {
+    throw Error(fmt::format("{}: delta = {:g} is too small for this space: nothing was found within it of the path",
+                            c.file, c.tube.delta));
+  }
   if (target.empty()) {
     throw Error(
         fmt::format("{}: no valid configuration lies within {:g} of the path: there is no target; look at "
-                    "'free' ('{}') and at the path",
+                    "'free' ('{}'), at the path and at delta",
                     c.file, c.tube.delta, c.free));
+  }
+  Measured result;
+  for (std::size_t i = 0; i < samples.size(); ++i) result.outside += c.space.contains(samples[i]) ? 0 : 1;
+  if (result.outside == samples.size()) {
+    throw Error(fmt::format("{}: none of the {} samples lies within the bounds of {} (lo, hi)", c.samples,
+                            samples.size(), c.file));
   }
   const auto reason_of = [&](const EstimatorSpec& spec) {
     return efficiency(target, samples, {.estimators = {spec}, .density = {}}).reason;
   };
-  Measured result;
   result.headline = efficiency(target, samples, {.estimators = specs, .density = {}});
   if (result.headline.estimator != specs.front().text() || !result.headline.reason.empty()) {
     throw Error(fmt::format("{}: {} gives no figure: {}", c.samples, specs.front().name(), reason_of(specs.front())));
   }
   result.log_volume = target.log_volume();
-  for (std::size_t i = 0; i < samples.size(); ++i) result.outside += c.space.contains(samples[i]) ? 0 : 1;
+  result.notes = notes_on(c.space, samples);
   for (std::size_t i = 0; c.valid && i < c.path.size(); ++i) {
     if (c.valid(c.path[i])) continue;
     result.headline.flags.emplace_back("invalid path");
@@ -149,6 +180,8 @@ Json document(const Case& c, const Measured& m) {
   json["free_share"] = number(e.free_share);
   json["length"] = number(e.along.length);
   json["outside"] = m.outside;
+  json["repeated"] = e.repeated;
+  json["notes"] = m.notes;
   json["along"] = {{"target", e.along.target}, {"samples", e.along.samples}};
   if (m.answers.empty()) return json;
   Json& all = json["estimators"] = Json::object();
@@ -202,9 +235,10 @@ std::string profile(const Along& along) {
   if (along.target.empty()) return "";
   const double full = std::max(*std::max_element(along.target.begin(), along.target.end()),
                                *std::max_element(along.samples.begin(), along.samples.end()));
-  return fmt::format("\n  along the path, start to goal, {} parts of {:.3g} m\n    target   {}\n    samples  {}\n",
-                     along.target.size(), along.length / static_cast<double>(along.target.size()),
-                     bars(along.target, full), bars(along.samples, full));
+  return fmt::format("\n  along the path, start to goal, {} part{} of {:.3g} m\n    target   {}\n    samples  {}\n",
+                     along.target.size(), along.target.size() == 1 ? "" : "s",
+                     along.length / static_cast<double>(along.target.size()), bars(along.target, full),
+                     bars(along.samples, full));
 }
 
 std::string table(const Case& c, const Measured& m) {
@@ -219,6 +253,11 @@ std::string table(const Case& c, const Measured& m) {
   if (m.outside > 0) {
     text += fmt::format("outside of the space: {} of the samples; they count, and reach nothing\n", m.outside);
   }
+  if (e.repeated > 0) {
+    text +=
+        fmt::format("repeated: {} of the samples occur more than once; they have mass but no density\n", e.repeated);
+  }
+  for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
   text += fmt::format("estimator: {}\n\n", e.estimator);
   text += row("D_eps0.05", figures.value,
               "nats, lower is better: divergence of the samples with 5 % uniform ones mixed in");

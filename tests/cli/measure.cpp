@@ -2,7 +2,6 @@
 // `trellis measure`: the figures of samples that any program drew, and what is said of input that gives none.
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -72,7 +71,8 @@ std::string line(const std::vector<double>& row) {
   for (const double x : row) {
     char number[32];
     std::snprintf(number, sizeof number, "%.6f", x);
-    text += (text.empty() ? "" : ",") + std::string(number);
+    if (!text.empty()) text += ',';
+    text += number;
   }
   return text + "\n";
 }
@@ -281,14 +281,34 @@ TEST_CASE("the table is printed, and the document written beside it") {
   CHECK(place.run({"measure", "case.json", "--json", "-"}).out.starts_with("{\n"));
 }
 
-TEST_CASE("a million samples take seconds") {
+TEST_CASE("what looks like a mistake in the samples is told beside the figures") {
   const Place place;
-  place.script("case.json", passage().dump());
-  place.script("samples.csv", uniform_csv(1000000, true));
-  const auto start = std::chrono::steady_clock::now();
-  const auto outcome = place.run({"measure", "case.json"});
-  CHECK(outcome.status == 0);
-  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(60));
+  std::string twice = uniform_csv(300);
+  const std::string once = twice.substr(twice.find('\n') + 1);
+  twice += once.substr(0, once.find('\n', once.size() / 2) + 1);
+  const Json repeated = measured(place, capsule(), twice);
+  CHECK(measured(place, capsule(), uniform_csv(300))["repeated"] == 0);
+  CHECK(repeated["repeated"] == 2 * (repeated["N"].get<int>() - 300));
+  CHECK(repeated["repeated"] > 200);
+  CHECK(repeated["notes"].empty());
+  place.script("samples.csv", twice);
+  CHECK(place.run({"measure", "case.json"}).out.find(" of the samples occur more than once") != std::string::npos);
+
+  std::string degrees = "x,y,theta\n";
+  Numbers numbers;
+  for (int i = 0; i < 100; ++i) degrees += line({10.0 * numbers(), 10.0 * numbers(), 360.0 * numbers()});
+  const Json notes = measured(place, passage(), degrees)["notes"];
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].get<std::string>().starts_with("theta goes from "));
+  CHECK(notes[0].get<std::string>().ends_with(" times around [-3.14159, 3.14159]: is it in other units?"));
+}
+
+TEST_CASE("an option that is none is named, with the one that may be meant") {
+  const Place place;
+  const auto outcome = place.run({"measure", "case.json", "--estimater", "kde"});
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err ==
+        "trellis: no option --estimater (did you mean '--estimator'?); 'trellis help' shows the usage\n");
 }
 
 TEST_CASE("bad input gives one message with what and where, and no figure") {
@@ -366,12 +386,16 @@ TEST_CASE("bad input gives one message with what and where, and no figure") {
        "case.json: distance must be \"planar\" or \"full\", got \"planer\""},
       {"seed below 0", {{"seed", -1}}, "", "case.json: seed must be an integer of at least 0, got -1"},
       {"number for samples", {{"samples", 3}}, "", "case.json: samples must be the name of a CSV file, got 3"},
-      {"no such samples", {{"samples", "none.csv"}}, "", "cannot read 'none.csv': No such file or directory"},
-      {"samples are a folder", {{"samples", "."}}, "", "cannot read '.': it is a folder"},
+      {"no such samples",
+       {{"samples", "none.csv"}},
+       "",
+       "case.json: samples: cannot read 'none.csv': No such file or directory"},
+      {"samples are a folder", {{"samples", "."}}, "", "case.json: samples: cannot read '.': it is a folder"},
       {"no such scene",
        {{"free", "simple_pasage"}},
        "",
-       "case.json: free: scenes has no 'simple_pasage' (did you mean 'simple_passage'?)"},
+       "case.json: free: no scene is called 'simple_pasage' (did you mean 'simple_passage'?); there are: cup, "
+       "simple_passage, trap; "},
       {"no such file", {{"free", "none.txt"}}, "", "case.json: free: no file 'none.txt' (looked for "},
       {"no such script",
        {{"free", "none.lua"}},

@@ -21,6 +21,8 @@ struct Case {
   std::string name;
   std::string what;
   std::shared_ptr<const Target> target;
+  /// The same target with other evaluation points: what is common to all repetitions would pass for bias.
+  std::function<std::shared_ptr<const Target>(std::uint64_t)> remake;
   std::function<void(Stream&, MutableView)> draw;
   double d = 0.0;           ///< D(T || Q)
   double d_defended = 0.0;  ///< D_eps, eps = 0.05
@@ -136,19 +138,22 @@ inline std::vector<Case> standard_cases(std::size_t d) {
   TubeSettings fine;
   fine.pool = 1 << 18;
   const Target large(space, path_of(points), {0, 1}, fine, valid, 11);
-  const auto target =
-      std::make_shared<const Target>(space, path_of(points), std::vector<std::size_t>{0, 1}, TubeSettings{}, valid, 7);
+  const auto make = [=](std::uint64_t seed) {
+    return std::make_shared<const Target>(space, path_of(points), std::vector<std::size_t>{0, 1}, TubeSettings{}, valid,
+                                          seed);
+  };
+  const auto target = make(7);
   const double log_c = space.log_volume();
   const double u = std::exp(-log_c);
   const std::string where = d == 2 ? "R^2" : "SE(2)";
   std::vector<Case> cases;
-  cases.push_back({"uniform, " + where, "uniform on C", target,
+  cases.push_back({"uniform, " + where, "uniform on C", target, make,
                    [space](Stream& s, MutableView x) { space.sample_uniform(s, x); }, large.uniform(), large.uniform(),
                    true});
   const auto elsewhere = [u](View x) { return u * (0.5 + (x[0] > 7 ? 0.5 / 0.3 : 0.0)); };
   auto [d1, e1] = integrate(large, elsewhere);
   cases.push_back({"elsewhere, " + where,
-                   "half uniform, half beyond the end of the path (a jump of density in the tube)", target,
+                   "half uniform, half beyond the end of the path (a jump of density in the tube)", target, make,
                    [space](Stream& s, MutableView x) {
                      space.sample_uniform(s, x);
                      if (s.uniform() < 0.5) x[0] = s.uniform(7, 10);
@@ -156,9 +161,9 @@ inline std::vector<Case> standard_cases(std::size_t d) {
                    d1, e1, true});
   const TreeLike tree(space);
   auto [d2, e2] = integrate(large, [&](View x) { return tree.density(x); });
-  cases.push_back({"tree-like, " + where, "Gaussian noise about the edges of a tree, and 30 % uniform", target,
+  cases.push_back({"tree-like, " + where, "Gaussian noise about the edges of a tree, and 30 % uniform", target, make,
                    [tree](Stream& s, MutableView x) { tree.draw(s, x); }, d2, e2, true});
-  cases.push_back({"T itself, " + where, "the target", target,
+  cases.push_back({"T itself, " + where, "the target", target, make,
                    [space, target](Stream& s, MutableView x) {
                      do space.sample_uniform(s, x);
                      while (!target->contains(x));
@@ -181,18 +186,21 @@ inline std::vector<Case> closed_cases() {
     TubeSettings settings;
     settings.delta = delta;
     settings.distance = distance;
-    return std::make_shared<const Target>(space, path_of(points), std::vector<std::size_t>{0, 1}, settings, anywhere,
-                                          3);
+    return [=](std::uint64_t seed) {
+      return std::make_shared<const Target>(space, path_of(points), std::vector<std::size_t>{0, 1}, settings, anywhere,
+                                            seed);
+    };
   };
-  const auto add_uniform = [&](const std::string& name, const std::string& what, std::shared_ptr<const Target> target,
-                               double volume) {
+  const auto add_uniform = [&](const std::string& name, const std::string& what, const auto& make, double volume) {
+    const auto target = make(3);
     const double truth = target->space().log_volume() - std::log(volume);
-    cases.push_back({name, what, target, uniform_on(target->space()), truth, truth});
+    cases.push_back({name, what, target, make, uniform_on(target->space()), truth, truth});
   };
 
-  const auto capsule = tube(plane, {{1, 5}, {9, 5}}, 0.5, "planar");
+  const auto make_capsule = tube(plane, {{1, 5}, {9, 5}}, 0.5, "planar");
+  const auto capsule = make_capsule(3);
   const double capsule_volume = 8 + 0.25 * pi;
-  add_uniform("capsule, uniform", "|A| = 2 delta L + pi delta^2", capsule, capsule_volume);
+  add_uniform("capsule, uniform", "|A| = 2 delta L + pi delta^2", make_capsule, capsule_volume);
   // A turn of phi adds an outer sector and takes the inner overlap.
   const double phi = 0.5 * pi;
   add_uniform("bent tube, uniform", "right angle: |A| = 2 delta L + pi delta^2 + delta^2 (phi / 2 - tan(phi / 2))",
@@ -212,7 +220,7 @@ inline std::vector<Case> closed_cases() {
   add_uniform("R^6, uniform", "|A| = V5 delta^5 L + V6 delta^6", tube(cube, {from, to}, 0.45, "full"),
               ball(5) * std::pow(0.45, 5) * 0.1 + ball(6) * std::pow(0.45, 6));
 
-  cases.push_back({"T itself", "a capsule", capsule,
+  cases.push_back({"T itself", "a capsule", capsule, make_capsule,
                    [capsule](Stream& s, MutableView x) {
                      do {
                        x[0] = s.uniform(0.5, 9.5);
@@ -229,19 +237,22 @@ inline std::vector<Case> closed_cases() {
   const auto log_normal = [pi](View x, double at, double sd) {
     return -0.5 * ((x[0] - at) * (x[0] - at) + x[1] * x[1]) / (sd * sd) - std::log(2 * pi * sd * sd);
   };
-  Target::Distribution gaussian{Configurations(2), [=](View x) { return log_normal(x, 0.0, s0); }};
-  Stream stream(5, "", "gaussian target");
-  for (int i = 0; i < 16384; ++i) {
-    gaussian.samples.push(std::vector<double>{s0 * stream.normal(), s0 * stream.normal()});
-  }
-  const auto bell = std::make_shared<const Target>(Target::distribution(wide, TargetSettings{}, gaussian));
+  const auto make_bell = [=](std::uint64_t seed) {
+    Target::Distribution gaussian{Configurations(2), [=](View x) { return log_normal(x, 0.0, s0); }};
+    Stream stream(seed, "", "gaussian target");
+    for (int i = 0; i < 16384; ++i) {
+      gaussian.samples.push(std::vector<double>{s0 * stream.normal(), s0 * stream.normal()});
+    }
+    return std::make_shared<const Target>(Target::distribution(wide, TargetSettings{}, gaussian));
+  };
+  const auto bell = make_bell(5);
   double defended = 0.0;
   for (std::size_t i = 0; i < bell->pool().size(); ++i) {
     const View x = bell->pool()[i];
     defended += log_normal(x, 0.0, s0) -
                 std::log((1 - defence) * std::exp(log_normal(x, shift, s1)) + defence * std::exp(-wide.log_volume()));
   }
-  cases.push_back({"Gaussian from a Gaussian", "D = log(s1^2/s0^2) + (2 s0^2 + m^2) / (2 s1^2) - 1", bell,
+  cases.push_back({"Gaussian from a Gaussian", "D = log(s1^2/s0^2) + (2 s0^2 + m^2) / (2 s1^2) - 1", bell, make_bell,
                    [=](Stream& s, MutableView x) {
                      x[0] = shift + s1 * s.normal();
                      x[1] = s1 * s.normal();
@@ -250,6 +261,7 @@ inline std::vector<Case> closed_cases() {
                    defended / static_cast<double>(bell->pool().size())});
 
   cases.push_back({"atom at the goal", "uniform, and the goal itself with 10 %: D = uniform - log 0.9", capsule,
+                   make_capsule,
                    [plane](Stream& s, MutableView x) {
                      plane.sample_uniform(s, x);
                      if (s.uniform() < 0.1) {
@@ -261,7 +273,7 @@ inline std::vector<Case> closed_cases() {
                    constant_defended(std::log(capsule_volume), log_c, 0.9 * std::exp(-log_c))});
 
   const double bound = std::log(1 / defence) + log_c - std::log(capsule_volume);
-  cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, D_eps = log(1/eps) + uniform", capsule,
+  cases.push_back({"disjoint", "uniform where x2 > 7: D = inf, D_eps = log(1/eps) + uniform", capsule, make_capsule,
                    [plane](Stream& s, MutableView x) {
                      plane.sample_uniform(s, x);
                      x[1] = s.uniform(7, 10);
@@ -272,6 +284,7 @@ inline std::vector<Case> closed_cases() {
   Case one{"half covered",
            "T on one half of the tube, nothing on the other: D = inf",
            capsule,
+           make_capsule,
            [capsule](Stream& s, MutableView x) {
              do {
                x[0] = s.uniform(0.5, 5);

@@ -58,11 +58,21 @@ struct Measured {
   std::vector<double> values;
 };
 
+/// A case's target with several sets of evaluation points, as every run has its own.
+const std::vector<std::shared_ptr<const Target>>& targets_of(const Case& c) {
+  static std::map<std::string, std::vector<std::shared_ptr<const Target>>> made;
+  auto& targets = made[c.name];
+  for (std::uint64_t seed = targets.size(); seed < 25; ++seed) targets.push_back(c.remake(100 + seed));
+  return targets;
+}
+
 Measured measure(const Case& c, std::size_t n, std::size_t repetitions, const EstimatorSpec& estimator,
                  std::uint64_t first = 0) {
   std::vector<Efficiency> found(repetitions);
+  const auto& targets = targets_of(c);
   in_parallel(repetitions, jobs(), [&](std::size_t r) {
-    found[r] = efficiency(*c.target, c.samples(n, first + r), {.held = Held::anything, .estimators = {estimator}});
+    found[r] = efficiency(*targets[r % targets.size()], c.samples(n, first + r),
+                          {.held = Held::anything, .estimators = {estimator}});
   });
   Measured m;
   std::vector<double> plain;
@@ -100,15 +110,23 @@ void save(const draw::Figure& figure, const std::string& path) {
 
 struct Report {
   std::string text;
+  std::string requirements;
   std::string folder;
   std::size_t repetitions = 200;
   bool passed = true;
 
   void require(bool holds, const std::string& what) {
-    text += fmt::format("- {}: **{}**\n", what, holds ? "holds" : "does not hold");
+    requirements += fmt::format("| {} | {} |\n", what, holds ? "yes" : "**no**");
     passed = passed && holds;
   }
 };
+
+/// A text in a table of Markdown.
+std::string cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '|' ? std::string("\\|") : std::string(1, c);
+  return result;
+}
 
 void error_tables(Report& report, const std::vector<Case>& cases) {
   const EstimatorSpec knn = EstimatorSpec::make("knn");
@@ -128,7 +146,8 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
   std::vector<std::vector<double>> spread(numbers.size());
   std::vector<std::string> names;
   for (const Case& c : cases) {
-    std::string row = fmt::format("| {}: {} | {} | {} |", c.name, c.what, truth_text(c.d), truth_text(c.d_defended));
+    std::string row =
+        fmt::format("| {}: {} | {} | {} |", c.name, cell(c.what), truth_text(c.d), truth_text(c.d_defended));
     std::string infinite;
     std::string flags;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
@@ -141,7 +160,12 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
       for (const auto& [flag, times] : m.defended.flags)
         flags += fmt::format("{}{} {}", flags.empty() ? "" : ", ", flag, times);
       if (std::isinf(c.d) && c.mendable) {
-        report.passed = report.passed && m.plain.infinite == report.repetitions;
+        report.require(m.plain.infinite == report.repetitions, c.name + ": D is inf in every repetition");
+        report.require(std::all_of(m.values.begin(), m.values.end(),
+                                   [&](double v) { return v <= c.d_defended + 0.01 && v > c.d_defended - 0.15; }),
+                       fmt::format("{}: D_eps at its bound log(1/eps) + uniform = {:.3f}, but for the half sample that "
+                                   "N samples without a hit leave possible ({:+.3f} at N = 1000)",
+                                   c.name, c.d_defended, m.defended.bias));
       }
     }
     report.text += fmt::format("{} {} | {} |\n", row, infinite, flags.empty() ? "-" : flags);
@@ -196,12 +220,9 @@ void estimator_table(Report& report, const std::vector<Case>& cases) {
         if (row.name == "knn" && row.options.empty() && n == 1000) {
           const double limit = std::string_view(space) == "R^2" ? 0.08 : 0.12;
           report.require(rmse <= limit,
-                         fmt::format("RMSE in {} at N = 1000 is {:.3f}, at most {:.2f} asked", space, rmse, limit));
-          // The requirement is told above the table.
-          const auto at = report.text.rfind("- RMSE");
-          std::string told = report.text.substr(at);
-          report.text.erase(at);
-          report.text.insert(report.text.find("| estimator |"), told + "\n");
+                         fmt::format("RMSE over the four standard cases in {}, N = 1000: {:.3f}, at most "
+                                     "{:.2f}",
+                                     space, rmse, limit));
         }
       }
     }
@@ -210,57 +231,90 @@ void estimator_table(Report& report, const std::vector<Case>& cases) {
   report.text += '\n';
 }
 
+/// How often Student's interval over the runs of an experiment holds the truth.
+constexpr std::size_t runs_each = 15;
+
 void interval_table(Report& report, const std::vector<Case>& cases) {
-  constexpr std::size_t runs = 15;
-  const std::size_t experiments = 2 * report.repetitions;
+  const std::size_t experiments = report.repetitions;
   report.text += fmt::format(
-      "### Intervals\n\nHow often the 95 % Student interval over {} runs of N = 1000 samples covers the truth, in {} "
-      "experiments (a share of {} such experiments is itself known to ± {:.1f} %).\n\n| case | covered |\n|---|---|\n",
-      runs, experiments, experiments, 100.0 * 1.96 * std::sqrt(0.95 * 0.05 / static_cast<double>(experiments)));
+      "### Where the interval tells less than the truth\n\nThe interval is about the spread between runs. It cannot "
+      "see "
+      "an error that all runs share, and at {} runs of N = 1000 independent samples the estimator's smoothing of an "
+      "uneven density is as large as its half-width. How often it covers the truth, in {} experiments:\n\n"
+      "| case | covered | bias | mean half-width |\n|---|---|---|---|\n",
+      runs_each, experiments);
   for (const Case& c : cases) {
     if (!c.standard) continue;
-    const Measured m = measure(c, 1000, runs * experiments, EstimatorSpec::make("knn"), 100000);
+    const Measured m = measure(c, 1000, runs_each * experiments, EstimatorSpec::make("knn"), 100000);
     std::size_t covered = 0;
+    double half = 0.0;
     for (std::size_t e = 0; e < experiments; ++e) {
-      const Interval interval = student_interval(std::span(m.values).subspan(e * runs, runs));
+      const Interval interval = student_interval(std::span(m.values).subspan(e * runs_each, runs_each));
       if (interval.lo <= c.d_defended && c.d_defended <= interval.hi) ++covered;
+      half += 0.5 * (interval.hi - interval.lo) / static_cast<double>(experiments);
     }
-    report.text += fmt::format("| {} | {:.1f} % |\n", c.name,
-                               100.0 * static_cast<double>(covered) / static_cast<double>(experiments));
+    report.text += fmt::format("| {} | {:.0f} % | {} | {:.3f} |\n", c.name,
+                               100.0 * static_cast<double>(covered) / static_cast<double>(experiments),
+                               signed_text(m.defended.bias), half);
   }
   report.text += '\n';
 }
 
 /// The proposals of plain RRT: uniform, and 5 % the goal itself.
 void rrt_table(Report& report) {
-  report.text +=
-      "### Proposals of plain RRT\n\nTheir density is known: D = log(|C|/|A|) - log 0.95. The samples scored by `knn` "
-      "on "
-      "the paths of other seeds (15 seeds, 4 paths each) against that, and by `exact`.\n\n"
-      "| scene | error of knn | 95 % interval | error of exact |\n|---|---|---|---|\n";
+  const std::size_t experiments = std::max<std::size_t>(10, report.repetitions / 2);
+  report.text += fmt::format(
+      "### Proposals of plain RRT\n\nTheir density is known: D = log(\\|C\\|/\\|A\\|) - log 0.95. Experiments as users "
+      "run them: {} seeds, every run's proposals scored on the paths of 4 other seeds. `knn` and `exact` against the "
+      "truth in one experiment, then how often the 95 % interval of `knn` holds the truth in {} experiments.\n\n"
+      "| scene | error of knn | 95 % interval | error of exact | interval holds the truth |\n|---|---|---|---|---|\n",
+      runs_each, experiments);
+  std::size_t all = 0;
+  std::size_t held = 0;
+  double worst = 0.0;
   for (const Problem& problem : {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()}) {
-    Experiment experiment;
-    experiment.problems = {problem};
-    experiment.strategies = {{"rrt", StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}))}};
-    for (std::uint64_t seed = 1; seed <= 15; ++seed) experiment.seeds.push_back(seed);
-    experiment.measure = Measure{};
-    const ExperimentResult result = run(experiment, {.jobs = jobs(), .progress = {}, .interrupted = {}});
-    std::vector<double> knn;
-    std::vector<double> exact;
-    for (const RunResult& r : result.runs) {
-      if (r.levels.empty() || !r.levels.front().root_cross) continue;
-      const Efficiency& e = r.levels.front().root_cross->expansion;
-      const double truth = e.uniform - std::log(0.95);
-      exact.push_back(e.undefended - truth);
-      if (!e.others.empty()) knn.push_back(e.others.front().undefended - truth);
+    std::size_t covered = 0;
+    std::string first;
+    for (std::size_t e = 0; e < experiments; ++e) {
+      Experiment experiment;
+      experiment.problems = {problem};
+      experiment.strategies = {{"rrt", StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}))}};
+      for (std::uint64_t seed = 1; seed <= runs_each; ++seed) experiment.seeds.push_back(1000 * e + seed);
+      experiment.measure = Measure{};
+      if (e > 0) experiment.measure->estimators = {EstimatorSpec::make("knn")};
+      const ExperimentResult result = run(experiment, {.jobs = jobs(), .progress = {}, .interrupted = {}});
+      std::vector<double> knn;
+      std::vector<double> exact;
+      for (const RunResult& r : result.runs) {
+        if (r.levels.empty() || !r.levels.front().root_cross) continue;
+        const Efficiency& found = r.levels.front().root_cross->expansion;
+        const double truth = found.uniform - std::log(0.95);
+        if (e > 0) {
+          knn.push_back(found.undefended - truth);
+          continue;
+        }
+        exact.push_back(found.undefended - truth);
+        if (!found.others.empty()) knn.push_back(found.others.front().undefended - truth);
+      }
+      const Interval k = student_interval(knn);
+      if (k.lo <= 0.0 && 0.0 <= k.hi) ++covered;
+      if (e > 0) continue;
+      worst = std::max(worst, std::abs(k.value));
+      first = fmt::format("| {} | {} | {} to {} | {:.0e} |", problem.name, signed_text(k.value), signed_text(k.lo),
+                          signed_text(k.hi), std::abs(student_interval(exact).value));
     }
-    const Interval k = student_interval(knn);
-    const Interval x = student_interval(exact);
-    report.text += fmt::format("| {} | {} | {} to {} | {:.1e} |\n", problem.name, signed_text(k.value),
-                               signed_text(k.lo), signed_text(k.hi), x.value);
-    report.passed = report.passed && std::abs(k.value) <= 0.05 && std::abs(x.value) <= 0.01;
-    if (!(std::abs(k.value) <= 0.05)) report.text += "| | more than 0.05 | | |\n";
+    report.text +=
+        fmt::format("{} {:.0f} % |\n", first, 100.0 * static_cast<double>(covered) / static_cast<double>(experiments));
+    held += covered;
+    all += experiments;
   }
+  const double share = static_cast<double>(held) / static_cast<double>(all);
+  report.require(
+      worst <= 0.05,
+      fmt::format("plain RRT's proposals on other seeds' paths: worst error of knn {:.3f}, at most 0.05", worst));
+  report.require(share >= 0.92 && share <= 0.97,
+                 fmt::format("the 95 % interval over {} runs holds the truth: {:.1f} % of {} experiments, 92 to 97 %",
+                             runs_each, 100.0 * share, all));
   report.text += '\n';
 }
 
@@ -269,10 +323,11 @@ void exact_table(Report& report) {
   report.text +=
       "### Exact densities\n\n`exact` with 4096 points against an integral over 2^18 points of the recorded density, "
       "nested strategy (skeleton >> shrink >> lazy >> rrt), seed 1, its own path.\n\n"
-      "| scene | level | D_eps, 4096 points | D_eps, 2^18 points | difference |\n|---|---|---|---|---|\n";
+      "| scene | level | D_eps, 16384 points | D_eps, 2^18 points | difference |\n|---|---|---|---|---|\n";
+  double worst = 0.0;
   const StrategySpec nested = GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}) >>
                               GuideSpec::make("lazy", {}) >> PlannerSpec::make("rrt", {{"step", 0.5}});
-  for (const Problem& problem : {test::simple_passage_problem(), test::cup_problem()}) {
+  for (const Problem& problem : {test::simple_passage_problem(), test::trap_problem(), test::cup_problem()}) {
     const RunRecord record = execute(nested, problem, 1);
     if (!record.solved) continue;
     for (const LevelRecord& level : record.levels) {
@@ -280,20 +335,21 @@ void exact_table(Report& report) {
       const LevelRecord& root = record.levels.front();
       const auto defended = [&](std::int64_t pool) {
         TubeSettings settings;
-        settings.pool = std::max<std::int64_t>(pool, settings.pool);
-        settings.points = pool;
+        settings.pool = pool;
         const Target target(root.space, record.path, root.position_axes, settings, root.valid, 1);
         return efficiency(target, level.root_proposals,
                           {.estimators = {EstimatorSpec::make("exact")}, .density = level.root_proposal_density})
             .value;
       };
-      const double coarse = defended(4096);
+      const double coarse = defended(TubeSettings{}.pool);
       const double fine = defended(1 << 18);
       report.text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {:+.4f} |\n", problem.name, level.name, coarse, fine,
                                  coarse - fine);
-      report.passed = report.passed && std::abs(coarse - fine) <= 0.01;
+      worst = std::max(worst, std::abs(coarse - fine));
     }
   }
+  report.require(worst <= 0.01,
+                 fmt::format("`exact` against a fine integral: worst difference {:.4f}, at most 0.01", worst));
   report.text += '\n';
 }
 
@@ -313,10 +369,10 @@ int main(int argc, char** argv) {
   for (auto& c : verify::closed_cases()) cases.push_back(std::move(c));
   error_tables(report, cases);
   estimator_table(report, standard);
-  interval_table(report, standard);
   rrt_table(report);
   exact_table(report);
-  std::fputs(report.text.c_str(), stdout);
+  interval_table(report, standard);
+  std::printf("| required | holds |\n|---|---|\n%s\n%s", report.requirements.c_str(), report.text.c_str());
   std::fprintf(stderr, "%s\n", report.passed ? "all requirements hold" : "some requirement does not hold");
   return report.passed ? 0 : 1;
 }

@@ -120,6 +120,15 @@ Figure waterfall(const Waterfall& waterfall) {
 
 Figure profile(const Profile& profile) {
   Figure figure{.title = profile.title, .caption = profile.caption};
+  // One name has one colour in all panels. Blue and vermillion are gain and loss where the two pictures stand side by
+  // side, so that these begin behind them.
+  std::vector<std::string> names;
+  const auto colour_of = [&](const std::string& name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    const auto index = static_cast<std::size_t>(at - names.begin());
+    if (at == names.end()) names.push_back(name);
+    return palette::nth(2 + index);
+  };
   for (const auto& source : profile.panels) {
     Panel panel{.title = source.title};
     panel.x.label = profile.x_label;
@@ -134,12 +143,10 @@ Figure profile(const Profile& profile) {
       throw Fault(fmt::format("a profile of {} bins has {} edges", bins, source.edges.size()));
     }
     std::vector<bool> blind(bins, !source.series.empty());
-    // Blue and vermillion are gain and loss where the two pictures stand side by side.
-    std::size_t next = 2;
     for (const auto& s : source.series) {
       if (s.share.size() != bins)
         throw Fault(fmt::format("a profile's series '{}' has other bins than its target", s.name));
-      const Colour colour = palette::nth(next++);
+      const Colour colour = colour_of(s.name);
       panel.series.push_back({.kind = Series::Kind::steps,
                               .name = s.name,
                               .x = source.edges,

@@ -65,18 +65,17 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
   const auto& from = tree ? search.parents : search.near;
   const Configurations& to = tree ? search.nodes : search.proposals;
 
-  // Unit vectors in metric coordinates, the same for all motions.
   const auto controls = static_cast<std::size_t>(settings.controls);
   Stream stream(seed, level.key, tree ? "progress nodes" : "progress proposals");
-  std::vector<double> directions(controls * d);
-  for (std::size_t i = 0; i < controls; ++i) {
+  std::vector<double> direction(d);  // a unit vector in metric coordinates
+  const auto turn = [&] {
     double square = 0.0;
-    for (std::size_t j = 0; j < d; ++j) {
-      directions[i * d + j] = stream.normal();
-      square += directions[i * d + j] * directions[i * d + j];
+    for (double& u : direction) {
+      u = stream.normal();
+      square += u * u;
     }
-    for (std::size_t j = 0; j < d; ++j) directions[i * d + j] /= std::sqrt(square);
-  }
+    for (double& u : direction) u /= std::sqrt(square);
+  };
 
   const Space ranks = Space::euclidean({{0.0, 1.0}});
   Configurations samples(1);
@@ -94,8 +93,11 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
     double better = 0.0;
     double closer = 0.0;
     double all = 0.0;
+    // Rivals of its own: a direction's rank among them is uniform, while ranks among rivals that all motions share
+    // would crowd where these happen to lie apart.
     for (std::size_t c = 0; c < controls; ++c) {
-      for (std::size_t j = 0; j < d; ++j) end[j] = x[j] + length * directions[c * d + j] / space.axes()[j].weight;
+      turn();
+      for (std::size_t j = 0; j < d; ++j) end[j] = x[j] + length * direction[j] / space.axes()[j].weight;
       space.normalise(end);
       if (!space.contains(end)) continue;
       const double there = space.distance(end, level.goal);

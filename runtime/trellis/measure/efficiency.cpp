@@ -7,6 +7,7 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <optional>
 
 #include <trellis/measure/point_tree.hpp>
@@ -114,6 +115,7 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
   result.uniform = target.uniform();
   const measure::SampleSet set = measure::prepare(target, frame, samples);
   result.in_target = set.in_target;
+  result.repeated = std::accumulate(set.copies.begin(), set.copies.end(), std::size_t{0});
   if (set.total == 0) {
     result.flags.emplace_back("too few samples");
     result.reason = "there are no samples";
@@ -130,7 +132,10 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
   std::vector<double> squared(points * neighbours);
   std::vector<char> unreachable;
   if (scoring.held == Held::valid_only && target.holds_invalid()) {
-    for (std::size_t i = 0; i < points; ++i) unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
+    unreachable.reserve(target.pool().size());
+    for (std::size_t i = 0; i < target.pool().size(); ++i) {
+      unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
+    }
     if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
   }
   const measure::Evaluation evaluation{target, frame, set, points, all, squared, scoring.density, unreachable};
@@ -152,6 +157,10 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
       continue;
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
+    // What smoothing puts where no sample lies is no evidence. (`legacy` is its floor and nothing else.)
+    if (set.in_target == 0 && spec.name() != "exact" && spec.name() != "legacy") {
+      estimate.undefended = std::numeric_limits<double>::infinity();
+    }
     estimate.estimator = spec.text();
     if (!found) {
       take(result, estimate);
@@ -263,6 +272,7 @@ Efficiency mean(std::span<const Efficiency> figures) {
   }
   const Efficiency& first = with.empty() ? figures.front() : *with.front();
   result.samples = first.samples;
+  result.repeated = first.repeated;
   std::vector<Estimate> headlines(figures.begin(), figures.end());
   headlines.front().estimator = first.estimator;
   take(result, mean_estimate(headlines));

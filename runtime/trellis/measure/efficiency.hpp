@@ -45,6 +45,7 @@ struct Efficiency : Estimate {
   Along along;
   std::size_t samples = 0;    ///< N
   std::size_t in_target = 0;  ///< n, samples in A, copies counted
+  std::size_t repeated = 0;   ///< samples that occur more than once: atoms, mass without density
   /// The further estimators that were asked for and have a figure.
   std::vector<Estimate> others;
   /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"

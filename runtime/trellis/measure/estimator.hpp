@@ -66,7 +66,7 @@ struct Evaluation {
   const PointTree& all;                              ///< over samples.all
   std::span<const double> neighbours;                ///< squared distances to the `neighbour_count` nearest of all
   const std::function<double(View)>& known_density;  ///< of Q where it is known, raw coordinates; else empty
-  std::span<const char> unreachable;                 ///< evaluation points where Q is known to be 0; empty: none
+  std::span<const char> unreachable;                 ///< points of the pool where Q is known to be 0; empty: none
 
   static constexpr std::size_t neighbour_count = 8;
   /// The i-th evaluation point in metric coordinates.
@@ -76,7 +76,7 @@ struct Evaluation {
   }
 };
 
-/// The figures that follow from log q at the evaluation points.
+/// The figures that follow from log q at the first points of the pool.
 /// \param mass  the mass that Q has in A without atoms, for JS
 Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density, double mass);
 

@@ -18,13 +18,15 @@ const Settings<ExactSettings>& exact_settings() {
 }
 
 Estimate estimate(const Options&, const Evaluation& evaluation) {
-  std::vector<double> log_density(evaluation.points);
+  // The whole pool: recorded densities are narrow and cheap, and nothing else makes an error here.
+  const Configurations& pool = evaluation.target.pool();
+  std::vector<double> log_density(pool.size());
   double mass = 0.0;
-  for (std::size_t i = 0; i < evaluation.points; ++i) {
-    log_density[i] = std::log(evaluation.known_density(evaluation.target.pool()[i]));
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    log_density[i] = std::log(evaluation.known_density(pool[i]));
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }
-  mass /= static_cast<double>(evaluation.points);
+  mass /= static_cast<double>(pool.size());
   return estimate_from(evaluation, log_density, std::min(mass, 1.0));
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <trellis/measure/estimator.hpp>
@@ -53,9 +53,16 @@ class LogSum {
 
 class Kernels {
  public:
-  Kernels(const Frame& frame, std::span<const double> rows, double bandwidth)
-      : frame_(frame), rows_(rows), h_(bandwidth), images_(frame.dimension()) {
-    log_norm_ = -static_cast<double>(frame.dimension()) * std::log(h_ * std::sqrt(2.0 * std::numbers::pi));
+  Kernels(const Frame& frame, std::span<const double> rows, double bandwidth) : frame_(frame), rows_(rows) {
+    for (std::size_t j = 0; j < frame.dimension(); ++j) {
+      Images at;
+      at.period = frame.periodic(j) ? frame.period(j) : 2.0 * frame.extent(j);
+      // A kernel as wide as the period is uniform over it, and a wider one no different.
+      at.h = std::min(bandwidth, at.period);
+      if (reach * at.h > 0.5 * at.period) at.turns = static_cast<int>(std::ceil(reach * at.h / at.period));
+      log_norm_ -= std::log(at.h * std::sqrt(2.0 * std::numbers::pi));
+      images_.push_back(std::move(at));
+    }
   }
 
   /// The log of the sum of all kernels but one at y; `without` beyond the last: of all.
@@ -64,34 +71,35 @@ class Kernels {
     LogSum sum;
     for (std::size_t i = 0; i * d < rows_.size(); ++i) {
       if (i == without) continue;
-      double square = 0.0;  // of the axes that have one image
-      bool several = false;
+      double log_kernel = 0.0;
       for (std::size_t j = 0; j < d; ++j) {
         Images& at = images_[j];
-        at.count = 0;
         const double s = rows_[i * d + j];
         const double u = frame_.shortest(j, y[j] - s);
-        at.squares[at.count++] = u * u;
+        at.logs.clear();
         const auto offer = [&](double v) {
-          if (std::abs(v) < reach * h_) at.squares[at.count++] = v * v;
+          if (std::abs(v) < reach * at.h) at.logs.push_back(-0.5 * v * v / (at.h * at.h));
         };
-        if (frame_.periodic(j)) {
-          offer(u - std::copysign(frame_.period(j), u));
-        } else {
-          offer(y[j] + s - 2.0 * frame_.lo(j));
-          offer(y[j] + s - 2.0 * frame_.hi(j));
+        for (int turn = 1; turn <= at.turns; ++turn) {
+          offer(u + turn * at.period);
+          offer(u - turn * at.period);
         }
-        several = several || at.count > 1;
-        if (at.count == 1) square += at.squares[0];
-      }
-      double log_kernel = -0.5 * square / (h_ * h_);
-      if (several) {
-        for (const Images& at : images_) {
-          if (at.count == 1) continue;
-          LogSum axis;
-          for (std::size_t k = 0; k < at.count; ++k) axis.add(-0.5 * at.squares[k] / (h_ * h_));
-          log_kernel += axis.value();
+        if (!frame_.periodic(j)) {
+          const double mirrored = y[j] + s - 2.0 * frame_.lo(j);
+          for (int turn = 0; turn <= at.turns; ++turn) {
+            offer(mirrored + turn * at.period);
+            offer(mirrored - (turn + 1) * at.period);
+          }
         }
+        const double nearest = -0.5 * u * u / (at.h * at.h);
+        if (at.logs.empty()) {
+          log_kernel += nearest;
+          continue;
+        }
+        LogSum axis;
+        axis.add(nearest);
+        for (const double log_image : at.logs) axis.add(log_image);
+        log_kernel += axis.value();
       }
       sum.add(log_kernel);
     }
@@ -99,13 +107,15 @@ class Kernels {
   }
 
  private:
+  /// The images of one axis: across the wrap, or in the mirrors that two walls make, which repeat.
   struct Images {
-    std::array<double, 3> squares{};
-    std::size_t count = 0;
+    double period = 0.0;
+    double h = 0.0;
+    int turns = 0;             ///< periods away at which an image may still count
+    std::vector<double> logs;  ///< of a kernel's further images at a point, as far as they count
   };
   const Frame& frame_;
   std::span<const double> rows_;
-  double h_;
   double log_norm_ = 0.0;
   std::vector<Images> images_;
 };
@@ -115,11 +125,25 @@ double scott(const Frame& frame, const std::vector<double>& rows) {
   const std::size_t n = rows.size() / d;
   double variance = 0.0;
   for (std::size_t j = 0; j < d; ++j) {
-    double sum = 0.0;
-    double squares = 0.0;
-    for (std::size_t i = 0; i < n; ++i) sum += rows[i * d + j];
-    const double mean = sum / static_cast<double>(n);
-    for (std::size_t i = 0; i < n; ++i) squares += (rows[i * d + j] - mean) * (rows[i * d + j] - mean);
+    const auto total = [&](const auto& term) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < n; ++i) sum += term(rows[i * d + j]);
+      return sum;
+    };
+    double mean = 0.0;
+    if (frame.periodic(j)) {
+      // The mean direction: where the period begins does not matter.
+      const double turn = 2.0 * std::numbers::pi / frame.period(j);
+      mean = std::atan2(total([&](double y) { return std::sin(turn * y); }),
+                        total([&](double y) { return std::cos(turn * y); })) /
+             turn;
+    } else {
+      mean = total([](double y) { return y; }) / static_cast<double>(n);
+    }
+    const double squares = total([&](double y) {
+      const double u = frame.shortest(j, y - mean);
+      return u * u;
+    });
     variance += squares / static_cast<double>(n - 1);
   }
   const double sd = std::sqrt(variance / static_cast<double>(d));

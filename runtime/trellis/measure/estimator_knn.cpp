@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t space_points = 256;  // of a ball, for its share in C
 constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
-constexpr std::size_t pool_enough = 30;    // pool points in a ball that tell its volume in A
+constexpr double pool_enough = 30.0;       // pool points in a ball that tell its volume in A
 constexpr std::size_t pool_expected = 64;  // pool points wanted in a ball, where the pool could give many more
 constexpr std::size_t least_pool = 2048;
 
@@ -102,20 +102,22 @@ class BlendedNeighbours {
   /// log of the volume of the part of a ball around the i-th point of the pool that lies in A.
   [[nodiscard]] double log_volume_in_target(std::size_t i, View y, double squared) const {
     if (!target_.is_uniform()) return by_draws(y, squared);
-    // The mean of psi(1 + m) over Poisson counts m of the other points is the log of their mean, so the centre, a
-    // point of the pool itself, is counted once.
+    // Points of low discrepancy keep their distance: a ball about one of them holds, with its centre, as many as its
+    // volume says, and their number hardly varies (of independent points it would hold one more, and psi were right).
     const auto by_pool = [&](std::size_t with_centre, std::size_t pool) {
-      return target_.log_volume() + digamma(with_centre) - std::log(static_cast<double>(pool));
+      return target_.log_volume() + std::log(static_cast<double>(with_centre) / static_cast<double>(pool));
     };
-    if (part_) {
+    // Which way is taken depends on the ball alone, not on the number found in it, else that number were biased.
+    const double r = std::max(std::sqrt(squared), least_radius_);
+    const double ball = std::exp(log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r) -
+                                 target_.log_volume());  // in volumes of A
+    if (part_ && ball * static_cast<double>(part_size_) >= pool_enough) {
       const std::size_t self = i < part_size_ ? 0 : 1;
-      const std::size_t m = part_->count_within(y, squared) + self;
-      if (m >= pool_enough) return by_pool(m, part_size_ + self);
+      return by_pool(part_->count_within(y, squared) + self, part_size_ + self);
     }
     const std::size_t m = target_.pool_tree().count_within(y, squared);
-    if (m < pool_enough) {
+    if (ball * static_cast<double>(target_.pool_tree().size()) < pool_enough) {
       std::vector<double> x(y.size());
-      const double r = std::max(std::sqrt(squared), least_radius_);
       const double by_points = target_ball_.log_volume(y, r, [&](View at) {
         evaluation_.frame.to_raw(at, x);
         return target_.contains(x);

@@ -84,7 +84,7 @@ Settings<S> with_target_options(Settings<S> settings, const std::string& delta) 
   return settings.number("delta", &S::delta, "m", Range::positive(), delta)
       .integer("points", &S::points, "points", count, "evaluation points on the target")
       .integer("pool", &S::pool, "points", count,
-               "points of the target for the volumes of cut balls, at least as many as points");
+               "points of the target for the volumes of cut balls and for `exact`, at least as many as points");
 }
 
 /// Draws the numbers that move a low-discrepancy sequence.

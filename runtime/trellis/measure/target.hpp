@@ -22,7 +22,7 @@ class Tube;
 struct TargetSettings {
   double delta = 0.5;          ///< radius of the tube, and of the balls that coverage counts; metres of the metric
   std::int64_t points = 4096;  ///< evaluation points on the target
-  std::int64_t pool = 16384;   ///< points of the target for the volumes of cut balls
+  std::int64_t pool = 16384;   ///< points of the target for the volumes of cut balls and for `exact`
 };
 
 /// The tube target: T uniform on A = { x in C_free : d(x, P) < delta }, P the final path.

@@ -59,18 +59,14 @@ void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Fi
   }
 }
 
-/// A role's profile, in the last panel where its bins are as many, else in one of its own.
-void add_profile(const Figure& figure, const std::string& level, const std::string& role, draw::Profile& picture,
-                 bool fresh) {
+/// A panel for the profile of one level and role: the bins of two roles are seldom as many.
+void add_profile(const Figure& figure, const std::string& level, const std::string& role, draw::Profile& picture) {
   if (figure.profile.empty()) return;
   const std::size_t bins = figure.profile.size();
-  if (fresh || picture.panels.back().edges.size() != bins + 1) {
-    draw::ProfilePanel panel;
-    panel.title = fresh ? level : fmt::format("{}, {}", level, role);
-    for (std::size_t i = 0; i <= bins; ++i) panel.edges.push_back(static_cast<double>(i) / static_cast<double>(bins));
-    panel.target = figure.profile_target;
-    picture.panels.push_back(std::move(panel));
-  }
+  draw::ProfilePanel panel;
+  panel.title = fmt::format("{}: {}", level, role);
+  for (std::size_t i = 0; i <= bins; ++i) panel.edges.push_back(static_cast<double>(i) / static_cast<double>(bins));
+  panel.target = figure.profile_target;
   draw::ProfileSeries series;
   series.name = role;
   for (const Interval& share : figure.profile) {
@@ -78,7 +74,8 @@ void add_profile(const Figure& figure, const std::string& level, const std::stri
     series.lo.push_back(share.lo);
     series.hi.push_back(share.hi);
   }
-  picture.panels.back().series.push_back(std::move(series));
+  panel.series.push_back(std::move(series));
+  picture.panels.push_back(std::move(panel));
 }
 
 void write(const draw::Figure& figure, const std::filesystem::path& stem) {
@@ -114,11 +111,11 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
       draw::Profile profile;
       profile.title = heading + ": where along the path its samples lie";
       profile.caption = fmt::format(
-          "Each level in its own space along its own path; line: the target; bands: 95 % Student interval over {}.",
+          "Each level in its own space along its own path; dashed: the target; bands: 95 % Student interval over {}.",
           seeds);
       for (const LevelSummary& level : summary.levels) {
-        add_profile(level.own.tree, level.name, "tree", profile, true);
-        add_profile(level.own.expansion, level.name, "expansion", profile, level.own.tree.profile.empty());
+        add_profile(level.own.tree, level.name, "tree", profile);
+        add_profile(level.own.expansion, level.name, "expansion", profile);
       }
       if (waterfall.panels.empty() && profile.panels.empty()) continue;
       make_directory(place.string());
