@@ -220,7 +220,7 @@ inline std::vector<Case> closed_cases() {
   add_uniform("R^6, uniform", "|A| = V5 delta^5 L + V6 delta^6", tube(cube, {from, to}, 0.45, "full"),
               ball(5) * std::pow(0.45, 5) * 0.1 + ball(6) * std::pow(0.45, 6));
 
-  cases.push_back({"T itself", "a capsule", capsule, make_capsule,
+  cases.push_back({"capsule, T itself", "the target", capsule, make_capsule,
                    [capsule](Stream& s, MutableView x) {
                      do {
                        x[0] = s.uniform(0.5, 9.5);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <mutex>
 #include <set>
+#include <thread>
 
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/scoring.hpp>
@@ -175,7 +176,10 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   });
   const auto planned = std::chrono::steady_clock::now();
   result.planning_seconds = std::chrono::duration<double>(planned - begin).count();
-  if (experiment.measure) score(experiment, result, options.jobs, progress, interrupted);
+  if (experiment.measure) {
+    const unsigned all = std::max(1U, std::thread::hardware_concurrency());
+    score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted);
+  }
   // What a level's functions hold (its checker, its scene, its guide) nobody asks again.
   for (RunResult& cell : result.runs) {
     for (LevelResult& level : cell.levels) level.record.release();

@@ -111,6 +111,8 @@ struct ExperimentResult {
 
 struct ExperimentOptions {
   unsigned jobs = 1;  ///< cells run at the same time
+  /// Threads that score, once all cells have run and no time is taken any more; 0: as many as the machine has.
+  unsigned scoring_jobs = 0;
   /// Called after each cell's run and each cell's scoring, from one thread at a time: done, in all.
   std::function<void(std::size_t, std::size_t)> progress;
   /// Asked between cells and, through the executor, between proposals; true ends the experiment early (Interrupted).
@@ -133,7 +135,7 @@ std::size_t steps(const Experiment& experiment);
 void check(const Experiment& experiment);
 
 /// Checks, runs every cell, then scores them; scoring changes no run and is not in the run's time. The result does not
-/// depend on `jobs`, times apart. An exception in a cell stops the others and is rethrown here.
+/// depend on the number of threads, times apart. An exception in a cell stops the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

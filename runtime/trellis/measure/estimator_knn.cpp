@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t space_points = 256;  // of a ball, for its share in C
 constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
 constexpr double pool_enough = 30.0;       // pool points in a ball that tell its volume in A
-constexpr std::size_t pool_expected = 64;  // pool points wanted in a ball, where the pool could give many more
-constexpr std::size_t least_pool = 2048;
+constexpr std::size_t pool_expected = 40;  // pool points wanted in a ball, where the pool could give many more
+constexpr std::size_t least_pool = 1024;
 
 struct KnnSettings {
   std::int64_t k = 3;
@@ -67,8 +67,8 @@ class BlendedNeighbours {
         log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(evaluation.samples.total + 1) : 0.0),
         least_radius_(1e-9 * target_.space().diameter()),
         squared_(std::max(k_all_, k_inside_)) {
-    // With few samples in A the balls are wide and hold a good part of the pool. 64 points a ball make 20 points of the
-    // pool to a sample, and add no more than a twentieth to the variance; the whole pool would cost many times that.
+    // With few samples in A the balls are wide and hold a good part of the pool. 40 points a ball make 13 points of the
+    // pool to a sample and add nothing to the error that could be measured; the whole pool would cost many times that.
     const std::size_t wanted =
         std::max<std::size_t>(least_pool, pool_expected * inside_.size() / std::max<std::size_t>(k_inside_, 1));
     if (k_inside_ > 0 && target_.is_uniform() && 2 * wanted < target_.pool().size()) {

@@ -13,8 +13,21 @@ namespace {
 
 enum class How { uniform, skip };
 
+/// The component alone. A planner that it has by default is not written.
 GuideSpec bare(const GuideSpec& guide) {
-  return GuideSpec::make(guide.name(), guide.options().entries(), guide.planner(), guide.origin());
+  const auto make = [&](const std::optional<PlannerSpec>& planner) {
+    return GuideSpec::make(guide.name(), guide.options().entries(), planner, guide.origin());
+  };
+  GuideSpec plain = make({});
+  return plain.planner() == guide.planner() ? plain : make(guide.planner());
+}
+
+/// The sum of a mixture's weights, 1 of any other guide.
+double total_weight(const GuideSpec& guide) {
+  if (guide.kind() != GuideSpec::Kind::mixture) return 1.0;
+  double total = 0.0;
+  for (const auto& term : guide.terms()) total += term.weight;
+  return total;
 }
 
 /// The components of a guide, each before those that guide it.
@@ -39,7 +52,8 @@ GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
   for (const auto& term : guide.terms()) {
     const GuideSpec part = without(term.guide, which, how);
     parts.push_back(part);
-    const GuideSpec weighted = term.weight * part;
+    // A mixture in a part's place has that part's share as a whole.
+    const GuideSpec weighted = (term.weight / total_weight(part)) * part;
     sum = sum ? *sum + weighted : weighted;
   }
   return guide.kind() == GuideSpec::Kind::mixture ? *sum : sequence(parts, guide.turn());

@@ -1,0 +1,531 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What each run is scored on: its own path, those of other seeds, and targets that are no tubes.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/targets.hpp>
+#include <trellis/instance/instance.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+StrategySpec rrt(double step, double proposals = 5000.0) {
+  return {PlannerSpec::make("rrt", {{"step", step}, {"proposals", proposals}})};
+}
+
+/// A point in an empty square of 10 m, from (1, 5) to (9, 5).
+Problem open_problem() { return test::make_problem("open", test::rectangle_world({}), Robot::point(), {1, 5}, {9, 5}); }
+
+TubeSettings tube() {
+  TubeSettings settings;
+  settings.points = 512;
+  settings.pool = 2048;
+  return settings;
+}
+
+Experiment open_experiment() {
+  Experiment experiment;
+  experiment.problems = {open_problem()};
+  experiment.strategies = {{"fine", rrt(0.5)}, {"coarse", rrt(0.8)}};
+  experiment.seeds = {1, 2, 3};
+  experiment.measure = Measure{.target = tube(), .cross = 2};
+  return experiment;
+}
+
+/// A target that tells which paths a run was scored on: that of the i-th path has the divergence 2^i / 64 from uniform
+/// sampling, so that a mean over several of them names them all.
+class Marks {
+ public:
+  Marks() : paths_(std::make_shared<std::vector<std::vector<double>>>()) {}
+
+  [[nodiscard]] UserTarget target() const {
+    UserTarget user;
+    user.points = 64;
+    user.pool = 64;
+    user.make = [paths = paths_](const UserTarget::Context& context) {
+      const auto all = context.path.values();
+      const std::vector<double> path(all.begin(), all.end());
+      const auto known = std::find(paths->begin(), paths->end(), path);
+      const double index = static_cast<double>(known - paths->begin());
+      if (known == paths->end()) paths->push_back(path);
+      const double height = 10.0 * std::exp(-std::exp2(index) / 64.0);
+      Target::Distribution strip{Configurations(2), [height](View x) {
+                                   return x[1] < height ? -std::log(10.0 * height)
+                                                        : -std::numeric_limits<double>::infinity();
+                                 }};
+      for (std::int64_t i = 0; i < 64; ++i) {
+        const auto at = static_cast<double>(i);
+        strip.samples.push(std::vector{at / 6.4, height * std::fmod(at * 0.618, 1.0)});
+      }
+      return strip;
+    };
+    return user;
+  }
+  /// The paths in the mean of `count` targets.
+  static std::set<int> of(const std::optional<Scores>& scores, std::size_t count) {
+    REQUIRE(scores);
+    const auto bits =
+        static_cast<std::uint64_t>(std::llround(scores->expansion.uniform * 64.0 * static_cast<double>(count)));
+    std::set<int> marks;
+    for (int i = 0; i < 64; ++i) {
+      if (((bits >> i) & 1U) != 0) marks.insert(i);
+    }
+    CHECK(marks.size() == count);
+    return marks;
+  }
+
+ private:
+  std::shared_ptr<std::vector<std::vector<double>>> paths_;
+};
+
+const LevelResult& root_of(const RunResult& run) { return run.levels.front(); }
+
+const RunResult& find(const ExperimentResult& result, const std::string& strategy, std::uint64_t seed) {
+  const auto it = std::find_if(result.runs.begin(), result.runs.end(),
+                               [&](const RunResult& run) { return run.strategy == strategy && run.seed == seed; });
+  REQUIRE(it != result.runs.end());
+  return *it;
+}
+
+/// All figures of an experiment, to the last bit.
+class Bytes {
+ public:
+  explicit Bytes(const ExperimentResult& result) {
+    for (const RunResult& run : result.runs) {
+      for (const LevelResult& level : run.levels) {
+        for (const auto& scores : {level.own, level.root, level.own_cross, level.root_cross, level.equal}) {
+          bits_.push_back(scores ? 1 : 0);
+          if (!scores) continue;
+          for (const Efficiency* e : {&scores->tree, &scores->expansion}) add(*e);
+        }
+      }
+    }
+  }
+  friend bool operator==(const Bytes&, const Bytes&) = default;
+  [[nodiscard]] std::size_t size() const { return bits_.size(); }
+
+ private:
+  void add(const Estimate& e) {
+    for (const double x : {e.value, e.light_value, e.undefended, e.gain, e.js}) bits_.push_back(bits(x));
+    texts_.push_back(e.estimator);
+  }
+  void add(const Efficiency& e) {
+    add(static_cast<const Estimate&>(e));
+    for (const Estimate& other : e.others) add(other);
+    for (const double x : {e.uniform, e.mass, e.mass_lower95, e.coverage, e.uniform_coverage, e.coverage_half,
+                           e.uniform_coverage_half, e.free_share, e.along.divergence, e.along.empty_share}) {
+      bits_.push_back(bits(x));
+    }
+    for (const double x : e.along.target) bits_.push_back(bits(x));
+    for (const double x : e.along.samples) bits_.push_back(bits(x));
+    bits_.push_back(e.samples);
+    bits_.push_back(e.in_target);
+    texts_.insert(texts_.end(), e.flags.begin(), e.flags.end());
+    texts_.push_back(e.reason);
+  }
+  static std::uint64_t bits(double x) { return std::isnan(x) ? 0 : std::bit_cast<std::uint64_t>(x); }
+
+  std::vector<std::uint64_t> bits_;
+  std::vector<std::string> texts_;
+};
+
+}  // namespace
+
+TEST_CASE("a run is scored on the paths of other seeds, the same ones under every strategy", "[scoring]") {
+  for (const std::int64_t cross : {1, 2, 4, 9}) {
+    Experiment experiment = open_experiment();
+    const Marks marks;
+    experiment.measure = Measure{.target = marks.target(), .cross = cross};
+    const ExperimentResult result = run(experiment);
+    const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(cross), 4);  // 2 strategies, 2 more seeds
+    std::set<int> givers;
+    for (const std::uint64_t seed : experiment.seeds) {
+      CAPTURE(cross, seed);
+      const auto& fine = find(result, "fine", seed);
+      const auto& coarse = find(result, "coarse", seed);
+      REQUIRE((fine.run.solved && coarse.run.solved));
+      const auto used = Marks::of(root_of(fine).root_cross, count);
+      CHECK(used == Marks::of(root_of(coarse).root_cross, count));
+      for (const RunResult* own : {&fine, &coarse}) {
+        // Its own path makes its own target, and no path of its seed is among the others.
+        const auto mark = Marks::of(root_of(*own).root, 1);
+        CHECK(used.count(*mark.begin()) == 0);
+        if (used.count(*mark.begin()) == 0) givers.insert(used.begin(), used.end());
+        CHECK(std::isfinite(root_of(*own).root_cross->tree.value));
+      }
+    }
+    // All runs give their paths where that many are asked for, else those of both strategies do.
+    if (cross >= 2) CHECK(givers.size() > 3);
+  }
+}
+
+TEST_CASE("without other paths there is no cross score", "[scoring]") {
+  Experiment experiment = open_experiment();
+  SECTION("none asked for") { experiment.measure->cross = 0; }
+  SECTION("a single seed") { experiment.seeds = {1}; }
+  for (const RunResult& run : run(experiment).runs) {
+    CHECK(root_of(run).own);
+    CHECK(root_of(run).root);
+    CHECK_FALSE(root_of(run).own_cross);
+    CHECK_FALSE(root_of(run).root_cross);
+  }
+}
+
+TEST_CASE("a run without a path is scored on the others' and never dropped", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 40.0)}};
+  const Marks marks;
+  experiment.measure = Measure{.target = marks.target(), .cross = 2};
+  const ExperimentResult result = run(experiment);
+  REQUIRE(result.runs.size() == 6);
+  std::set<int> paths;
+  for (const std::uint64_t seed : experiment.seeds) {
+    const auto mark = Marks::of(root_of(find(result, "fine", seed)).root, 1);
+    paths.insert(mark.begin(), mark.end());
+  }
+  CHECK(paths.size() == 3);
+  for (const std::uint64_t seed : experiment.seeds) {
+    CAPTURE(seed);
+    const RunResult& failed = find(result, "short", seed);
+    CHECK_FALSE(failed.run.solved);
+    CHECK_FALSE(root_of(failed).own);
+    CHECK_FALSE(root_of(failed).root);
+    REQUIRE(root_of(failed).root_cross);
+    CHECK(root_of(failed).root_cross->expansion.samples == 40);
+    CHECK(std::isfinite(root_of(failed).root_cross->expansion.value));
+    // Only the runs with a path give one.
+    const auto used = Marks::of(root_of(failed).root_cross, 2);
+    CHECK(std::includes(paths.begin(), paths.end(), used.begin(), used.end()));
+    CHECK(used == Marks::of(root_of(find(result, "fine", seed)).root_cross, 2));
+  }
+
+  // Where nobody finds a path there is nothing to score on, and every run is still there.
+  experiment.strategies = {{"short", rrt(0.5, 5.0)}};
+  const ExperimentResult none = run(experiment);
+  REQUIRE(none.runs.size() == 3);
+  for (const RunResult& run : none.runs) {
+    REQUIRE(run.levels.size() == 1);
+    CHECK_FALSE(root_of(run).root_cross);
+  }
+}
+
+TEST_CASE("the own score is that of the run's samples on the tube about its path", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::cup_problem()};
+  experiment.strategies.pop_back();
+  experiment.seeds = {4, 5};
+  const ExperimentResult result = run(experiment);
+  const std::shared_ptr<Instance> instance = make_instance(experiment.problems.front());
+  for (const RunResult& run : result.runs) {
+    REQUIRE(run.run.solved);
+    const LevelRecord& record = root_of(run).record;
+    // Other points of the same tube.
+    const Target target(
+        record.space, run.run.path, {0, 1}, TubeSettings{}, [&](View q) { return instance->validity->state(q); }, 1);
+    const Efficiency nodes = efficiency(target, record.search.nodes, {.held = Held::valid_only});
+    const Scores& own = *root_of(run).own;
+    CHECK(own.tree.uniform == Approx(nodes.uniform).margin(0.02));
+    CHECK(own.tree.value == Approx(nodes.value).margin(0.1));
+    CHECK(own.tree.coverage == Approx(nodes.coverage).margin(0.05));
+    CHECK(own.tree.samples == record.search.nodes.size());
+    CHECK(own.tree.in_target == nodes.in_target);
+    CHECK(own.tree.estimator == "knn");
+    // The proposals' density is known: uniform but for the goal itself, 5 % of them.
+    CHECK(own.expansion.estimator == "exact");
+    CHECK(own.expansion.undefended == Approx(own.expansion.uniform - std::log(0.95)).margin(1e-9));
+    REQUIRE(own.expansion.others.size() == 1);
+    CHECK(own.expansion.others.front().estimator == "knn");
+    CHECK(own.expansion.samples == record.search.proposals.size());
+  }
+}
+
+TEST_CASE("a run's own path flatters its tree", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::cup_problem()};
+  experiment.strategies.pop_back();
+  experiment.seeds = {1, 2, 3, 4, 5, 6};
+  double gap = 0.0;
+  for (const RunResult& run : run(experiment).runs) {
+    REQUIRE(run.run.solved);
+    gap += (root_of(run).root_cross->tree.value - root_of(run).root->tree.value) / 6.0;
+  }
+  CHECK(gap > 0.2);
+}
+
+TEST_CASE("numbers of samples that differ much are also compared at the least", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.strategies = {{"fine", rrt(0.1)}, {"coarse", rrt(1.0)}};
+  const ExperimentResult result = run(experiment);
+  const auto median_number = [&](const std::string& strategy, bool tree) {
+    std::vector<std::size_t> numbers;
+    for (const std::uint64_t seed : experiment.seeds) {
+      const Search& search = root_of(find(result, strategy, seed)).record.search;
+      numbers.push_back(tree ? search.nodes.size() : search.proposals.size());
+    }
+    std::sort(numbers.begin(), numbers.end());
+    return numbers[1];
+  };
+  const std::size_t nodes = median_number("coarse", true);
+  REQUIRE(median_number("fine", true) > 2 * nodes);
+  for (const RunResult& run : result.runs) {
+    CAPTURE(run.strategy, run.seed);
+    const LevelResult& root = root_of(run);
+    REQUIRE(root.equal);
+    CHECK(root.equal->tree.samples == std::min(nodes, root.record.search.nodes.size()));
+    // On the same paths as all of them.
+    CHECK(root.equal->tree.uniform == root.root_cross->tree.uniform);
+    if (root.record.search.nodes.size() <= nodes) CHECK(root.equal->tree.value == root.root_cross->tree.value);
+  }
+  // Within a factor of two they stay as they are.
+  experiment.strategies = {{"a", rrt(0.5)}, {"b", rrt(0.51)}};
+  for (const RunResult& run : run(experiment).runs) CHECK_FALSE(root_of(run).equal);
+}
+
+TEST_CASE("every figure is the same to the last bit whatever the number of jobs", "[scoring]") {
+  Experiment experiment;
+  experiment.problems = {test::cup_problem()};
+  experiment.strategies = {{"plain", rrt(0.5)}, {"nested", GuideSpec::make("shrink", {{"scale", 0.5}}) >> rrt(0.5)}};
+  experiment.seeds = {1, 2};
+  Measure measure{.target = tube(), .cross = 2};
+  std::get<TubeSettings>(measure.target).points = 128;
+  SECTION("tube") {}
+  SECTION("near_optimal") {
+    NearOptimalSettings settings;
+    settings.points = 128;
+    settings.pool = 256;
+    settings.nodes = 200;
+    measure.target = settings;
+  }
+  SECTION("progress") { measure.target = ProgressSettings{}; }
+  experiment.measure = measure;
+  const Bytes once(run(experiment));
+  CHECK(once.size() > 100);
+  ExperimentOptions options;
+  options.jobs = 2;
+  CHECK(once == Bytes(run(experiment, options)));
+}
+
+TEST_CASE("near_optimal is the ellipse about start and goal where nothing stands in the way", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 20.0)}};
+  NearOptimalSettings settings;
+  settings.points = 512;
+  settings.pool = 2048;
+  settings.nodes = 600;
+  settings.epsilon = 0.2;
+  experiment.measure = Measure{.target = settings, .cross = 2};
+  const ExperimentResult result = run(experiment);
+  const double a = 0.5 * 1.2 * 8;
+  const double area = pi * a * std::sqrt(a * a - 16);
+  for (const RunResult& run : result.runs) {
+    CAPTURE(run.strategy, run.seed);
+    const LevelResult& root = root_of(run);
+    // The same for every run, with or without a path of its own.
+    REQUIRE(root.own);
+    CHECK(root.own->tree.uniform == root_of(result.runs.front()).own->tree.uniform);
+    CHECK(root.own->tree.uniform == Approx(std::log(100 / area)).margin(0.03));
+    REQUIRE(root.root_cross);
+    CHECK(root.root_cross->tree.value == root.root->tree.value);
+    CHECK(root.own->expansion.undefended == Approx(root.own->expansion.uniform - std::log(0.95)).margin(1e-9));
+  }
+
+  // Behind a wall there is no optimum.
+  experiment.problems = {
+      test::make_problem("shut", test::rectangle_world({{4, 0, 6, 10}}), Robot::point(), {1, 5}, {9, 5})};
+  experiment.strategies = {{"short", rrt(0.5, 50.0)}};
+  for (const RunResult& run : run(experiment).runs) {
+    const LevelResult& root = root_of(run);
+    if (root.own) CHECK(std::isnan(root.own->tree.value));
+  }
+}
+
+TEST_CASE("progress ranks a motion by the share of its rivals that come closer to the goal", "[scoring]") {
+  // The goal is so far off that half of all directions come closer, and the angle to it is all that counts.
+  LevelRecord level;
+  level.key = "0";
+  level.space = Space::euclidean({{-1000, 1000}, {-1000, 1000}});
+  level.goal = {900, 0};
+  level.search = Search(2);
+  level.search.nodes.push(std::vector{0.0, 0.0});
+  level.search.parents = {0};
+  ProgressSettings settings;
+  settings.controls = 4000;
+  const std::vector<double> angles = {0.1, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, -0.7, -2.2};
+  for (const double angle : angles) {
+    // Long or short, a motion has its direction's rank.
+    const double length = angle > 1.2 ? 0.3 : 7.0;
+    level.search.proposals.push(std::vector{length * std::cos(angle), length * std::sin(angle)});
+    level.search.near.push_back(0);
+    level.search.nodes.push(level.search.proposals.back());
+    level.search.parents.push_back(0);
+  }
+  // What grew from no node is no motion, nor is one without length.
+  level.search.proposals.push(std::vector{1.0, 1.0});
+  level.search.near.push_back(no_node);
+  level.search.proposals.push(std::vector{0.0, 0.0});
+  level.search.near.push_back(0);
+  for (const bool tree : {true, false}) {
+    const Ranks ranks = rank_motions(level, tree, settings, 1);
+    REQUIRE(ranks.samples.size() == angles.size());
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      CAPTURE(angles[i]);
+      CHECK(ranks.samples[i][0] == Approx(std::abs(angles[i]) / pi).margin(0.03));
+    }
+    // T is uniform on the better half.
+    REQUIRE(ranks.target.target);
+    CHECK(ranks.target.target->uniform() == Approx(std::log(2.0)).margin(0.03));
+    CHECK(ranks.target.target->contains(std::vector{0.2}));
+    CHECK_FALSE(ranks.target.target->contains(std::vector{0.8}));
+  }
+  level.search.parents.assign(level.search.nodes.size(), no_node);
+  const Ranks none = rank_motions(level, true, settings, 1);
+  CHECK_FALSE(none.target.target);
+  CHECK_FALSE(none.target.reason.empty());
+}
+
+TEST_CASE("progress in every direction that comes closer gains what is to be gained, in any direction nothing",
+          "[scoring]") {
+  LevelRecord level;
+  level.key = "0";
+  level.space = Space::euclidean({{-1000, 1000}, {-1000, 1000}});
+  level.goal = {0, 900};
+  Stream stream(1, "", "test");
+  const auto gain = [&](double widest) {
+    level.search = Search(2);
+    level.search.nodes.push(std::vector{0.0, 0.0});
+    for (int i = 0; i < 2000; ++i) {
+      const double angle = 0.5 * pi + widest * stream.uniform(-1, 1);
+      level.search.proposals.push(std::vector{std::cos(angle), std::sin(angle)});
+      level.search.near.push_back(0);
+    }
+    const Ranks ranks = rank_motions(level, false, ProgressSettings{}, 1);
+    return efficiency(*ranks.target.target, ranks.samples).gain;
+  };
+  CHECK(gain(pi) == Approx(0.0).margin(0.05));
+  // D_eps of the better half: q = 0.95 * 2 + 0.05.
+  CHECK(gain(0.5 * pi) == Approx(std::log(1.95)).margin(0.05));
+  CHECK(gain(0.25 * pi) < 0.0);  // half of the directions that come closer are never taken
+}
+
+TEST_CASE("an experiment is scored by progress, whether its runs find paths or not", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 40.0)}};
+  experiment.measure = Measure{.target = ProgressSettings{}, .cross = 2};
+  for (const RunResult& run : run(experiment).runs) {
+    CAPTURE(run.strategy, run.seed);
+    const LevelResult& root = root_of(run);
+    REQUIRE(root.own);
+    // Every proposal and every node but the start is a motion; most of them have a direction that comes closer.
+    CHECK(root.own->expansion.samples <= root.record.search.proposals.size());
+    CHECK(root.own->tree.samples == root.record.search.nodes.size() - 1);
+    CHECK(root.own->expansion.uniform == Approx(std::log(2.0)).margin(0.25));
+    CHECK(root.own->expansion.along.target.empty());
+    REQUIRE(root.root_cross);
+    CHECK(root.root_cross->expansion.value == root.own->expansion.value);
+  }
+}
+
+TEST_CASE("strategies with a guide taken out are scored beside the whole ones, and give no paths", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::point_problem(3)};
+  const StrategySpec whole = GuideSpec::make("lazy", {}) >> rrt(0.5);
+  experiment.strategies = {{"plain", rrt(0.5)}, {"guided", whole}};
+  ablate(experiment, {"guided"});
+  REQUIRE(experiment.strategies.size() == 3);
+  CHECK(experiment.strategies[1].second == whole);
+  const auto& [name, spec] = experiment.strategies[2];
+  CHECK(spec == GuideSpec::make("uniform", {}) >> rrt(0.5));
+  REQUIRE(experiment.ablations.size() == 1);
+  CHECK(experiment.ablations.front().strategy == name);
+  CHECK(experiment.ablations.front().of == "guided");
+  CHECK(name == "guided " + experiment.ablations.front().text);
+  CHECK(experiment.seeds == std::vector<std::uint64_t>{1, 2, 3});
+
+  const Marks marks;
+  experiment.measure = Measure{.target = marks.target(), .cross = 4};
+  const ExperimentResult result = run(experiment);
+  REQUIRE(result.runs.size() == 9);
+  std::set<int> taken_out;
+  std::set<int> used;
+  std::set<int> whole_paths;
+  for (const std::uint64_t seed : experiment.seeds) {
+    const auto cross = Marks::of(root_of(find(result, name, seed)).root_cross, 4);
+    used.insert(cross.begin(), cross.end());
+    CHECK(cross == Marks::of(root_of(find(result, "plain", seed)).root_cross, 4));
+    for (const RunResult& run : result.runs) {
+      if (run.seed != seed) continue;
+      const auto own = Marks::of(root_of(run).root, 1);
+      (run.strategy == name ? taken_out : whole_paths).insert(own.begin(), own.end());
+    }
+  }
+  CHECK(used.size() == 6);
+  for (const int mark : taken_out) {
+    if (whole_paths.count(mark) == 0) CHECK(used.count(mark) == 0);
+  }
+
+  Experiment wrong = open_experiment();
+  CHECK_THROWS_WITH(ablate(wrong, {"fin"}), "experiment: ablate names no strategy: 'fin' (did you mean 'fine'?)");
+  CHECK_THROWS_WITH(ablate(wrong, {"fine"}),
+                    "experiment: ablate: strategy 'fine' has no guide that could be taken out");
+  CHECK(wrong.strategies.size() == 2);
+}
+
+TEST_CASE("a user's target lies in the root's space: levels are scored on it lifted", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::point_problem(3)};
+  experiment.strategies = {{"guided", GuideSpec::make("lazy", {}) >> rrt(0.5)}};
+  const Marks marks;
+  experiment.measure = Measure{.target = marks.target(), .cross = 1};
+  for (const RunResult& run : run(experiment).runs) {
+    REQUIRE(run.levels.size() == 2);
+    CHECK(run.levels[0].own);
+    CHECK_FALSE(run.levels[1].own);
+    REQUIRE(run.levels[1].root);
+    CHECK(run.levels[1].root->tree.uniform == run.levels[0].root->tree.uniform);
+    CHECK(run.levels[1].root_cross);
+  }
+  // What a target's function throws comes out.
+  UserTarget broken;
+  broken.make = [](const UserTarget::Context&) -> Target::Distribution { throw Error("no target today"); };
+  experiment.measure->target = broken;
+  CHECK_THROWS_WITH(run(experiment), "no target today");
+  experiment.measure->target = UserTarget{};
+  CHECK_THROWS_WITH(run(experiment), "target: has no samples");
+}
+
+TEST_CASE("a measure that makes no sense is refused before anything runs", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.measure->cross = -1;
+  CHECK_THROWS_WITH(check(experiment), "experiment: cross must be at least 0 paths, got -1");
+  experiment = open_experiment();
+  experiment.measure->estimators.clear();
+  CHECK_THROWS_WITH(check(experiment), "experiment: no estimator given");
+  experiment = open_experiment();
+  experiment.baseline = "corse";
+  CHECK_THROWS_WITH(check(experiment), "experiment: baseline 'corse' is no strategy (did you mean 'coarse'?)");
+  experiment = open_experiment();
+  NearOptimalSettings near;
+  near.epsilon = 0.0;
+  experiment.measure->target = near;
+  CHECK_THROWS_WITH(check(experiment), Catch::Contains("epsilon") && Catch::Contains("greater than 0"));
+  ProgressSettings progress;
+  progress.controls = 2;
+  experiment.measure->target = progress;
+  CHECK_THROWS_WITH(check(experiment), Catch::Contains("controls") && Catch::Contains("16"));
+}

@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The pictures of the measure as files, and strategies compared run by run.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/draw/figures.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+#include "report_fixture.hpp"
+#include "support/catch.hpp"
+
+using namespace trellis;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// A folder of its own that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "trellis-test-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = pattern;
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  /// All files below, as paths from here.
+  [[nodiscard]] std::set<std::string> files() const {
+    std::set<std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
+      if (entry.is_regular_file()) all.insert(fs::relative(entry.path(), path_).generic_string());
+    }
+    return all;
+  }
+
+ private:
+  fs::path path_;
+};
+
+using Files = std::set<std::string>;
+
+std::string read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  REQUIRE(file);
+  std::ostringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+/// What is wrong with an XML document: tags that do not close in turn, a bare '<' or '&'. "" where nothing is.
+std::string fault(const std::string& xml) {
+  std::vector<std::string> open;
+  bool any = false;
+  for (std::size_t i = 0; i < xml.size();) {
+    if (xml[i] == '&') {
+      const std::size_t end = xml.find(';', i);
+      if (end == std::string::npos || end - i > 10) return "a bare & at " + std::to_string(i);
+    }
+    if (xml[i] != '<') {
+      if (any && open.empty() && std::isspace(static_cast<unsigned char>(xml[i])) == 0) return "text after the root";
+      ++i;
+      continue;
+    }
+    const std::size_t end = xml.find('>', i);
+    if (end == std::string::npos) return "a tag without end at " + std::to_string(i);
+    const std::string tag = xml.substr(i + 1, end - i - 1);
+    if (tag.find('<') != std::string::npos) return "a bare < at " + std::to_string(i);
+    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an odd quote in <" + tag + ">";
+    const std::string name = tag.substr(0, tag.find_first_of(" \t\r\n/"));
+    if (tag.starts_with("/")) {
+      if (open.empty() || open.back() != tag.substr(1)) return "</" + tag.substr(1) + "> closes nothing";
+      open.pop_back();
+    } else if (!tag.starts_with("?") && !tag.starts_with("!")) {
+      if (any && open.empty()) return "a second root";
+      any = true;
+      if (!tag.ends_with("/")) open.push_back(name);
+    }
+    i = end + 1;
+  }
+  if (!open.empty()) return "<" + open.back() + "> is not closed";
+  return any ? "" : "no root";
+}
+
+void check_pictures(const Folder& folder) {
+  for (const std::string& file : folder.files()) {
+    CAPTURE(file);
+    const std::string content = read(folder.path() / file);
+    if (file.ends_with(".svg")) {
+      CHECK(fault(content).empty());
+      CHECK(content.find("<svg") != std::string::npos);
+      CHECK(content.find("nan") == std::string::npos);
+    } else {
+      CHECK(content.starts_with("\x89PNG\r\n\x1a\n"));
+    }
+  }
+}
+
+/// Where along the path the samples of every level lie, made up.
+void add_profiles(ExperimentResult& result) {
+  for (RunResult& run : result.runs) {
+    for (LevelResult& level : run.levels) {
+      if (!level.own) continue;
+      for (Efficiency* e : {&level.own->tree, &level.own->expansion}) {
+        if (std::isnan(e->value)) continue;
+        e->along.length = 12.0;
+        e->along.target = {0.3, 0.3, 0.4};
+        e->along.samples = {0.5, 0.5, 0.0};
+        e->along.divergence = 0.5;
+        e->along.empty_share = 0.4;
+      }
+    }
+  }
+}
+
+/// One cell with a root of the given efficiencies; NaN: not scored.
+RunResult cell(const std::string& strategy, std::uint64_t seed, double tree, double expansion, std::uint64_t checks,
+               bool solved = true) {
+  RunResult run = fixture::plain_run("p", seed, solved);
+  run.strategy = strategy;
+  run.run.validity_checks = checks;
+  LevelResult& root = run.levels.front();
+  root.root.reset();
+  root.own.reset();
+  if (!std::isnan(tree)) {
+    root.root_cross = Scores{fixture::efficiency(2.5, tree, 100), fixture::efficiency(2.5, expansion, 200)};
+  }
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("every strategy that was scored has its pictures in a folder of its own", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  add_profiles(result);
+  const Folder folder;
+  write_figures(experiment, result, folder.path().string());
+  Files expected;
+  for (const char* strategy : {"rrt", "nested"}) {
+    for (const char* picture : {"waterfall", "profile"}) {
+      for (const char* format : {"svg", "png"}) {
+        expected.insert(std::string("simple_passage/") + strategy + "/" + picture + "." + format);
+      }
+    }
+  }
+  CHECK(folder.files() == expected);
+  check_pictures(folder);
+
+  // The same bytes the second time, over the first.
+  const std::string before = read(folder.path() / "simple_passage/nested/waterfall.svg");
+  write_figures(experiment, result, folder.path().string());
+  CHECK(folder.files() == expected);
+  CHECK(read(folder.path() / "simple_passage/nested/waterfall.svg") == before);
+}
+
+TEST_CASE("a waterfall goes from uniform sampling to the root under the strategy's name", "[report][figures]") {
+  const auto [experiment, result] = fixture::passage();
+  const Folder folder;
+  write_figures(experiment, result, folder.path().string());
+  // Text is drawn as outlines, so the picture is compared as a whole with one made from plain numbers.
+  std::vector<double> tree;
+  std::vector<double> expansion;
+  for (const RunResult& run : result.runs) {
+    if (run.strategy != "rrt" || !run.levels.front().root) continue;
+    tree.push_back(run.levels.front().root->tree.value);
+    expansion.push_back(run.levels.front().root->expansion.value);
+  }
+  REQUIRE(tree.size() == 14);
+  draw::Waterfall picture;
+  picture.title = "rrt on simple_passage: what each level took off the divergence";
+  picture.caption =
+      "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over 15 "
+      "seeds.";
+  const auto panel = [](const std::string& role, const std::vector<double>& values) {
+    std::vector<double> gains;
+    for (const double value : values) gains.push_back(2.41 - value);
+    const std::vector<double> uniform(values.size(), 2.41);
+    const auto step = [](const std::string& label, const Interval& i) {
+      return draw::WaterfallStep{label, i.value, i.lo, i.hi};
+    };
+    draw::WaterfallPanel p;
+    p.title = role;
+    p.uniform = step("uniform", student_interval(uniform));
+    p.levels = {step("root", student_interval(gains))};
+    p.root = step("SE of the root", student_interval(values));
+    return p;
+  };
+  picture.panels = {panel("tree", tree), panel("expansion", expansion)};
+  const std::string expected = draw::plot(draw::waterfall(picture)).render(draw::Format::svg);
+  const bool same = read(folder.path() / "simple_passage/rrt/waterfall.svg") == expected;
+  CHECK(same);
+  picture.title = "nested on simple_passage: what each level took off the divergence";
+  const bool other = draw::plot(draw::waterfall(picture)).render(draw::Format::svg) == expected;
+  CHECK_FALSE(other);
+}
+
+TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  SECTION("a strategy without a path") {
+    for (RunResult& run : result.runs) {
+      if (run.strategy != "rrt") continue;
+      for (LevelResult& level : run.levels) level.own = level.root = std::nullopt;
+    }
+    const Folder folder;
+    write_figures(experiment, result, folder.path().string());
+    CHECK(folder.files() == Files{"simple_passage/nested/waterfall.svg", "simple_passage/nested/waterfall.png"});
+    CHECK_FALSE(fs::exists(folder.path() / "simple_passage" / "rrt"));
+    check_pictures(folder);
+  }
+  SECTION("no measure") {
+    experiment.measure.reset();
+    for (RunResult& run : result.runs) {
+      for (LevelResult& level : run.levels) level.own = level.root = std::nullopt;
+    }
+    const Folder folder;
+    write_figures(experiment, result, (folder.path() / "new").string());
+    CHECK(folder.files().empty());
+    CHECK_FALSE(fs::exists(folder.path() / "new"));
+  }
+  SECTION("figures that are infinite or missing leave a picture that can be read") {
+    add_profiles(result);
+    result.runs[0].levels[0].root->tree.value = infinity;
+    result.runs[0].levels[0].root->tree.gain = -infinity;
+    result.runs[1].levels[0].root->tree = fixture::no_figure(not_a_number);
+    const Folder folder;
+    write_figures(experiment, result, folder.path().string());
+    CHECK(folder.files().size() == 8);
+    check_pictures(folder);
+  }
+}
+
+TEST_CASE("a mixture has a waterfall for each way to the root", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  // The skeleton guides the root beside lazy >> shrink.
+  for (RunResult& run : result.runs) {
+    for (LevelResult& level : run.levels) {
+      if (level.record.key == "0.0.0.0") level.record.key = "0.1";
+    }
+  }
+  const Folder mixture;
+  write_figures(experiment, result, mixture.path().string());
+  check_pictures(mixture);
+  const auto [chain_experiment, chain_result] = fixture::passage();
+  const Folder chain;
+  write_figures(chain_experiment, chain_result, chain.path().string());
+  const std::string file = "simple_passage/nested/waterfall.svg";
+  CHECK(read(mixture.path() / file).size() > read(chain.path() / file).size());
+}
+
+TEST_CASE("names that are no file names get folders of their own for their pictures", "[report][figures]") {
+  Experiment experiment;
+  ExperimentResult result;
+  experiment.strategies = {{"r<r>&t", fixture::plain()}, {"r?r??t", fixture::plain()}};
+  experiment.seeds = {1};
+  for (const char* name : {"a/b", "..", "a & <b>"}) {
+    experiment.problems.push_back(fixture::problem(name));
+    for (const auto& [strategy, spec] : experiment.strategies) {
+      result.runs.push_back(fixture::plain_run(name, 1, true));
+      result.runs.back().strategy = strategy;
+    }
+  }
+  const Folder folder;
+  write_figures(experiment, result, folder.path().string());
+  Files expected;
+  for (const char* problem : {"a-b", "-.", "a----b-"}) {
+    for (const char* strategy : {"r-r--t", "r-r--t-2"}) {
+      for (const char* format : {"svg", "png"}) {
+        expected.insert(std::string(problem) + "/" + strategy + "/waterfall." + format);
+      }
+    }
+  }
+  CHECK(folder.files() == expected);
+  check_pictures(folder);
+}
+
+TEST_CASE("pictures that cannot be written are an error that says where and why", "[report][figures]") {
+  const auto [experiment, result] = fixture::passage();
+  const Folder folder;
+  const fs::path taken = folder.path() / "taken";
+  std::ofstream(taken) << "mine";
+  SECTION("a file where the folder should be") {
+    CHECK_THROWS_WITH(
+        write_figures(experiment, result, taken.string()),
+        "cannot make the directory '" + (taken / "simple_passage" / "rrt").string() + "': Not a directory");
+    CHECK(read(taken) == "mine");
+  }
+  SECTION("a folder where a picture should be") {
+    const fs::path picture = folder.path() / "simple_passage" / "rrt" / "waterfall.svg";
+    fs::create_directories(picture);
+    CHECK_THROWS_WITH(write_figures(experiment, result, folder.path().string()),
+                      "cannot write '" + picture.string() + "': Is a directory");
+  }
+  SECTION("a folder that nobody may make") {
+    if (fs::exists("/proc")) CHECK_THROWS_AS(write_figures(experiment, result, "/proc/trellis-figures"), Error);
+  }
+}
+
+TEST_CASE("strategies are compared with the baseline seed by seed", "[report][compare]") {
+  Experiment experiment;
+  experiment.problems = {fixture::problem("p")};
+  experiment.strategies = {{"base", fixture::plain()}, {"better", fixture::plain()}, {"without", fixture::plain()}};
+  experiment.seeds = {1, 2, 3, 4, 5};
+  experiment.ablations = {{"without", "better", "without lazy()"}};
+  // Efficiencies differ much between the seeds and little between the strategies.
+  const std::vector<double> base = {1.0, 3.0, 2.0, 5.0, 4.0};
+  const std::vector<double> won = {0.3, 0.2, 0.4, 0.3, 0.3};
+  ExperimentResult result;
+  for (std::size_t i = 0; i < 5; ++i) result.runs.push_back(cell("base", i + 1, base[i], 2.0, 1000 * (i + 1)));
+  for (std::size_t i = 0; i < 5; ++i) {
+    result.runs.push_back(cell("better", i + 1, base[i] - won[i], 2.0, 250 * (i + 1), i != 2));
+  }
+  for (std::size_t i = 0; i < 5; ++i) result.runs.push_back(cell("without", i + 1, base[i], 2.5, 500 * (i + 1)));
+
+  const auto compared = compare(experiment, result, "p");
+  REQUIRE(compared.size() == 2);
+  const Comparison& better = compared[0];
+  CHECK(better.problem == "p");
+  CHECK(better.strategy == "better");
+  CHECK(better.baseline == "base");
+  CHECK(better.text.empty());
+  CHECK(better.cross);
+  CHECK(better.tree.difference.value == Approx(-0.3));
+  CHECK(better.tree.difference.n == 5);
+  // Student's interval of the five differences, far narrower than what the strategies spread over.
+  CHECK(better.tree.difference.hi - better.tree.difference.value == Approx(2.776445 * std::sqrt(0.005 / 5)));
+  CHECK(better.tree.less == 5);
+  CHECK(better.tree.greater == 0);
+  CHECK(better.tree.sign_p == Approx(2.0 / 32));
+  CHECK(better.expansion.difference.value == 0.0);
+  CHECK(better.expansion.equal == 5);
+  CHECK(better.expansion.sign_p == 1.0);
+  CHECK(better.check_ratio == 0.25);
+  CHECK(better.validity_checks.less == 5);
+  CHECK(better.solved.difference.value == Approx(-0.2));
+  CHECK(better.solved.less == 1);
+  // A strategy with a guide taken out stands beside the whole one.
+  const Comparison& without = compared[1];
+  CHECK(without.baseline == "better");
+  CHECK(without.text == "without lazy()");
+  CHECK(without.tree.difference.value == Approx(0.3));
+  CHECK(without.expansion.greater == 5);
+  CHECK(without.check_ratio == 2.0);
+
+  SECTION("another baseline") {
+    experiment.baseline = "better";
+    experiment.ablations.clear();
+    const auto turned = compare(experiment, result, "p");
+    REQUIRE(turned.size() == 2);
+    CHECK(turned[0].strategy == "base");
+    CHECK(turned[0].tree.difference.value == Approx(0.3));
+    CHECK(turned[0].tree.difference.lo == Approx(-better.tree.difference.hi));
+    CHECK(turned[0].check_ratio == 4.0);
+  }
+  SECTION("a run that was not scored leaves its pair out, and keeps its success and its checks") {
+    result.runs[6].levels.front().root_cross.reset();
+    const Comparison some = compare(experiment, result, "p").front();
+    CHECK(some.tree.difference.n == 4);
+    CHECK(some.tree.difference.value == Approx(-1.3 / 4));
+    CHECK(some.solved.difference.n == 5);
+    CHECK(some.validity_checks.difference.n == 5);
+  }
+  SECTION("infinite figures are not averaged") {
+    result.runs[5].levels.front().root_cross->tree.value = infinity;
+    const Comparison some = compare(experiment, result, "p").front();
+    CHECK(some.tree.difference.infinite == 1);
+    CHECK(some.tree.difference.value == Approx(-0.3));  // the median
+    CHECK(std::isnan(some.tree.difference.lo));
+    CHECK(some.tree.greater == 1);
+  }
+  SECTION("without other seeds' paths their own serve") {
+    for (RunResult& run : result.runs) std::swap(run.levels.front().root, run.levels.front().root_cross);
+    const Comparison own = compare(experiment, result, "p").front();
+    CHECK_FALSE(own.cross);
+    CHECK(own.tree.difference.value == Approx(-0.3));
+  }
+  SECTION("one strategy has nothing to be compared with") {
+    experiment.strategies.erase(experiment.strategies.begin() + 1, experiment.strategies.end());
+    experiment.ablations.clear();
+    CHECK(compare(experiment, result, "p").empty());
+  }
+}
+
+TEST_CASE("a run without a path lowers the success and stays in the cross figures", "[report][compare]") {
+  ExperimentResult result;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    result.runs.push_back(cell("s", seed, static_cast<double>(seed), 2.0, 100, seed != 4));
+  }
+  const RunsSummary summary = summarise(select_runs(result, "p", "s"));
+  CHECK(summary.runs == 4);
+  CHECK(summary.solved == 3);
+  CHECK(summary.success.value == 0.75);
+  const Figure& cross = summary.levels.front().root_cross.tree;
+  CHECK(cross.scored == 4);
+  CHECK(cross.value.value == 2.5);
+  CHECK(cross.value.n == 4);
+  CHECK(summary.levels.front().root.tree.scored == 0);
+  // One that is infinite is counted, and the median takes the mean's place.
+  result.runs[1].levels.front().root_cross->tree.undefended = infinity;
+  const Figure counted = summarise(select_runs(result, "p", "s")).levels.front().root_cross.tree;
+  CHECK(counted.undefended.infinite == 1);
+  CHECK(counted.undefended.value == Approx(0.5 * (3.01 + 4.01)));
+}
