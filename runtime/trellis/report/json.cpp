@@ -115,6 +115,7 @@ Json measure_json(const Efficiency* e) {
           {"along", along_json(e->along)},
           {"N", scored ? Json(e->samples) : Json(nullptr)},
           {"n", scored && !std::isnan(e->mass) ? Json(e->in_target) : Json(nullptr)},
+          {"repeated", scored ? Json(e->repeated) : Json(nullptr)},
           {"estimator", std::isnan(e->value) ? Json(nullptr) : Json(e->estimator)},
           {"others", std::move(others)},
           {"flags", e->flags},
