@@ -10,7 +10,7 @@ stds.trellis = {
     "world", "robot", "box", "disc", "polygon", "problem",
     -- experiments
     "experiment", "tube", "near_optimal", "progress", "target",
-    "exact", "knn", "kde", "histogram", "legacy", "ablations",
+    "exact", "knn", "kde", "histogram", "legacy", "ablations", "published", "claim",
     -- modules of the standard library
     "scenes", "strategies",
   },

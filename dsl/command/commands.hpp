@@ -18,6 +18,7 @@ struct RunOptions {
   std::string json;     ///< a file, "" without
   std::string samples;  ///< a folder, "" without
   std::string figures;  ///< a folder, "" without
+  std::string out;      ///< a folder for tables, figures and the document, "" without
   bool ablate = false;
   bool quiet = false;
 };

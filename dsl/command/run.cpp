@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
@@ -29,6 +37,60 @@ ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool qui
                           .interrupted = InterruptibleRun::requested});
 }
 
+/// The experiment on some of its problems.
+Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t count) {
+  Experiment part = experiment;
+  const auto begin = experiment.problems.begin() + static_cast<std::ptrdiff_t>(first);
+  part.problems.assign(begin, begin + static_cast<std::ptrdiff_t>(count));
+  if (!part.published) return part;
+  const auto elsewhere = [&](const std::string& name) {
+    return std::none_of(part.problems.begin(), part.problems.end(), [&](const Problem& p) { return p.name == name; });
+  };
+  std::erase_if(part.published->entries, [&](const auto& entry) { return elsewhere(entry.problem); });
+  std::erase_if(part.published->claims, [&](const auto& claim) { return elsewhere(claim.problem); });
+  return part;
+}
+
+/// Everything that --out asks for, of the problems that are finished.
+void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options) {
+  const std::filesystem::path folder(options.out);
+  write_file((folder / "table.md").string(), report_markdown(experiment, result));
+  write_file((folder / "table.csv").string(), report_csv(experiment, result));
+  write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
+}
+
+/// Problem by problem, so that what is finished is kept when the rest is not.
+ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options) {
+  const InterruptibleRun interruptible;
+  Progress progress(!options.quiet);
+  const std::size_t all = steps(experiment);
+  std::size_t before = 0;
+  progress.show(0, all);
+  ExperimentResult result;
+  for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
+    const Experiment one = part_of(experiment, i, 1);
+    try {
+      ExperimentResult found =
+          run(one, {.jobs = jobs,
+                    .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
+                    .interrupted = InterruptibleRun::requested});
+      write_figures(one, found, (std::filesystem::path(options.out) / "figures").string());
+      std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
+      result.planning_seconds += found.planning_seconds;
+      result.measuring_seconds += found.measuring_seconds;
+    } catch (const Interrupted&) {
+      if (i == 0) throw;
+      std::vector<std::string> finished;
+      for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
+      throw Interrupted(fmt::format("interrupted; '{}' holds all of {}; the same command makes the rest too",
+                                    options.out, fmt::join(finished, ", ")));
+    }
+    before += steps(one);
+    write_out(part_of(experiment, 0, i + 1), result, options);
+  }
+  return result;
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -52,8 +114,12 @@ int run(const RunOptions& options) {
   if (!options.json.empty()) require_writable_file(options.json);
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
+  OutputFolder out(options.out);
 
-  const ExperimentResult result = run_cells(program.experiment, static_cast<unsigned>(jobs.value_or(1)), options.quiet);
+  const auto threads = static_cast<unsigned>(jobs.value_or(1));
+  const ExperimentResult result = options.out.empty() ? run_cells(program.experiment, threads, options.quiet)
+                                                      : run_problems(program.experiment, threads, options);
+  out.keep();
 
   // One output that fails does not take the others with it.
   std::optional<Error> failure;

@@ -244,6 +244,11 @@ int make_experiment(Stack& call) {
   experiment.measure = read_measure(arguments, settings);
   experiment.baseline = arguments.string("baseline").value_or("");
   if (experiment.baseline.empty() && arguments["baseline"].given()) arguments.reject("baseline");
+  if (const auto* published = arguments["published"].get<Publication>()) {
+    experiment.published = *published;
+  } else if (arguments["published"].given()) {
+    arguments.reject("published");
+  }
   read_ablate(arguments, experiment);
   check(experiment);
   return call.result(std::move(program));
@@ -294,6 +299,8 @@ const Construct& experiment_construct() {
                   "the first that has a figure gives the headline, the others stand beside it; exact and knn by "
                   "default"},
                  {"baseline", "the name of a strategy", "what the others are compared with; the first by default"},
+                 {"published", "published { ... }",
+                  "figures and sentences of somebody else, to set the results beside"},
                  {"ablate", "true, or a list of names of strategies",
                   "adds each strategy that has a guide, or each that is named, with every guide taken out in turn"}},
       .options = experiment_settings().component()};

@@ -11,6 +11,7 @@
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
 #include <dsl/language/problem.hpp>
+#include <dsl/language/publication.hpp>
 #include <dsl/language/random.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/world.hpp>
@@ -38,6 +39,7 @@ Session::Session(const std::string& folder, const SessionOptions& options)
     open_world(stack);
     open_problem(stack);
     open_measure(stack);
+    open_publication(stack);
     open_experiment(stack);
     open_modules(stack, folder);
   });

@@ -10,6 +10,7 @@
 #include <dsl/language/experiment.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/problem.hpp>
+#include <dsl/language/publication.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/world.hpp>
 #include <trellis/strategy/registry.hpp>
@@ -106,7 +107,8 @@ std::string construct_text(const Construct& construct) {
 std::vector<const Construct*> constructs() {
   std::vector<const Construct*> all = {&sequence_construct(), &ablations_construct()};
   for (const Construct* construct : world_constructs()) all.push_back(construct);
-  all.insert(all.end(), {&problem_construct(), &load_construct(), &target_construct(), &experiment_construct()});
+  all.insert(all.end(), {&problem_construct(), &load_construct(), &target_construct(), &experiment_construct(),
+                         &published_construct(), &claim_construct()});
   return all;
 }
 

@@ -84,3 +84,20 @@ TEST_CASE("The median leaves NaN out and stands infinities") {
   CHECK(std::isnan(median(std::vector<double>{})));
   CHECK(std::isnan(median(std::vector{not_a_number})));
 }
+
+TEST_CASE("the rank correlation is that of the ranks", "[measure]") {
+  const auto rho = [](std::vector<double> a, std::vector<double> b) { return rank_correlation(a, b); };
+  CHECK(rho({1, 20, 300}, {-3, -2, 5}) == Approx(1.0));
+  CHECK(rho({1, 20, 300, 4000}, {9, 8, 7, -1}) == Approx(-1.0));
+  // 1 - 6 sum d^2 / (n (n^2 - 1)), without ties.
+  CHECK(rho({86, 97, 99, 100, 101, 103, 106, 110, 112, 113}, {2, 20, 28, 27, 50, 29, 7, 17, 6, 12}) ==
+        Approx(-29.0 / 165.0));
+  // Ties share their mean rank: the ranks 1.5, 1.5, 3 against 1, 2, 3.
+  CHECK(rho({1, 1, 2}, {1, 2, 3}) == Approx(std::sqrt(3.0) / 2.0));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(rho({1, nan, 2, 3}, {1, 7, 2, 3}) == Approx(1.0));
+  CHECK(std::isnan(rho({1, 2}, {1, 2})));
+  CHECK(std::isnan(rho({1, 2, nan}, {1, 2, 3})));
+  CHECK(std::isnan(rho({1, 1, 1}, {1, 2, 3})));
+  CHECK_THROWS_AS(rho({1, 2, 3}, {1, 2}), Error);
+}

@@ -117,6 +117,32 @@ void ablate(Experiment& experiment, const std::vector<std::string>& names) {
   }
 }
 
+namespace {
+
+void check_known(const std::string& where, const char* kind, const std::string& name,
+                 const std::set<std::string>& known) {
+  if (known.contains(name)) return;
+  const std::vector<std::string> names(known.begin(), known.end());
+  throw Error(fmt::format("experiment: {}: no {} of the experiment is called '{}'{}", where, kind, name,
+                          did_you_mean(name, names)));
+}
+
+void check(const Publication& published, const std::set<std::string>& problems,
+           const std::set<std::string>& strategies) {
+  for (const auto& entry : published.entries) {
+    check_known("published", "problem", entry.problem, problems);
+    check_known("published", "strategy", entry.strategy, strategies);
+  }
+  for (const auto& claim : published.claims) {
+    const std::string where = fmt::format("published: claim '{}'", claim.text);
+    check_known(where, "problem", claim.problem, problems);
+    check_known(where, "strategy", claim.strategy, strategies);
+    for (const auto& other : claim.than) check_known(where, "strategy", other, strategies);
+  }
+}
+
+}  // namespace
+
 void check(const Experiment& experiment) {
   if (experiment.problems.empty()) throw Error("experiment: no problem given");
   if (experiment.strategies.empty()) throw Error("experiment: no strategy given");
@@ -141,6 +167,7 @@ void check(const Experiment& experiment) {
                             did_you_mean(experiment.baseline, known)));
   }
   for (const auto& problem : experiment.problems) check(problem);
+  if (experiment.published) check(*experiment.published, problems, strategies);
 }
 
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {

@@ -56,6 +56,30 @@ struct AblationLink {
   std::string text;      ///< "without shrink(0.5)"
 };
 
+/// What somebody published of an experiment, to be set beside what comes out here.
+struct Publication {
+  /// SE of the root's tree and expansion, nats; NaN: not given.
+  struct Entry {
+    std::string problem;
+    std::string strategy;
+    double tree = std::numeric_limits<double>::quiet_NaN();
+    double expansion = std::numeric_limits<double>::quiet_NaN();
+  };
+  /// A sentence that the results are to bear out: SE of a strategy is lower than that of others, or is not.
+  struct Claim {
+    enum class Role : std::uint8_t { tree, expansion };
+    std::string text;
+    std::string problem;
+    std::string strategy;
+    bool lower = true;
+    std::vector<std::string> than;  ///< strategies
+    std::vector<Role> roles;
+  };
+  std::string source;  ///< a citation
+  std::vector<Entry> entries;
+  std::vector<Claim> claims;
+};
+
 /// Problems x strategies x seeds, and how to score them.
 struct Experiment {
   std::vector<Problem> problems;                                 ///< names are unique
@@ -65,6 +89,7 @@ struct Experiment {
   std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before it is reported
   std::string baseline;                        ///< the strategy that the others are compared with; "": the first
   std::vector<AblationLink> ablations;         ///< of the strategies, those made by ablate()
+  std::optional<Publication> published;        ///< what to set the results beside
 };
 
 /// Adds, after the strategies, those of `names` with each guide taken out in turn; each is compared with the whole one.
@@ -123,7 +148,7 @@ struct ExperimentOptions {
 /// Thrown when ExperimentOptions::interrupted said so.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  explicit Interrupted(const std::string& what = "interrupted") : std::runtime_error(what) {}
 };
 
 /// What ExperimentOptions::progress counts to: runs, and their scoring.

@@ -7,6 +7,7 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/statistics/bivariate_statistics.hpp>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -23,6 +24,18 @@ double upper_tail(double confidence) {
     throw Error(fmt::format("interval: the confidence must be in (0, 1), got {:g}", confidence));
   }
   return 0.5 + 0.5 * confidence;
+}
+
+/// The place of each value in order, from 1; equal ones share the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<double> result;
+  result.reserve(values.size());
+  for (const double v : values) {
+    const auto below = std::count_if(values.begin(), values.end(), [&](double w) { return w < v; });
+    const auto equal = std::count(values.begin(), values.end(), v);
+    result.push_back(static_cast<double>(below) + 0.5 * static_cast<double>(equal + 1));
+  }
+  return result;
 }
 
 }  // namespace
@@ -100,6 +113,28 @@ Paired paired(std::span<const double> a, std::span<const double> b, double confi
     result.sign_p = std::min(1.0, 2.0 * boost::math::cdf(coin, fewer));
   }
   return result;
+}
+
+double rank_correlation(std::span<const double> a, std::span<const double> b) {
+  if (a.size() != b.size()) {
+    throw Error(fmt::format("rank correlation: lists of {} and {} figures are no pairs", a.size(), b.size()));
+  }
+  std::vector<double> left;
+  std::vector<double> right;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isnan(a[i]) || std::isnan(b[i])) continue;
+    left.push_back(a[i]);
+    right.push_back(b[i]);
+  }
+  constexpr std::size_t least_pairs = 3;
+  if (left.size() < least_pairs) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> x = ranks(left);
+  const std::vector<double> y = ranks(right);
+  const auto same = [](const std::vector<double>& r) {
+    return std::all_of(r.begin(), r.end(), [&](double v) { return v == r.front(); });
+  };
+  if (same(x) || same(y)) return std::numeric_limits<double>::quiet_NaN();
+  return boost::math::statistics::correlation_coefficient(x, y);
 }
 
 double median(std::span<const double> values) {

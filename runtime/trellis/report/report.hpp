@@ -17,6 +17,15 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
 /// \param script  the path as given on the command line, "" for none
 std::string report_json(const Experiment& experiment, const ExperimentResult& result, const std::string& script);
 
+/// The root's sampling efficiency as papers print it, in Markdown: strategies below each other, problems side by side,
+/// the tree above the expansion; by every estimator, on own and other seeds' paths; the other measures; and, where
+/// something was published, both beside each other, rank correlations, and whether its claims are borne out.
+std::string report_markdown(const Experiment& experiment, const ExperimentResult& result);
+
+/// The same figures as comma-separated values, one to a line: problem, strategy, role, path, estimator, quantity,
+/// value, lo, hi, n, infinite.
+std::string report_csv(const Experiment& experiment, const ExperimentResult& result);
+
 /// Writes DIR/<problem>/<strategy>/seed-<seed>/samples.csv and path.csv for every run. Each file appears whole (written
 /// beside and renamed). Throws Error where a file cannot be written.
 void write_samples(const ExperimentResult& result, const std::string& directory);

@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The tables of an experiment as papers print them: strategies below each other, problems side by side, and what was
+// published beside what came out.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* headline = "headline";
+
+using Role = Efficiency Scores::*;
+using Where = std::optional<Scores> LevelResult::*;
+
+struct NamedRole {
+  const char* name;
+  Role role;
+};
+const std::vector<NamedRole>& roles() {
+  static const std::vector<NamedRole> all = {{"tree", &Scores::tree}, {"expansion", &Scores::expansion}};
+  return all;
+}
+
+struct NamedPath {
+  const char* name;   ///< in files
+  const char* title;  ///< in headings
+  Where where;
+};
+const std::vector<NamedPath>& paths() {
+  static const std::vector<NamedPath> all = {{"own", "own path", &LevelResult::root},
+                                             {"cross", "other seeds' paths", &LevelResult::root_cross}};
+  return all;
+}
+
+/// The estimators that there are figures of: the headline, then those that were asked for.
+std::vector<std::string> estimators_of(const Experiment& experiment) {
+  std::vector<std::string> names = {headline};
+  if (!experiment.measure) return names;
+  for (const EstimatorSpec& spec : experiment.measure->estimators) names.push_back(spec.text());
+  return names;
+}
+
+const Efficiency* efficiency_of(const RunResult& run, Where where, Role role) {
+  if (run.levels.empty()) return nullptr;
+  const std::optional<Scores>& scores = run.levels.front().*where;
+  return scores ? &((*scores).*role) : nullptr;
+}
+
+/// The headline figure of an estimator: SE; of the plain grid, which is not defended, D. NaN where it has none.
+double value_by(const Efficiency& efficiency, const std::string& estimator) {
+  const Estimate* found = nullptr;
+  if (estimator == headline || efficiency.estimator == estimator) found = &efficiency;
+  for (const Estimate& other : efficiency.others) {
+    if (found == nullptr && other.estimator == estimator) found = &other;
+  }
+  if (found == nullptr) return nan;
+  return found->estimator.starts_with("legacy") ? found->undefended : found->value;
+}
+
+/// One figure per run, NaN where a run has none.
+template <class Value>
+std::vector<double> per_run(const std::vector<const RunResult*>& runs, Where where, Role role, Value value) {
+  std::vector<double> values;
+  values.reserve(runs.size());
+  for (const RunResult* run : runs) {
+    const Efficiency* e = efficiency_of(*run, where, role);
+    values.push_back(e != nullptr ? value(*e) : nan);
+  }
+  return values;
+}
+
+std::string fixed(double x, int decimals = 2) {
+  std::string text = fmt::format("{:.{}f}", x, decimals);
+  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
+/// "1.23 ± 0.08", "1.23" without an interval, "NA" where there is no figure; infinite ones are counted.
+std::string cell(const Interval& interval) {
+  if (std::isnan(interval.value)) return "NA";
+  if (std::isinf(interval.value)) {
+    return fmt::format("inf ({}/{})", interval.infinite, interval.infinite + interval.n);
+  }
+  std::string text = fixed(interval.value);
+  if (std::isfinite(interval.hi)) text += " ± " + fixed(0.5 * (interval.hi - interval.lo));
+  if (interval.infinite > 0) text += fmt::format(" ({} inf)", interval.infinite);
+  return text;
+}
+
+/// What Markdown would take for a sign of its own.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (std::string_view("|\\`*_<>[]").find(c) != std::string_view::npos) result += '\\';
+    result += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return result;
+}
+
+class Markdown {
+ public:
+  void heading(const std::string& text) { text_ += fmt::format("\n## {}\n\n", text); }
+  void paragraph(const std::string& text) { text_ += text + "\n\n"; }
+  void header(const std::vector<std::string>& cells) {
+    row(cells);
+    text_ += "|";
+    for (std::size_t i = 0; i < cells.size(); ++i) text_ += "---|";
+    text_ += '\n';
+  }
+  void row(const std::vector<std::string>& cells) {
+    text_ += "|";
+    for (const std::string& c : cells) text_ += fmt::format(" {} |", c);
+    text_ += '\n';
+  }
+  [[nodiscard]] std::string take() { return std::move(text_); }
+  std::string& text() { return text_; }
+
+ private:
+  std::string text_;
+};
+
+class Tables {
+ public:
+  Tables(const Experiment& experiment, const ExperimentResult& result)
+      : experiment_(experiment), result_(result), estimators_(estimators_of(experiment)) {}
+
+  std::string markdown() {
+    head();
+    for (const NamedPath& path : paths()) layout(path, headline);
+    for (std::size_t i = 1; i < estimators_.size(); ++i) {
+      for (const NamedPath& path : paths()) layout(path, estimators_[i]);
+    }
+    for (const Problem& problem : experiment_.problems) others(problem);
+    if (experiment_.published) {
+      beside_published();
+      rank_correlations();
+      claims();
+    }
+    return page_.take();
+  }
+
+  std::string csv() {
+    std::string text = "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite\n";
+    const auto add = [&](const std::string& problem, const std::string& strategy, const char* role, const char* path,
+                         const std::string& estimator, const char* quantity, const Interval& x) {
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", quoted(problem), quoted(strategy), role, path,
+                          quoted(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
+    };
+    for (const Problem& problem : experiment_.problems) {
+      for (const auto& [name, spec] : experiment_.strategies) {
+        const auto chosen = select_runs(result_, problem.name, name);
+        const RunsSummary summary = summarise(chosen);
+        add(problem.name, name, "", "", "", "success", summary.success);
+        add(problem.name, name, "", "", "", "length", summary.length);
+        add(problem.name, name, "", "", "", "validity_checks",
+            over(chosen, [](const RunResult& r) { return static_cast<double>(r.run.validity_checks); }));
+        for (const NamedRole& role : roles()) {
+          for (const NamedPath& path : paths()) {
+            for (const std::string& estimator : estimators_) {
+              const auto values =
+                  per_run(chosen, path.where, role.role, [&](const Efficiency& e) { return value_by(e, estimator); });
+              add(problem.name, name, role.name, path.name, estimator, "SE", student_interval(values));
+            }
+            for (const Quantity& quantity : quantities()) {
+              const auto values =
+                  per_run(chosen, path.where, role.role, [&](const Efficiency& e) { return quantity.field(e); });
+              add(problem.name, name, role.name, path.name, headline, quantity.name, student_interval(values));
+            }
+          }
+        }
+      }
+    }
+    return text;
+  }
+
+ private:
+  struct Quantity {
+    const char* name;
+    const char* title;
+    double (*field)(const Efficiency&);
+  };
+  static const std::vector<Quantity>& quantities() {
+    static const std::vector<Quantity> all = {
+        {"N", "N", [](const Efficiency& e) { return static_cast<double>(e.samples); }},
+        {"n", "in target", [](const Efficiency& e) { return static_cast<double>(e.in_target); }},
+        {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
+        {"gain", "gain", [](const Efficiency& e) { return e.gain; }},
+        {"D", "D", [](const Efficiency& e) { return e.undefended; }},
+        {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
+        {"along", "along", [](const Efficiency& e) { return e.along.divergence; }},
+        {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},
+        {"uniform_coverage", "uniform coverage", [](const Efficiency& e) { return e.uniform_coverage; }},
+        {"JS", "JS", [](const Efficiency& e) { return e.js; }}};
+    return all;
+  }
+
+  static std::string quoted(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string result = "\"";
+    for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return result + "\"";
+  }
+  static std::string number(double x) {
+    if (std::isnan(x)) return "";
+    if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
+    return fmt::format("{}", x);
+  }
+
+  template <class F>
+  static Interval over(const std::vector<const RunResult*>& runs, F f) {
+    std::vector<double> values;
+    values.reserve(runs.size());
+    for (const RunResult* run : runs) values.push_back(f(*run));
+    return student_interval(values);
+  }
+
+  [[nodiscard]] Interval figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                                const NamedRole& role, const std::string& estimator) const {
+    return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
+                                    [&](const Efficiency& e) { return value_by(e, estimator); }));
+  }
+
+  void head() {
+    page_.text() = "# Sampling efficiency\n\n";
+    page_.paragraph(fmt::format(
+        "{} problem{}, {} strateg{}, {} seeds. SE: divergence of the target from the root's samples with 5 % uniform "
+        "mixed in, nats, lower is better; mean ± half-width of the 95 % Student interval over the runs. Upper value: "
+        "tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure).",
+        experiment_.problems.size(), experiment_.problems.size() == 1 ? "" : "s", experiment_.strategies.size(),
+        experiment_.strategies.size() == 1 ? "y" : "ies", experiment_.seeds.size()));
+  }
+
+  [[nodiscard]] std::vector<std::string> problem_header(const std::string& first) const {
+    std::vector<std::string> cells = {first};
+    for (const Problem& problem : experiment_.problems) cells.push_back(escaped(problem.name));
+    return cells;
+  }
+
+  /// The paper's layout: upper value tree, lower value expansion.
+  void layout(const NamedPath& path, const std::string& estimator) {
+    page_.heading(estimator == headline ? fmt::format("SE, {}", path.title)
+                                        : fmt::format("SE by {}, {}", escaped(estimator), path.title));
+    if (estimator.starts_with("legacy")) {
+      page_.paragraph(
+          "Undefended, over the whole tube: an artefact of the grid's floor, and what comes nearest to the published "
+          "figures.");
+    }
+    page_.header(problem_header("strategy"));
+    for (const auto& [name, spec] : experiment_.strategies) {
+      std::vector<std::string> cells = {escaped(name)};
+      for (const Problem& problem : experiment_.problems) {
+        cells.push_back(cell(figure(problem.name, name, path, roles()[0], estimator)) + "<br>" +
+                        cell(figure(problem.name, name, path, roles()[1], estimator)));
+      }
+      page_.row(cells);
+    }
+    page_.text() += '\n';
+  }
+
+  void others(const Problem& problem) {
+    page_.heading(fmt::format("Other measures, {}", escaped(problem.name)));
+    page_.paragraph("On other seeds' paths (own path where there are none); upper value tree, lower value expansion.");
+    std::vector<std::string> header = {"strategy", "solved", "validity checks", "time, ms"};
+    for (const Quantity& quantity : quantities()) header.emplace_back(quantity.title);
+    page_.header(header);
+    for (const auto& [name, spec] : experiment_.strategies) {
+      const auto chosen = select_runs(result_, problem.name, name);
+      const RunsSummary summary = summarise(chosen);
+      const bool crossed = std::any_of(chosen.begin(), chosen.end(), [](const RunResult* run) {
+        return !run->levels.empty() && run->levels.front().root_cross;
+      });
+      std::vector<std::string> cells = {escaped(name), fmt::format("{}/{}", summary.solved, summary.runs),
+                                        std::isnan(summary.validity_checks) ? "NA" : fixed(summary.validity_checks, 0),
+                                        std::isnan(summary.seconds) ? "NA" : fixed(1e3 * summary.seconds, 2)};
+      for (const Quantity& quantity : quantities()) {
+        std::string both;
+        for (const NamedRole& role : roles()) {
+          const auto values = per_run(chosen, paths()[crossed ? 1 : 0].where, role.role,
+                                      [&](const Efficiency& e) { return quantity.field(e); });
+          both += (both.empty() ? "" : "<br>") + cell(student_interval(values));
+        }
+        cells.push_back(std::move(both));
+      }
+      page_.row(cells);
+    }
+    page_.text() += '\n';
+  }
+
+  [[nodiscard]] const Publication::Entry* entry(const std::string& problem, const std::string& strategy) const {
+    const auto& entries = experiment_.published->entries;
+    const auto it = std::find_if(entries.begin(), entries.end(),
+                                 [&](const auto& e) { return e.problem == problem && e.strategy == strategy; });
+    return it != entries.end() ? &*it : nullptr;
+  }
+  static double published(const Publication::Entry& entry, const NamedRole& role) {
+    return role.role == &Scores::tree ? entry.tree : entry.expansion;
+  }
+  static std::string published_text(double x) { return std::isnan(x) ? "NA" : fmt::format("{}", x); }
+
+  /// The last of the estimators that is a plain grid, if one was asked for.
+  [[nodiscard]] std::optional<std::string> legacy() const {
+    for (const std::string& estimator : estimators_) {
+      if (estimator.starts_with("legacy")) return estimator;
+    }
+    return std::nullopt;
+  }
+
+  void beside_published() {
+    page_.heading("Beside the published figures");
+    page_.paragraph(
+        fmt::format("Published: {}. Each cell: published; SE on the own path{}. Upper line tree, lower "
+                    "line expansion.",
+                    escaped(experiment_.published->source), legacy() ? "; by `legacy`" : ""));
+    page_.header(problem_header("strategy"));
+    for (const auto& [name, spec] : experiment_.strategies) {
+      std::vector<std::string> cells = {escaped(name)};
+      bool any = false;
+      for (const Problem& problem : experiment_.problems) {
+        const Publication::Entry* e = entry(problem.name, name);
+        any = any || e != nullptr;
+        std::string both;
+        for (const NamedRole& role : roles()) {
+          std::string one = fmt::format("{}; {}", published_text(e != nullptr ? published(*e, role) : nan),
+                                        cell(figure(problem.name, name, paths()[0], role, headline)));
+          if (legacy()) one += "; " + cell(figure(problem.name, name, paths()[0], role, *legacy()));
+          both += (both.empty() ? "" : "<br>") + one;
+        }
+        cells.push_back(std::move(both));
+      }
+      if (any) page_.row(cells);
+    }
+    page_.text() += '\n';
+  }
+
+  void rank_correlations() {
+    page_.heading("Rank correlation with the published figures");
+    page_.paragraph(
+        "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
+        "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).");
+    std::vector<std::string> header = {"estimator", "path", "samples"};
+    for (const Problem& problem : experiment_.problems) header.push_back(escaped(problem.name));
+    page_.header(header);
+    for (const std::string& estimator : estimators_) {
+      for (const NamedPath& path : paths()) {
+        for (const NamedRole& role : roles()) {
+          std::vector<std::string> cells = {escaped(estimator), path.title, role.name};
+          bool any = false;
+          for (const Problem& problem : experiment_.problems) {
+            std::vector<double> theirs;
+            std::vector<double> ours;
+            for (const auto& [name, spec] : experiment_.strategies) {
+              const Publication::Entry* e = entry(problem.name, name);
+              const double mine = figure(problem.name, name, path, role, estimator).value;
+              if (e == nullptr || std::isnan(published(*e, role)) || std::isnan(mine)) continue;
+              theirs.push_back(published(*e, role));
+              ours.push_back(mine);
+            }
+            const double rho = rank_correlation(theirs, ours);
+            any = any || !std::isnan(rho);
+            cells.push_back(std::isnan(rho) ? "NA" : fmt::format("{} ({})", fixed(rho), ours.size()));
+          }
+          if (any) page_.row(cells);
+        }
+      }
+    }
+    page_.text() += '\n';
+  }
+
+  /// What a difference of two efficiencies, b - a, says of "b is lower than a".
+  static std::string verdict(const Interval& difference, bool lower) {
+    if (std::isnan(difference.value)) return "NA";
+    const bool below = difference.hi < 0.0;
+    const bool above = difference.lo > 0.0;
+    const char* said = lower ? (below ? "yes" : (above ? "**no**" : "open")) : (below ? "**no**" : "yes");
+    return fmt::format("{}: {:+.2f} ± {:.2f}", said, difference.value, 0.5 * (difference.hi - difference.lo));
+  }
+
+  void claims() {
+    if (experiment_.published->claims.empty()) return;
+    page_.heading("What was concluded");
+    page_.paragraph(
+        "Each cell: whether our data bear the sentence out, and the mean difference of SE, paired by seed, with its 95 "
+        "% "
+        "interval. Lower: yes where the interval lies below 0, **no** where above, open where it holds 0. Not lower "
+        "(similar or worse): **no** where the interval lies below 0, else yes.");
+    for (const Publication::Claim& claim : experiment_.published->claims) {
+      page_.paragraph(fmt::format("**{}** ({})", escaped(claim.text), escaped(claim.problem)));
+      std::vector<std::string> header = {"SE of", claim.lower ? "lower than" : "not lower than", "samples",
+                                         "published"};
+      for (const std::string& estimator : estimators_) {
+        for (const NamedPath& path : paths()) header.push_back(escaped(estimator) + ", " + path.name);
+      }
+      page_.header(header);
+      for (const std::string& other : claim.than) {
+        for (const Publication::Claim::Role asked : claim.roles) {
+          const NamedRole& role = roles()[asked == Publication::Claim::Role::tree ? 0 : 1];
+          std::vector<std::string> cells = {escaped(claim.strategy), escaped(other), role.name,
+                                            published_verdict(claim, other, role)};
+          for (const std::string& estimator : estimators_) {
+            for (const NamedPath& path : paths()) {
+              const auto values = [&](const std::string& strategy) {
+                return per_run(select_runs(result_, claim.problem, strategy), path.where, role.role,
+                               [&](const Efficiency& e) { return value_by(e, estimator); });
+              };
+              const Paired difference = paired(values(other), values(claim.strategy));
+              cells.push_back(verdict(difference.difference, claim.lower));
+            }
+          }
+          page_.row(cells);
+        }
+      }
+      page_.text() += '\n';
+    }
+  }
+
+  [[nodiscard]] std::string published_verdict(const Publication::Claim& claim, const std::string& other,
+                                              const NamedRole& role) const {
+    const Publication::Entry* mine = entry(claim.problem, claim.strategy);
+    const Publication::Entry* theirs = entry(claim.problem, other);
+    const double difference =
+        mine != nullptr && theirs != nullptr ? published(*mine, role) - published(*theirs, role) : nan;
+    if (std::isnan(difference)) return "NA";
+    return fmt::format("{}: {:+.2f}", (difference < 0.0) == claim.lower ? "yes" : "**no**", difference);
+  }
+
+  const Experiment& experiment_;
+  const ExperimentResult& result_;
+  std::vector<std::string> estimators_;
+  Markdown page_;
+};
+
+}  // namespace
+
+std::string report_markdown(const Experiment& experiment, const ExperimentResult& result) {
+  return Tables(experiment, result).markdown();
+}
+
+std::string report_csv(const Experiment& experiment, const ExperimentResult& result) {
+  return Tables(experiment, result).csv();
+}
+
+}  // namespace trellis

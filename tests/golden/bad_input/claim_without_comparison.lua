@@ -1,0 +1,1 @@
+claim { "a does better", problem = "trap", strategy = "a" }

@@ -1,0 +1,1 @@
+claim { problem = "trap", strategy = "a", lower_than = "b" }
