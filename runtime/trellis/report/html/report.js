@@ -276,7 +276,7 @@ function fitCanvas() {
   $('plot').classList.toggle('empty', !b);
   canvas.hidden = !b;
   if (!b) return null;
-  const width = $('plot').clientWidth, most = Math.max(240, 0.8 * window.innerHeight);
+  const width = $('plot').clientWidth, most = Math.max(240, 0.74 * window.innerHeight);
   const aspect = (b[3] - b[1]) / (b[2] - b[0]);
   const height = Math.max(160, Math.min(most, width * aspect));
   const ratio = window.devicePixelRatio || 1;
@@ -737,7 +737,7 @@ function showLegend(now) {
       seen.set(key, (seen.get(key) || 0) + 1);
     }
   });
-  if (!seen.size) { list.append(make('li', { className: 'muted', textContent: 'none shown: tick “proposals” of a level' })); return; }
+  if (!seen.size) { list.append(make('li', { className: 'muted', textContent: run.levels.some(l => shown(l, 'expansion')) ? 'none yet' : 'none shown: tick “proposals” of a level' })); return; }
   const keys = state.colour === 'fate' ? Object.keys(stations).filter(k => seen.has(k)) : [...seen.keys()].sort((a, b) => parseInt(a, 10) - parseInt(b, 10));
   for (const key of keys) {
     const at = key.indexOf(' ');
