@@ -31,6 +31,7 @@ int dispatch(int argc, char** argv) {
   run->add_option("--cross", options.cross, "paths of other seeds to score each run on, instead of the script's");
   run->add_flag("--ablate", options.ablate, "run every strategy with each of its guides taken out, too");
   run->add_option("--json", options.json, "write all figures to a file");
+  run->add_option("--html", options.html, "write a page that shows the results and replays the runs");
   run->add_option("--samples", options.samples, "write all samples and paths into a folder");
   run->add_option("--figures", options.figures, "draw the results into a folder");
   run->add_option("--out", options.out, "write tables, the document and figures into a folder, problem by problem");

@@ -16,6 +16,7 @@ struct RunOptions {
   std::string jobs;
   std::string cross;
   std::string json;     ///< a file, "" without
+  std::string html;     ///< a file, "" without
   std::string samples;  ///< a folder, "" without
   std::string figures;  ///< a folder, "" without
   std::string out;      ///< a folder for tables, figures and the document, "" without

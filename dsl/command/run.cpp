@@ -112,6 +112,7 @@ int run(const RunOptions& options) {
 
   // A run may take hours: what would make its results impossible to keep is found out first.
   if (!options.json.empty()) require_writable_file(options.json);
+  if (!options.html.empty()) require_writable_file(options.html);
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
@@ -135,6 +136,14 @@ int run(const RunOptions& options) {
   }
   if (!options.json.empty()) {
     attempt([&] { write_file(options.json, report_json(program.experiment, result, options.script)); });
+  }
+  if (!options.html.empty()) {
+    attempt([&] {
+      Progress progress(!options.quiet);
+      write_html(
+          program.experiment, result, options.html,
+          {.script = options.script, .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); }});
+    });
   }
   if (!options.samples.empty()) {
     attempt([&] { write_samples(result, options.samples); });

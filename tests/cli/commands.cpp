@@ -79,6 +79,20 @@ TEST_CASE("files are written where they are asked for") {
   CHECK_FALSE(fs::exists(place / "deep/samples/cup/strategy/seed-7"));
 }
 
+TEST_CASE("a page is written where it is asked for") {
+  const Place place;
+  place.script("quick.lua", quick);
+  const auto outcome = place.run({"run", "quick.lua", "--seeds", "2", "--html", "page.html"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err.empty());
+  const std::string page = content(place / "page.html");
+  CHECK(page.starts_with("<!DOCTYPE html>"));
+  CHECK(page.find("<title>Trellis: quick.lua</title>") != std::string::npos);
+  CHECK(page.find("id=\"run-1\"") != std::string::npos);
+  CHECK(page.ends_with("</html>\n"));
+}
+
 TEST_CASE("the command line asks for ablations, other paths and figures") {
   const Place place;
   place.script("guided.lua",
@@ -145,6 +159,7 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                                        {"run", "quick.lua", "--cross", "-1"},
                                                        {"run", "quick.lua", "--cross", "all"},
                                                        {"run", "quick.lua", "--figures", ""},
+                                                       {"run", "quick.lua", "--html", ""},
                                                        {"run", "quick.lua", "--ablate"},
                                                        {"check"},
                                                        {"help", "shrnik"}};
@@ -183,6 +198,8 @@ TEST_CASE("an output that cannot be written is found out before the run") {
   for (const std::vector<std::string>& output : {std::vector<std::string>{"--json", "no/such/folder/all.json"},
                                                  {"--json", "."},
                                                  {"--json", "file/all.json"},
+                                                 {"--html", "no/such/folder/page.html"},
+                                                 {"--html", "."},
                                                  {"--json", "/proc/none.json"},
                                                  {"--figures", "file"},
                                                  {"--samples", "file"},

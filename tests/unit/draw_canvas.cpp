@@ -112,6 +112,31 @@ TEST_CASE("clips and transforms hold as long as their scope", "[draw]") {
   CHECK(up.y == Approx(-1.0));
 }
 
+TEST_CASE("a picture stands in a page", "[draw]") {
+  Canvas canvas(100.0, 50.0);
+  canvas.fill(Path::rectangle({1.0, 2.0, 3.0, 4.0}), palette::blue.faded(0.5));
+  {
+    const auto clip = canvas.clip(Path::circle({50.0, 25.0}, 10.0));
+    canvas.line({0.0, 0.0}, {100.0, 50.0}, {.colour = palette::ink, .width = 2.0, .dash = {3.0, 1.5}});
+  }
+  canvas.text("a < b & \"c\"", {10.0, 20.0}, {.font = {.size = 8.0, .bold = true}, .angle = 90.0});
+  const std::string markup = canvas.markup("one");
+  CHECK(markup == canvas.markup("one"));
+  CHECK(markup.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 50\""));
+  CHECK(markup.ends_with("</svg>"));
+  CHECK(markup.find("<path d=\"M1 2L4 2L4 6L1 6Z\" fill=\"#0072b2\" fill-opacity=\"0.5\"/>") != std::string::npos);
+  CHECK(markup.find("<clipPath id=\"one-1\">") != std::string::npos);
+  CHECK(markup.find("<g clip-path=\"url(#one-1)\"><path d=\"M0 0L100 50\"") != std::string::npos);
+  CHECK(markup.find("stroke-dasharray=\"3 1.5\"") != std::string::npos);
+  CHECK(markup.find("a &lt; b &amp; \"c\"</text>") != std::string::npos);
+  CHECK(markup.find("rotate(-90)") != std::string::npos);
+  CHECK(markup.size() < canvas.render(Format::svg).size());
+  {
+    const auto open = canvas.clip(Path::circle({50.0, 25.0}, 10.0));
+    CHECK_THROWS_AS(canvas.markup("two"), Fault);
+  }
+}
+
 TEST_CASE("text is as wide as its extents say", "[draw]") {
   const Font font{.size = 12.0};
   const TextExtents extents = text_extents("HHHHHHHH", font);

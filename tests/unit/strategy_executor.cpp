@@ -99,6 +99,46 @@ TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
   CHECK(run.levels[1].search.checks.validity == 0);
 }
 
+TEST_CASE("levels take turns, which account for all that they did", "[executor]") {
+  const auto problem = test::cup_problem();
+  const auto nested = guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt({{"step", 0.5}});
+  const auto mixed = (guide("lazy") + guide("skeleton")) >> rrt();
+  for (const StrategySpec& strategy : {StrategySpec(rrt()), nested, mixed}) {
+    CAPTURE(strategy.text());
+    const auto run = execute(strategy, problem, 1);
+    std::vector<Turn> last(run.levels.size());
+    std::vector<std::uint64_t> solves(run.levels.size(), 0);
+    std::vector<bool> asked(run.levels.size(), false);
+    for (const Turn& turn : run.turns) {
+      const auto at = static_cast<std::size_t>(turn.level);
+      CHECK(turn.proposals >= last[at].proposals);
+      CHECK(turn.nodes >= last[at].nodes);
+      CHECK((turn.solve_ended || turn.proposals + turn.nodes > last[at].proposals + last[at].nodes));
+      CHECK((turn.path.empty() || turn.solve_ended));
+      solves[at] += turn.solve_ended ? 1 : 0;
+      // Nobody draws from a guide that was not solved.
+      const auto parent = run.levels[at].parent;
+      if (parent >= 0 && turn.solve_ended) asked[at] = true;
+      for (std::size_t i = 0; i < run.levels.size(); ++i) {
+        if (run.levels[i].parent == turn.level) CHECK(asked[i]);
+      }
+      last[at] = turn;
+    }
+    REQUIRE(!run.turns.empty());
+    CHECK(run.turns.back().level == 0);
+    CHECK(run.turns.back().solve_ended);
+    for (std::size_t i = 0; i < run.levels.size(); ++i) {
+      const LevelRecord& level = run.levels[i];
+      CHECK(last[i].proposals == level.search.proposals.size());
+      CHECK(last[i].nodes == level.search.nodes.size());
+      CHECK(solves[i] == level.solves);
+      CHECK(level.scene != nullptr);
+      CHECK(level.presumed == (level.name == "lazy()"));
+    }
+    CHECK(same(run.turns.back().path, run.path));
+  }
+}
+
 TEST_CASE("the same seed gives the same run, and times do not enter", "[executor][determinism]") {
   const auto strategy = guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt();
   const auto a = execute(strategy, test::cup_problem(), 5);

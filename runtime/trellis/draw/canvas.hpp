@@ -174,6 +174,11 @@ class Canvas {
   /// Throws Error where the picture is too large for a PNG.
   [[nodiscard]] std::string render(Format format, double pixels = 2.0) const;
 
+  /// An <svg> element to stand in a page: a tenth of the size of a file, as its text is text in the page's sans serif,
+  /// fitted to the extents that it has elsewhere.
+  /// \param id  begins the ids in it, which must differ from those of the page's others
+  [[nodiscard]] std::string markup(std::string_view id) const;
+
   /// Cells of `cell` points.
   [[nodiscard]] Ink ink(double cell = 2.0) const;
 
@@ -202,6 +207,7 @@ class Canvas {
   struct Close {};  ///< of the last clip
   using Command = std::variant<Fill, Stroke, Text, Clip, Close>;
   class Player;
+  class Scribe;
 
   [[nodiscard]] Path placed(const Path& path) const;
 

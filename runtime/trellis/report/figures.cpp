@@ -9,6 +9,7 @@
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/figures.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/figures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 
@@ -86,41 +87,49 @@ void write(const draw::Figure& figure, const std::filesystem::path& stem) {
 
 }  // namespace
 
+StrategyFigures strategy_figures(const std::string& problem, const std::string& strategy, const RunsSummary& summary) {
+  StrategyFigures figures;
+  if (summary.levels.empty()) return figures;
+  const std::string heading = fmt::format("{} on {}", strategy, problem);
+  const std::string seeds = fmt::format("{} seed{}", summary.runs, summary.runs == 1 ? "" : "s");
+
+  draw::Waterfall waterfall;
+  waterfall.title = heading + ": what each level took off the divergence";
+  waterfall.caption = fmt::format(
+      "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over {}.", seeds);
+  const FigurePair& root = summary.levels.front().root;
+  add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
+  add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
+  if (!waterfall.panels.empty()) figures.waterfall = draw::waterfall(waterfall);
+
+  draw::Profile profile;
+  profile.title = heading + ": where along the path its samples lie";
+  profile.caption = fmt::format(
+      "Each level in its own space along its own path; dashed: the target; bands: 95 % Student interval over {}.",
+      seeds);
+  for (const LevelSummary& level : summary.levels) {
+    add_profile(level.own.tree, level.name, "tree", profile);
+    add_profile(level.own.expansion, level.name, "expansion", profile);
+  }
+  if (!profile.panels.empty()) figures.profile = draw::profile(profile);
+  return figures;
+}
+
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory) {
   Directories problems;
   std::map<std::string, Directories> strategies;  // of each problem
   for (const auto& problem : experiment.problems) {
     for (const auto& entry : experiment.strategies) {
       const std::string& name = entry.first;
-      const auto runs = select_runs(result, problem.name, name);
-      const RunsSummary summary = summarise(runs);
+      const RunsSummary summary = summarise(select_runs(result, problem.name, name));
       if (summary.levels.empty()) continue;
       const std::filesystem::path place =
           std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
-      const std::string heading = fmt::format("{} on {}", name, problem.name);
-      const std::string seeds = fmt::format("{} seed{}", runs.size(), runs.size() == 1 ? "" : "s");
-
-      draw::Waterfall waterfall;
-      waterfall.title = heading + ": what each level took off the divergence";
-      waterfall.caption = fmt::format(
-          "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over {}.", seeds);
-      const FigurePair& root = summary.levels.front().root;
-      add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
-      add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
-
-      draw::Profile profile;
-      profile.title = heading + ": where along the path its samples lie";
-      profile.caption = fmt::format(
-          "Each level in its own space along its own path; dashed: the target; bands: 95 % Student interval over {}.",
-          seeds);
-      for (const LevelSummary& level : summary.levels) {
-        add_profile(level.own.tree, level.name, "tree", profile);
-        add_profile(level.own.expansion, level.name, "expansion", profile);
-      }
-      if (waterfall.panels.empty() && profile.panels.empty()) continue;
+      const StrategyFigures figures = strategy_figures(problem.name, name, summary);
+      if (!figures.waterfall && !figures.profile) continue;
       make_directory(place.string());
-      if (!waterfall.panels.empty()) write(draw::waterfall(waterfall), place / "waterfall");
-      if (!profile.panels.empty()) write(draw::profile(profile), place / "profile");
+      if (figures.waterfall) write(*figures.waterfall, place / "waterfall");
+      if (figures.profile) write(*figures.profile, place / "profile");
     }
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 
 #include <trellis/experiment/experiment.hpp>
@@ -33,6 +35,19 @@ void write_samples(const ExperimentResult& result, const std::string& directory)
 /// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png, for every strategy
 /// that was scored. Throws Error where a file cannot be written.
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
+
+struct HtmlOptions {
+  std::string script;  ///< the path as given on the command line, "" for none
+  std::size_t most_bytes =
+      24 * 1000 * 1000;  ///< of the runs' samples: of more seeds the first ones are held, and it says so
+  std::function<void(std::size_t, std::size_t)> progress;  ///< called as runs are packed: done, in all
+};
+
+/// One self-contained HTML page: the results, and every run to replay and look into (docs/formats.md). UTF-8.
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options = {});
+/// Throws Error where the file cannot be written.
+void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
+                const HtmlOptions& options = {});
 
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);

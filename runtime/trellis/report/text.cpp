@@ -11,6 +11,7 @@
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/table.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis {
 
@@ -19,71 +20,7 @@ namespace {
 /// Above so many problems one table each would bury the reader: they are taken together.
 constexpr std::size_t most_single_problems = 6;
 
-// Numbers ---------------------------------------------------------------------------------------------------------
-
-/// A fixed number of decimals, without "-0.00".
-std::string fixed(double x, int decimals, bool sign = false) {
-  std::string text = sign ? fmt::format("{:+.{}f}", x, decimals) : fmt::format("{:.{}f}", x, decimals);
-  if (!text.empty() && text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) {
-    text.erase(0, 1);
-    if (sign) text.insert(0, "+");
-  }
-  return text;
-}
-
-/// A median of counts: halves happen, and matter only where the count is small.
-std::string count_text(double x) {
-  if (!std::isfinite(x)) return "-";
-  return fixed(x, x < 100 && x != std::floor(x) ? 1 : 0);
-}
-
-/// Decimals of a column of milliseconds, by its largest: small ones should not vanish beside it.
-int decimals_for(double largest) {
-  if (!std::isfinite(largest) || largest >= 1000) return 0;
-  return largest >= 100 ? 1 : (largest >= 1 ? 2 : 3);
-}
-
-std::string percent(double share) { return std::isfinite(share) ? fixed(100.0 * share, 0) : "-"; }
-
-/// "1.23 ±0.08", "1.23" where there is no interval, "-" where there is no figure.
-std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false) {
-  if (std::isnan(interval.value)) return "-";
-  if (std::isinf(interval.value)) return interval.value > 0 ? "inf" : "-inf";
-  std::string text = fixed(interval.value, decimals, sign);
-  if (std::isfinite(interval.hi)) text += " ±" + fixed(0.5 * (interval.hi - interval.lo), decimals);
-  return text;
-}
-
-std::string plural(std::size_t n, const std::string& noun) {
-  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
-}
-
-std::string plural_y(std::size_t n, const std::string& stem) {
-  return fmt::format("{} {}{}", n, stem, n == 1 ? "y" : "ies");
-}
-
 // Figures and what is to be said about them -------------------------------------------------------------------------
-
-struct Note {
-  char mark;
-  const char* flag;
-  const char* meaning;
-};
-constexpr std::array<Note, 6> notes = {{
-    {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
-    {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
-    {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
-    {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
-    {'f', "too few samples", "too few samples"},
-    {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
-}};
-constexpr char median_mark = 'm';
-constexpr char other_mark = 'x';
-
-char mark_of(const std::string& flag) {
-  const auto* const it = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.flag == flag; });
-  return it != notes.end() ? it->mark : other_mark;
-}
 
 /// Where a figure stands: a row and a column of the table.
 struct Place {
@@ -231,10 +168,6 @@ std::string shares_text(const StrategySpec& spec) {
     text += fmt::format("{}{} {:g}", i == 0 ? "" : ", ", shares[i].level, shares[i].share);
   }
   return text;
-}
-
-std::string wilson_text(const Interval& success) {
-  return std::isfinite(success.lo) ? fmt::format("{}–{}", percent(success.lo), percent(success.hi)) : "-";
 }
 
 // The table of one strategy ------------------------------------------------------------------------------------------
@@ -653,33 +586,10 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
 
 // The whole ----------------------------------------------------------------------------------------------------------
 
-std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
-  if (seeds.size() == 1) return fmt::format("1 seed ({})", seeds.front());
-  bool consecutive = true;
-  for (std::size_t i = 1; i < seeds.size(); ++i) consecutive = consecutive && seeds[i] == seeds[i - 1] + 1;
-  return consecutive ? fmt::format("{} seeds ({}–{})", seeds.size(), seeds.front(), seeds.back())
-                     : fmt::format("{} seeds", seeds.size());
-}
-
 std::string title(const std::string& text, std::size_t width) {
   std::string line = "━━ " + text + ' ';
   for (std::size_t shown = display_width(line); shown < width; ++shown) line += "━";
   return line + '\n';
-}
-
-std::string target_text(const TargetSpec& target) {
-  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
-    return fmt::format("{} within {:g} m ({}) of the path",
-                       tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
-                       tube->distance == "planar" ? "position only" : "full metric");
-  }
-  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
-    return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
-  }
-  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
-    return fmt::format("motions of {:g} m that come closer to the goal, by rank among all motions", progress->step);
-  }
-  return "the script's own";
 }
 
 std::string legend(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {

@@ -40,7 +40,9 @@ struct Run {
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
   std::vector<Level*> levels;  ///< in the order of their numbers
-  int first_solves = 0;        ///< levels whose first solve has ended
+  std::vector<Turn> turns;
+  Level* at_work = nullptr;
+  int first_solves = 0;  ///< levels whose first solve has ended
 };
 
 /// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
@@ -205,6 +207,8 @@ class Level {
     record_.start = instance_->start;
     record_.goal = instance_->goal;
     record_.position_axes = instance_->position_axes;
+    record_.scene = instance_->scene;
+    record_.presumed = !instance_->validity->spends_checks();
     record_.planner = planner.name();
     record_.search = Search(instance_->space.dimension());
     run.levels.push_back(this);
@@ -215,6 +219,8 @@ class Level {
   /// Solves the instance, or solves it again; the instances below are solved first.
   const Solution& solve() {
     double* above = run_.clock.switch_to(&record_.search.seconds);
+    if (run_.at_work != nullptr) run_.at_work->pause();
+    Level* asking = std::exchange(run_.at_work, this);
     if (guidance_.guide() != nullptr) guidance_.guide()->prepare();
     if (!planner_) {
       Guidance* h = &guidance_;
@@ -226,6 +232,8 @@ class Level {
     ++record_.solves;
     Solution found = planner_->solve(common_.budget);
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
+    end_turn(found.solved() ? found.path : Configurations(), true);
+    run_.at_work = asking;
     // A later solve that finds nothing does not undo what was found: its path may still guide.
     if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
     run_.clock.switch_to(above);
@@ -257,11 +265,25 @@ class Level {
   /// Adds time spent for this level outside its solves: making its instance by f.
   void charge(double seconds) { record_.search.seconds += seconds; }
 
+  /// A level below is asked for its solution in the middle of this one's solve.
+  void pause() {
+    const Search& search = record_.search;
+    if (search.proposals.size() + search.nodes.size() > noted_) end_turn({}, false);
+  }
+
   [[nodiscard]] Instance& instance() { return *instance_; }
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
 
  private:
+  void end_turn(Configurations path, bool solve_ended) {
+    const Search& search = record_.search;
+    noted_ = search.proposals.size() + search.nodes.size();
+    const auto length = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
+    run_.turns.push_back(
+        {record_.level, length(search.proposals.size()), length(search.nodes.size()), solve_ended, std::move(path)});
+  }
+
   /// Rows of this level's space lifted to the root's by the chain of h's: each step draws from the fibre.
   Configurations lifted(const Configurations& rows, const std::string& purpose) const {
     Configurations current = rows;
@@ -305,6 +327,7 @@ class Level {
   std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
+  std::size_t noted_ = 0;  ///< proposals and nodes when its last turn ended
 };
 
 /// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
@@ -612,6 +635,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   for (Level* level : run.levels) record.levels.push_back(level->take_record());
   // The root's own path is the one that is reported.
   if (record.solved) record.levels.front().solution.path = record.path;
+  record.turns = std::move(run.turns);
   return record;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct LevelRecord {
   Configuration start;  ///< of its instance
   Configuration goal;
   std::vector<std::size_t> position_axes;  ///< axes of the reference point's position, empty where none
+  std::shared_ptr<const Scene> scene;      ///< world and robot of its instance
+  bool presumed = false;                   ///< its validity was presumed, not checked
   std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
@@ -56,6 +59,16 @@ struct LevelRecord {
   }
 };
 
+/// Levels take turns: one that asks for the solution of a level below waits for it. What one of them did in a turn is
+/// what its records hold beyond its turn before.
+struct Turn {
+  int level = 0;
+  std::uint32_t proposals = 0;  ///< length of the level's Search::proposals when the turn ended
+  std::uint32_t nodes = 0;
+  bool solve_ended = false;  ///< else it waits for a level below
+  Configurations path;       ///< that its solve found; empty where none ended or none was found
+};
+
 struct RunRecord {
   Status status = Status::untried;
   bool solved = false;
@@ -66,6 +79,7 @@ struct RunRecord {
   std::uint64_t motion_checks = 0;
   std::uint64_t shortcut_checks = 0;  ///< validity checks that shortcutting spent, not in the sums above
   std::vector<LevelRecord> levels;
+  std::vector<Turn> turns;  ///< in the order in which they were taken
 };
 
 struct ExecuteOptions {

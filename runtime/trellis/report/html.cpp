@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page: its tables are written here, its runs are drawn by html/report.js.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/draw/text.hpp>
+#include <trellis/report/figures.hpp>
+#include <trellis/report/html_parts.hpp>
+#include <trellis/report/html_run.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Text for the page: markup in it is harmless, and so are bytes that are no UTF-8.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : draw::clean_text(text)) {
+    switch (c) {
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '&': out += "&amp;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+// Tables
+// ---------------------------------------------------------------------------------------------------------------
+
+/// "1.23 ±0.08", the latter smaller, with the interval's ends for whoever points at it.
+std::string interval_html(const Interval& interval, int decimals = 2, bool sign = false) {
+  const std::string text = interval_text(interval, decimals, sign);
+  const std::size_t half = text.find(" ±");
+  if (half == std::string::npos) return text;
+  return fmt::format("<span title=\"95 % interval {} to {}, of {}\">{}<span class=\"pm\">{}</span></span>",
+                     fixed(interval.lo, decimals, sign), fixed(interval.hi, decimals, sign), plural(interval.n, "run"),
+                     text.substr(0, half), text.substr(half + 1));
+}
+
+/// What the marks beside figures mean, said once under a table.
+class Marks {
+ public:
+  std::string of(const Figure& figure) {
+    std::string out;
+    if (figure.value.infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
+    for (const auto& [flag, runs] : figure.flags) {
+      const char mark = mark_of(flag);
+      const auto* const note = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.mark == mark; });
+      const std::string meaning = note != notes.end() ? note->meaning : flag;
+      add(mark, meaning, fmt::format("{}: {} of {}", flag, runs, plural(figure.scored, "run")), out);
+    }
+    return out;
+  }
+  [[nodiscard]] std::string text() const {
+    std::string out;
+    for (const auto& [mark, meaning] : meanings_) {
+      out += fmt::format("{}<abbr>{}</abbr> {}", out.empty() ? "" : " · ", mark, escaped(meaning));
+    }
+    return out.empty() ? out : "<p class=\"muted\">" + out + "</p>\n";
+  }
+
+ private:
+  void add(char mark, const std::string& meaning, const std::string& title, std::string& out) {
+    meanings_.emplace(mark, meaning);
+    out += fmt::format("<abbr title=\"{}\">{}</abbr>", escaped(title.empty() ? meaning : title), mark);
+  }
+  std::map<char, std::string> meanings_;
+};
+
+std::string figure_cell(const Figure& figure, Marks& marks) {
+  return fmt::format("<td class=\"figure\">{}{}</td>", interval_html(figure.value), marks.of(figure));
+}
+
+std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
+
+std::string milliseconds(double seconds) {
+  return std::isfinite(seconds) ? fixed(1000.0 * seconds, decimals_for(1000.0 * seconds)) : "-";
+}
+
+/// A heading of two rows: groups over columns.
+struct Columns {
+  std::string group;
+  std::vector<std::string> names;
+};
+
+std::string heading(const std::string& first, const std::vector<Columns>& groups) {
+  std::string above = fmt::format("<tr><th rowspan=\"2\" scope=\"col\">{}</th>", first);
+  std::string below = "<tr>";
+  for (const auto& [group, names] : groups) {
+    if (group.empty()) {
+      for (const auto& name : names) above += fmt::format("<th rowspan=\"2\" scope=\"col\">{}</th>", name);
+      continue;
+    }
+    above += fmt::format("<th colspan=\"{}\" scope=\"colgroup\" class=\"over\">{}</th>", names.size(), group);
+    for (const auto& name : names) below += fmt::format("<th scope=\"col\">{}</th>", name);
+  }
+  return "<thead>" + above + "</tr>\n" + below + "</tr></thead>\n";
+}
+
+const LevelSummary& root_of(const RunsSummary& summary) {
+  static const LevelSummary none;
+  return summary.levels.empty() ? none : summary.levels.front();
+}
+
+using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and strategy
+
+std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
+                        bool crossed, Marks& marks) {
+  std::string out = fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}/{}<span class=\"pm\">{} %</span></td>",
+                                attributes, head, s.solved, s.runs, wilson_text(s.success));
+  if (measured) {
+    const LevelSummary& root = root_of(s);
+    const FigurePair& own = root.root;
+    const FigurePair& cross = root.root_cross;
+    out += figure_cell(own.tree, marks);
+    if (crossed) out += figure_cell(cross.tree, marks);
+    out += figure_cell(own.expansion, marks);
+    if (crossed) out += figure_cell(cross.expansion, marks);
+    const FigurePair& ranked = crossed ? cross : own;
+    out += cell(interval_html(ranked.tree.gain, 2, true)) + cell(interval_html(ranked.expansion.gain, 2, true));
+  }
+  return out + cell(count_text(s.validity_checks)) + cell(milliseconds(s.seconds)) + cell(interval_html(s.length)) +
+         "</tr>\n";
+}
+
+std::string summary_table(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
+  const bool measured = experiment.measure.has_value();
+  bool crossed = false;
+  for (const auto& of_problem : summaries) {
+    for (const auto& s : of_problem) crossed = crossed || root_of(s).root_cross.tree.scored > 0;
+  }
+  std::vector<Columns> columns = {{"", {"solved"}}};
+  if (measured) {
+    const std::vector<std::string> paths =
+        crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
+    columns.push_back({"SE of the tree, nats", paths});
+    columns.push_back({"SE of the expansion", paths});
+    columns.push_back({crossed ? "gain, other seeds’" : "gain, own path", {"tree", "expansion"}});
+  }
+  columns.push_back({"medians", {"checks", "time, ms"}});
+  columns.push_back({"", {"path, m"}});
+  std::size_t width = 1;
+  for (const auto& group : columns) width += group.names.size();
+
+  Marks marks;
+  std::string body;
+  const auto group = [&](const std::string& name) {
+    body += fmt::format("<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>\n", width, name);
+  };
+  if (experiment.problems.size() > 1) {
+    group("all scenes together");
+    for (const auto& entry : experiment.strategies) {
+      body += summary_row(summarise(select_runs(result, "", entry.first)), escaped(entry.first), "", measured, crossed,
+                          marks);
+    }
+  }
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    group(escaped(experiment.problems[p].name));
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      const std::string place = fmt::format("{}-{}", p, s);
+      body += summary_row(summaries[p][s],
+                          fmt::format("<button type=\"button\" class=\"link\" data-cell=\"{}\">{}</button>", place,
+                                      escaped(experiment.strategies[s].first)),
+                          fmt::format(" data-cell=\"{}\"", place), measured, crossed, marks);
+    }
+  }
+  const bool tall = experiment.problems.size() * experiment.strategies.size() > 24;
+  return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}",
+                     tall ? " tall" : "", heading("method", columns), body, marks.text());
+}
+
+std::string level_table(const RunsSummary& summary, bool measured) {
+  bool crossed = false;
+  for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
+  std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
+                                  {"medians", {"re-solves", "proposals", "nodes", "checks", "time, ms"}}};
+  if (measured) {
+    const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
+                                                   : std::vector<std::string>{"own space", "lifted"};
+    columns.push_back({"SE of the tree, nats", paths});
+    columns.push_back({"SE of the expansion", paths});
+  }
+  Marks marks;
+  std::string body;
+  std::vector<int> depth;
+  for (const LevelSummary& level : summary.levels) {
+    depth.push_back(level.parent < 0 ? 0 : depth[static_cast<std::size_t>(level.parent)] + 1);
+    std::string indent;
+    for (int i = 0; i < depth.back(); ++i) indent += "&#160;&#160;";
+    body += fmt::format("<tr><th scope=\"row\">{}{}{}</th>", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
+    body += cell(escaped(level.space)) + cell(escaped(level.planner)) +
+            cell(fmt::format("{}/{}", level.solved, level.runs));
+    for (const double count : {level.resolves, level.proposals, level.nodes, level.validity_checks}) {
+      body += cell(count_text(count));
+    }
+    body += cell(milliseconds(level.seconds));
+    if (measured) {
+      for (const auto role : {&FigurePair::tree, &FigurePair::expansion}) {
+        body += figure_cell(level.own.*role, marks) + figure_cell(level.root.*role, marks);
+        if (crossed) body += figure_cell(level.root_cross.*role, marks);
+      }
+    }
+    body += "</tr>\n";
+  }
+  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}",
+                     heading("level", columns), body, marks.text());
+}
+
+// Data
+// -----------------------------------------------------------------------------------------------------------------
+
+std::string script(const std::string& id, const std::string& json) {
+  return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, json);
+}
+
+/// The runs that the page holds.
+struct HeldRuns {
+  std::string scripts;
+  std::map<const RunResult*, std::size_t> ids;
+  std::size_t seeds = 0;       ///< the first ones of the experiment, whose runs are all here
+  std::size_t incomplete = 0;  ///< runs of the first seed, where not even they are all here
+};
+
+HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
+                   RobotTable& robots) {
+  std::map<std::string, const Problem*> problems;
+  for (const auto& problem : experiment.problems) problems.emplace(problem.name, &problem);
+  std::map<std::uint64_t, std::vector<const RunResult*>> by_seed;
+  for (const auto& run : result.runs) {
+    if (problems.count(run.problem) > 0) by_seed[run.seed].push_back(&run);
+  }
+  HeldRuns held;
+  std::size_t done = 0;
+  for (const std::uint64_t seed : experiment.seeds) {
+    const auto& runs = by_seed[seed];
+    std::vector<std::string> packed;
+    packed.reserve(runs.size());
+    std::size_t size = held.scripts.size();
+    for (const RunResult* run : runs) {
+      packed.push_back(script_json(packed_run(*run, *problems.at(run->problem), robots)));
+      size += packed.back().size();
+      if (options.progress) options.progress(++done, result.runs.size());
+    }
+    std::vector<std::size_t> order(runs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const bool all = size <= options.most_bytes;
+    if (!all) {
+      if (held.seeds > 0) break;
+      // Of the only seed that there is room for, as many runs as there is room for.
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return packed[a].size() < packed[b].size(); });
+    }
+    for (const std::size_t i : order) {
+      if (!all && held.scripts.size() + packed[i].size() > options.most_bytes) break;
+      const std::size_t id = held.ids.size();
+      held.ids.emplace(runs[i], id);
+      held.scripts += script(fmt::format("run-{}", id), packed[i]);
+    }
+    if (!all) {
+      held.incomplete = held.ids.size();
+      break;
+    }
+    ++held.seeds;
+  }
+  return held;
+}
+
+std::string held_text(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
+                      const HtmlOptions& options) {
+  if (held.ids.size() == result.runs.size()) return "";
+  const std::string limit = fmt::format("{:g} MB", static_cast<double>(options.most_bytes) / 1e6);
+  std::string text;
+  if (held.seeds > 0) {
+    const auto end = experiment.seeds.begin() + static_cast<std::ptrdiff_t>(held.seeds);
+    text = fmt::format("This file holds the samples of {}, of {} in all: those of all would take more than {}.",
+                       seeds_text({experiment.seeds.begin(), end}), experiment.seeds.size(), limit);
+  } else {
+    text = fmt::format(
+        "This file holds the samples of the {} of {} whose records are smallest, of the first seed: "
+        "those of all would take more than {}.",
+        plural(held.incomplete, "run"), result.runs.size(), limit);
+  }
+  return "<p class=\"note\">" + escaped(text) + " The tables are of all runs.</p>";
+}
+
+std::string outcome(const RunResult& run) {
+  std::string text = run.run.solved ? fmt::format("solved, path of {} m", fixed(run.run.length, 2))
+                                    : fmt::format("not solved: {}", to_string(run.run.status));
+  text += fmt::format(" · {} validity checks · {} ms", run.run.validity_checks, milliseconds(run.run.seconds));
+  return text;
+}
+
+Json problem_json(const Problem& problem, RobotTable& robots) {
+  Json bounds = nullptr;
+  Json obstacles = Json::array();
+  if (problem.scene) {
+    const Box2& box = problem.scene->world.bounds();
+    bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
+    for (const auto& obstacle : problem.scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
+  }
+  const bool moves = problem.scene && problem.scene->robot.translates();
+  return {{"name", problem.name},
+          {"bounds", std::move(bounds)},
+          {"obstacles", std::move(obstacles)},
+          {"start", problem.start},
+          {"goal", problem.goal},
+          {"position", moves ? Json{0, 1} : Json::array()},
+          {"robot", robots.add(problem.scene.get())}};
+}
+
+std::string data_scripts(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries,
+                         const HeldRuns& held, RobotTable& robots) {
+  Json problems = Json::array();
+  for (const auto& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
+  Json strategies = Json::array();
+  for (const auto& [name, spec] : experiment.strategies) strategies.push_back({{"name", name}, {"text", spec.text()}});
+  Json cells = Json::array();
+  for (const auto& problem : experiment.problems) {
+    Json row = Json::array();
+    for (const auto& entry : experiment.strategies) {
+      Json runs = Json::array();
+      const auto of_cell = select_runs(result, problem.name, entry.first);
+      for (const std::uint64_t seed : experiment.seeds) {
+        const auto at = std::find_if(of_cell.begin(), of_cell.end(), [&](const auto* r) { return r->seed == seed; });
+        if (at == of_cell.end()) {
+          runs.push_back({{"id", -1}, {"text", "no such run"}});
+          continue;
+        }
+        const auto id = held.ids.find(*at);
+        runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)}, {"text", outcome(**at)}});
+      }
+      row.push_back({{"runs", std::move(runs)}});
+    }
+    cells.push_back(std::move(row));
+  }
+  Json classes = Json::array();
+  for (int c = 0; c < 5; ++c) classes.push_back(to_string(static_cast<NodeClass>(c)));
+  // Seeds as text: a number of JavaScript has 53 bits.
+  Json seeds = Json::array();
+  for (const std::uint64_t seed : experiment.seeds) seeds.push_back(std::to_string(seed));
+  std::string out = script("data", script_json({{"problems", std::move(problems)},
+                                                {"strategies", std::move(strategies)},
+                                                {"seeds", std::move(seeds)},
+                                                {"robots", robots.list()},
+                                                {"classes", std::move(classes)},
+                                                {"cells", std::move(cells)}}));
+  const bool measured = experiment.measure.has_value();
+  for (std::size_t p = 0; p < summaries.size(); ++p) {
+    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
+      const RunsSummary& summary = summaries[p][s];
+      const std::string place = fmt::format("{}-{}", p, s);
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(summary, measured));
+      if (!measured) continue;
+      const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
+      Json drawn = Json::array();
+      if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
+      if (figures.profile) drawn.push_back(draw::plot(*figures.profile).markup("profile"));
+      if (!drawn.empty()) out += script("figures-" + place, script_json(drawn));
+    }
+  }
+  return out + held.scripts;
+}
+
+std::string about(const Experiment& experiment) {
+  std::string text = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "scene"),
+                                 plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
+  if (experiment.measure) {
+    text += fmt::format(
+        "SE: sampling efficiency, the divergence of the target from the samples, nats, lower is better; gain: nats won "
+        "over uniform sampling. Target: {}. ",
+        target_text(experiment.measure->target));
+  }
+  text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
+                                      : "";
+  return text + "Trellis " + version() + '.';
+}
+
+/// The page with its @PLACES@ filled. What is put in is not looked at again.
+std::string filled(std::string_view page, const std::map<std::string_view, std::string>& places) {
+  std::string out;
+  for (std::size_t at = 0; at < page.size();) {
+    const std::size_t begin = page.find('@', at);
+    const std::size_t end = begin == std::string_view::npos ? begin : page.find('@', begin + 1);
+    if (end == std::string_view::npos) {
+      out += page.substr(at);
+      break;
+    }
+    const auto place = places.find(page.substr(begin + 1, end - begin - 1));
+    if (place == places.end()) throw Fault("the page has a place that nothing fills");
+    out += page.substr(at, begin - at);
+    out += place->second;
+    at = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options) {
+  Summaries summaries;
+  summaries.reserve(experiment.problems.size());
+  for (const auto& problem : experiment.problems) {
+    std::vector<RunsSummary> row;
+    row.reserve(experiment.strategies.size());
+    for (const auto& entry : experiment.strategies) {
+      row.push_back(summarise(select_runs(result, problem.name, entry.first)));
+    }
+    summaries.push_back(std::move(row));
+  }
+  RobotTable robots;
+  const HeldRuns held = held_runs(experiment, result, options, robots);
+  const HtmlParts& parts = html_parts();
+  return filled(parts.page, {{"TITLE", escaped(options.script.empty() ? "Trellis" : "Trellis: " + options.script)},
+                             {"ABOUT", escaped(about(experiment))},
+                             {"STYLE", std::string(parts.style)},
+                             {"SUMMARY", summary_table(experiment, result, summaries)},
+                             {"NOTES", held_text(experiment, result, held, options)},
+                             {"DATA", data_scripts(experiment, result, summaries, held, robots)},
+                             {"SCRIPT", std::string(parts.script)}});
+}
+
+void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
+                const HtmlOptions& options) {
+  write_file(path, report_html(experiment, result, options));
+}
+
+}  // namespace trellis

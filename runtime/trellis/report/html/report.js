@@ -1,0 +1,988 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page's own script: shows one run at a time, as its records hold it. No network, no storage; names that come from
+// users only ever become text. What is shown can be read from the attributes of #viewer.
+(() => {
+'use strict';
+
+const $ = id => document.getElementById(id);
+const viewer = $('viewer');
+window.addEventListener('error', e => { viewer.dataset.error = e.message; });
+
+const read = id => { const e = $(id); return e ? JSON.parse(e.textContent) : null; };
+const data = read('data');
+
+/// make('p', {className: 'x', onclick: f}, 'text', node, ...)
+const make = (tag, fields, ...children) => {
+  const e = Object.assign(document.createElement(tag), fields || {});
+  e.append(...children);
+  return e;
+};
+
+// The records -----------------------------------------------------------------------------------------------------
+
+const bytes = text => Uint8Array.from(atob(text || ''), c => c.charCodeAt(0));
+
+/// Whole numbers, seven bits to a byte, the lowest first.
+const numbers = text => {
+  const from = bytes(text), out = [];
+  for (let i = 0; i < from.length;) {
+    let value = 0, unit = 1, b;
+    do { b = from[i++]; value += (b & 127) * unit; unit *= 128; } while (b > 127);
+    out.push(value);
+  }
+  return out;
+};
+/// 0, 1, 2, 3, ... stand for 0, -1, 1, -2, ...
+const signed = n => n % 2 ? -(n + 1) / 2 : n / 2;
+
+/// Rows of 16-bit shares of the axes' extents.
+const rows = (text, axes) => {
+  const from = bytes(text), d = axes.length, out = new Float64Array(from.length / 2);
+  for (let i = 0; i < out.length; i++) {
+    const axis = axes[i % d];
+    out[i] = axis.lo + (axis.hi - axis.lo) * (from[2 * i] + 256 * from[2 * i + 1]) / 65535;
+  }
+  return { d, values: out, size: d ? out.length / d : 0, row: i => out.subarray(i * d, i * d + d) };
+};
+
+const fates = ['rejected', 'advanced', 'reached'];
+const stations = {
+  reached: 'reached: a node was added at the proposal itself',
+  advanced: 'advanced: a node was added on the way towards it',
+  invalid: 'rejected: no node; the proposal itself is invalid',
+  trapped: 'rejected: no node, though the proposal is valid; the way to it was blocked, or a node is there',
+  rejected: 'rejected: no node',
+};
+const short = {
+  reached: 'reached', advanced: 'advanced towards', invalid: 'rejected, invalid', trapped: 'rejected, though valid',
+  rejected: 'rejected',
+};
+
+function unpackLevel(raw, number) {
+  const axes = raw.axes.map(([name, lo, hi, periodic]) => ({ name, lo, hi, periodic: !!periodic }));
+  const level = { number, raw, axes, name: raw.name, nodes: rows(raw.nodes, axes), proposals: rows(raw.proposals, axes) };
+  const n = level.nodes.size, p = level.proposals.size;
+  level.robot = data.robots[raw.robot] || null;
+  level.drawn = raw.position.length >= 2;
+  [level.x, level.y] = raw.position;
+  level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - delta);
+  const kinds = bytes(raw.fates);
+  level.station = i => {
+    const fate = fates[kinds[i] & 3], validity = kinds[i] >> 2;
+    return fate !== 'rejected' || validity === 0 ? fate : validity === 1 ? 'trapped' : 'invalid';
+  };
+  level.fate = i => fates[kinds[i] & 3];
+  level.invalid = i => kinds[i] >> 2 === 2;
+  level.source = numbers(raw.source);
+  level.near = numbers(raw.near).map(v => v - 1);
+  level.added = new Int32Array(p).fill(-1);
+  let last = 0;
+  numbers(raw.added).forEach((v, i) => { if (v) level.added[i] = last += signed(v - 1); });
+  level.edges = [];
+  const ends = numbers(raw.edges);
+  last = 0;
+  for (let i = 0; i + 1 < ends.length; i += 2) {
+    const a = last += signed(ends[i]);
+    level.edges.push([a, a + signed(ends[i + 1])]);
+  }
+  level.classes = raw.classes ? bytes(raw.classes) : null;
+  level.nodeTime = new Int32Array(n).fill(0);
+  level.proposalTime = new Int32Array(p).fill(0);
+  level.cause = new Int32Array(n).fill(-1);   // the proposal that each node came of
+  level.direct = new Uint8Array(n);           // it was added for it, not after it
+  level.paths = [];                           // {time, rows}: what its solves found
+  level.spans = [];                           // {from, to, solve}
+  return level;
+}
+
+/// Puts the levels' records into one order: a step for each proposal, with the nodes that came of it, or for each node
+/// where a search draws no proposals.
+function order(run) {
+  const done = run.levels.map(() => ({ p: 0, n: 0, solves: 0 }));
+  let time = 0;
+  for (const [number, p1, n1, ended, path] of run.turns) {
+    const level = run.levels[number], was = done[number], from = time;
+    for (let j = was.p; j < p1; j++) {
+      level.proposalTime[j] = from + 1 + j - was.p;
+      const node = level.added[j];
+      if (node >= was.n && node < n1) { level.cause[node] = j; level.direct[node] = 1; }
+    }
+    time += p1 - was.p;
+    let cause = -1;
+    for (let i = was.n; i < n1; i++) {
+      if (level.direct[i]) cause = level.cause[i];
+      if (cause >= 0) {
+        level.cause[i] = cause;
+        level.nodeTime[i] = level.proposalTime[cause];
+      } else if (p1 > was.p && level.parents) {
+        level.nodeTime[i] = from + 1;
+      } else {
+        level.nodeTime[i] = ++time;
+      }
+    }
+    level.spans.push({ from, to: time, solve: was.solves });
+    if (ended) {
+      was.solves++;
+      if (path) level.paths.push({ time, rows: rows(path, level.axes) });
+    }
+    was.p = p1;
+    was.n = n1;
+  }
+  run.total = time;
+  for (const level of run.levels) {
+    // A node that was left out of every turn comes at once.
+    level.nodeOrder = level.nodeTime;
+    level.edgeTime = level.edges.map(([a, b]) => Math.max(level.nodeTime[a], level.nodeTime[b]));
+    const roots = [];
+    if (level.parents) level.parents.forEach((parent, i) => { if (parent === i) roots.push(i); });
+    // Two roots in a row are the two trees of one search.
+    level.plants = roots.filter((r, i) => i === 0 || roots[i - 1] !== r - 1);
+  }
+}
+
+const cache = new Map();
+function loadRun(id) {
+  if (id < 0) return null;
+  if (cache.has(id)) return cache.get(id);
+  const raw = read('run-' + id);
+  if (!raw) return null;
+  const run = { id, raw, levels: raw.levels.map(unpackLevel), turns: raw.turns };
+  run.path = run.levels.length && raw.path ? rows(raw.path, run.levels[0].axes) : null;
+  order(run);
+  // The levels that each source of h stands for: those that guide a level, in the order of its sources.
+  for (const level of run.levels) {
+    const guides = run.levels.filter(l => l.raw.parent === level.number);
+    level.guides = level.raw.sources.map((name, i) => {
+      const at = i < 3 ? -1 : guides.findIndex(l => l.name === name);
+      return at < 0 ? null : guides.splice(at, 1)[0];
+    });
+  }
+  if (cache.size > 8) cache.delete(cache.keys().next().value);
+  cache.set(id, run);
+  return run;
+}
+
+/// How many of the ascending times are at most `time`.
+const until = (times, time) => {
+  let lo = 0, hi = times.length;
+  while (lo < hi) { const mid = (lo + hi) >> 1; if (times[mid] <= time) lo = mid + 1; else hi = mid; }
+  return lo;
+};
+
+// The state ---------------------------------------------------------------------------------------------------------
+
+const state = { scene: 0, method: 0, seed: 0, at: 0, select: null, layers: null, colour: 'fate' };
+let run = null, hover = null, playing = false, zoom = { k: 1, x: 0, y: 0 };
+const roles = ['tree', 'expansion', 'path'];
+
+const cell = () => data.cells[state.scene][state.method];
+/// By default what the root did in full, and of the levels that guide it trees and paths.
+const defaultLayers = () => {
+  const on = new Set();
+  for (const level of run ? run.levels : []) {
+    on.add(level.number + ':tree').add(level.number + ':path');
+    if (level.number === 0) on.add('0:expansion');
+  }
+  return on;
+};
+const layers = () => state.layers || defaultLayers();
+const shown = (level, role) => level.drawn && layers().has(level.number + ':' + role);
+
+const view = () => {
+  const times = run ? run.levels.map(l => ({ n: until(l.nodeOrder, state.at), p: until(l.proposalTime, state.at) })) : [];
+  return times;
+};
+
+function readHash() {
+  const given = new URLSearchParams(location.hash.slice(1));
+  const index = (list, name) => Math.max(0, list.indexOf(name));
+  state.scene = index(data.problems.map(p => p.name), given.get('scene'));
+  state.method = index(data.strategies.map(s => s.name), given.get('method'));
+  state.seed = index(data.seeds.map(String), given.get('seed'));
+  state.layers = given.has('layers') ? new Set(given.get('layers').split(',').filter(Boolean)) : null;
+  state.colour = given.get('colour') === 'source' ? 'source' : 'fate';
+  const at = given.get('at'), select = given.get('select');
+  load(false);
+  if (run) {
+    if (at !== null && /^\d+$/.test(at)) state.at = Math.min(run.total, Number(at));
+    state.select = null;
+    if (select) setSelect(parseSelect(select), false);
+  }
+}
+
+function writeHash() {
+  const out = new URLSearchParams();
+  out.set('scene', data.problems[state.scene].name);
+  out.set('method', data.strategies[state.method].name);
+  out.set('seed', data.seeds[state.seed]);
+  if (run && state.at < run.total) out.set('at', state.at);
+  if (state.select) out.set('select', selectText());
+  if (state.layers) out.set('layers', [...state.layers].join(','));
+  if (state.colour !== 'fate') out.set('colour', state.colour);
+  const hash = '#' + out.toString().replace(/%3A/g, ':').replace(/%2C/g, ',');
+  if (hash === location.hash) return;
+  try { history.replaceState(null, '', hash); } catch (e) { /* some browsers keep a file's address as it is */ }
+}
+
+const selectText = () => state.select ? [state.select.level, state.select.role, state.select.index].join(':') : '';
+function parseSelect(text) {
+  const [level, role, index] = text.split(':');
+  return { level: Number(level), role, index: Number(index) };
+}
+/// Selects a sample, or none where there is no such one; shows its layer, and the replay goes on to it.
+function setSelect(s, draw = true) {
+  const level = s && run && run.levels[s.level];
+  const list = level && (s.role === 'tree' ? level.nodes : s.role === 'expansion' ? level.proposals : null);
+  if (!list || !(s.index >= 0 && s.index < list.size)) s = null;
+  state.select = s;
+  if (s) {
+    const time = (s.role === 'tree' ? level.nodeTime : level.proposalTime)[s.index];
+    if (state.at < time) state.at = time;
+    if (level.drawn && !shown(level, s.role)) state.layers = new Set(layers()).add(s.level + ':' + s.role);
+  }
+  if (draw) refresh();
+}
+
+// Drawing -------------------------------------------------------------------------------------------------------------
+
+const canvas = $('canvas'), pen = canvas.getContext('2d');
+let colours = {}, frame = null;
+
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  const get = name => style.getPropertyValue('--' + name).trim();
+  colours = { levels: [0, 1, 2, 3].map(i => get('level-' + i)) };
+  for (const name of ['paper', 'ink', 'muted', 'line', 'free', 'obstacle', 'obstacle-edge', 'ends', 'accent',
+                      'reached', 'advanced', 'invalid', 'trapped', 'rejected']) colours[name] = get(name);
+  colours.sources = ['muted', 'trapped', 'advanced', 'reached', 'invalid'].map(name => colours[name])
+      .concat(colours.levels.slice(1));
+}
+const levelColour = level => colours.levels[level.number % 4];
+/// Beyond four levels the lines are dashed.
+const levelDash = level => [[], [5, 3], [1.5, 2.5]][Math.floor(level.number / 4) % 3];
+const sourceColour = i => colours.sources[i % colours.sources.length];
+
+/// The part of the plane that is shown: the world, or where there is none the bounds of the root's positions.
+function bounds() {
+  const problem = data.problems[state.scene];
+  if (problem.bounds) return problem.bounds;
+  const root = run && run.levels[0];
+  if (!root || !root.drawn) return null;
+  return [root.axes[root.x].lo, root.axes[root.y].lo, root.axes[root.x].hi, root.axes[root.y].hi];
+}
+
+function fitCanvas() {
+  const b = bounds();
+  $('plot').classList.toggle('empty', !b);
+  canvas.hidden = !b;
+  if (!b) return null;
+  const width = $('plot').clientWidth, most = Math.max(240, 0.74 * window.innerHeight);
+  const aspect = (b[3] - b[1]) / (b[2] - b[0]);
+  const height = Math.max(160, Math.min(most, width * aspect));
+  const ratio = window.devicePixelRatio || 1;
+  const w = Math.round(width * ratio), h = Math.round(height * ratio);
+  if (canvas.width !== w || canvas.height !== h) {
+    canvas.width = w;
+    canvas.height = h;
+    canvas.style.height = height + 'px';
+  }
+  const pad = 8, scale = Math.min((width - 2 * pad) / (b[2] - b[0]), (height - 2 * pad) / (b[3] - b[1])) * zoom.k;
+  const cx = (b[0] + b[2]) / 2 + zoom.x, cy = (b[1] + b[3]) / 2 + zoom.y;
+  return { b, ratio, width, height, scale, X: x => width / 2 + (x - cx) * scale, Y: y => height / 2 - (y - cy) * scale,
+           back: (px, py) => [cx + (px - width / 2) / scale, cy - (py - height / 2) / scale] };
+}
+
+function shapePath(shape, place) {
+  const at = place || ((x, y) => [x, y]);
+  if (shape.length === 3) {
+    const [x, y] = at(shape[0], shape[1]), r = shape[2] * frame.scale;
+    pen.moveTo(frame.X(x) + r, frame.Y(y));
+    pen.arc(frame.X(x), frame.Y(y), r, 0, 2 * Math.PI);
+    return;
+  }
+  for (let i = 0; i < shape.length; i += 2) {
+    const [x, y] = at(shape[i], shape[i + 1]);
+    if (i === 0) pen.moveTo(frame.X(x), frame.Y(y)); else pen.lineTo(frame.X(x), frame.Y(y));
+  }
+  pen.closePath();
+}
+
+/// Where the bodies of a robot are, as Robot::place has it.
+function poses(robot, q) {
+  const out = [];
+  const [rx, ry] = robot.translates ? [q[0], q[1]] : robot.base;
+  for (const body of robot.bodies) {
+    const above = body.parent < 0 ? { x: rx, y: ry, c: 1, s: 0 } : out[body.parent];
+    const [jx, jy] = body.joint;
+    const pose = { x: above.x + above.c * jx - above.s * jy, y: above.y + above.s * jx + above.c * jy, c: above.c, s: above.s };
+    if (body.axis >= 0) {
+      const c = Math.cos(q[body.axis]), s = Math.sin(q[body.axis]);
+      if (body.absolute || body.parent < 0) { pose.c = c; pose.s = s; }
+      else { pose.c = above.c * c - above.s * s; pose.s = above.s * c + above.c * s; }
+    }
+    out.push(pose);
+  }
+  return out;
+}
+
+function drawRobot(robot, q, options) {
+  if (!robot || q.length < robot.dimension) return false;
+  const at = poses(robot, q);
+  pen.beginPath();
+  let extent = 0;
+  robot.bodies.forEach((body, i) => {
+    for (const part of body.parts) {
+      extent = Math.max(extent, part.length === 3 ? part[2] : 1);
+      shapePath(part, (x, y) => [at[i].x + at[i].c * x - at[i].s * y, at[i].y + at[i].s * x + at[i].c * y]);
+    }
+  });
+  if (extent === 0) return false;  // a point
+  if (options.fill) { pen.globalAlpha = options.fillAlpha || 0.25; pen.fillStyle = options.fill; pen.fill(); }
+  pen.globalAlpha = options.alpha || 1;
+  pen.strokeStyle = options.stroke;
+  pen.lineWidth = options.width || 1.25;
+  pen.stroke();
+  pen.globalAlpha = 1;
+  return true;
+}
+
+function marker(kind, x, y, r) {
+  if (kind === 'reached') { pen.moveTo(x + r, y); pen.arc(x, y, r, 0, 2 * Math.PI); }
+  else if (kind === 'advanced') { pen.moveTo(x + r, y); pen.arc(x, y, r, 0, 2 * Math.PI); }
+  else if (kind === 'trapped') { pen.moveTo(x, y - r * 1.25); pen.lineTo(x + r * 1.25, y); pen.lineTo(x, y + r * 1.25); pen.lineTo(x - r * 1.25, y); pen.closePath(); }
+  else { pen.moveTo(x - r, y - r); pen.lineTo(x + r, y + r); pen.moveTo(x - r, y + r); pen.lineTo(x + r, y - r); }
+}
+
+function polyline(path, level) {
+  pen.beginPath();
+  for (let i = 0; i < path.size; i++) {
+    const q = path.row(i);
+    if (i === 0) pen.moveTo(frame.X(q[level.x]), frame.Y(q[level.y])); else pen.lineTo(frame.X(q[level.x]), frame.Y(q[level.y]));
+  }
+}
+
+function drawTree(level, n) {
+  const X = i => frame.X(level.nodes.values[i * level.nodes.d + level.x]);
+  const Y = i => frame.Y(level.nodes.values[i * level.nodes.d + level.y]);
+  // Trees that were given up for new ones stand back.
+  const plant = level.plants.filter(r => r < n).pop() || 0;
+  const colour = levelColour(level);
+  const many = n > 4000, dense = level.edges.length > 2 * level.nodes.size;
+  for (const [from, to, alpha] of [[0, plant, 0.22], [plant, n, 1]]) {
+    if (from >= to) continue;
+    pen.globalAlpha = alpha * (many ? 0.7 : 0.85);
+    pen.strokeStyle = pen.fillStyle = colour;
+    pen.lineWidth = many ? 0.6 : 0.9;
+    pen.setLineDash(levelDash(level));
+    pen.beginPath();
+    if (level.parents) {
+      for (let i = from; i < to; i++) {
+        const up = level.parents[i];
+        if (up !== i) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
+      }
+    }
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.globalAlpha = alpha;
+    pen.beginPath();
+    // The points along a graph's edges are no news.
+    const r = level.edges.length && !dense ? 0.6 : many || dense ? 1.1 : 1.7;
+    for (let i = from; i < to; i++) { const x = X(i), y = Y(i); pen.moveTo(x + r, y); pen.arc(x, y, r, 0, 7); }
+    pen.fill();
+  }
+  if (level.edges.length) {
+    pen.globalAlpha = dense ? Math.max(0.07, Math.min(0.5, 200 / level.edges.length)) : 0.85;
+    pen.strokeStyle = colour;
+    pen.lineWidth = dense ? 0.6 : 1.2;
+    pen.setLineDash(levelDash(level));
+    pen.beginPath();
+    level.edges.forEach(([a, b], i) => {
+      if (level.edgeTime[i] <= state.at) { pen.moveTo(X(a), Y(a)); pen.lineTo(X(b), Y(b)); }
+    });
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+  pen.globalAlpha = 1;
+}
+
+function drawProposals(level, p) {
+  const groups = new Map();
+  for (let i = 0; i < p; i++) {
+    const kind = level.station(i);
+    const key = state.colour === 'source' ? kind + ':' + level.source[i] : kind;
+    if (!groups.has(key)) groups.set(key, []);
+    groups.get(key).push(i);
+  }
+  const r = p > 4000 ? 1.6 : 2.6;
+  for (const [key, list] of groups) {
+    const [kind, source] = key.split(':');
+    pen.beginPath();
+    for (const i of list) {
+      const q = level.proposals.row(i);
+      marker(kind, frame.X(q[level.x]), frame.Y(q[level.y]), r);
+    }
+    pen.strokeStyle = pen.fillStyle = source === undefined ? colours[kind] : sourceColour(Number(source));
+    pen.lineWidth = 1.2;
+    pen.globalAlpha = 0.9;
+    if (kind === 'reached') pen.fill(); else pen.stroke();
+  }
+  pen.globalAlpha = 1;
+}
+
+function drawPath(level, path, width) {
+  polyline(path, level);
+  pen.lineJoin = pen.lineCap = 'round';
+  pen.strokeStyle = colours.free;
+  pen.lineWidth = width + 2.5;
+  pen.globalAlpha = 0.8;
+  pen.stroke();
+  pen.globalAlpha = 1;
+  pen.strokeStyle = levelColour(level);
+  pen.lineWidth = width;
+  pen.setLineDash(levelDash(level));
+  pen.stroke();
+  pen.setLineDash([]);
+}
+
+/// The path of a level as it stands now; the root's, in the end, as it was reported.
+function pathNow(level) {
+  if (level.number === 0 && state.at === run.total && run.path) return run.path;
+  const found = level.paths.filter(p => p.time <= state.at).pop();
+  return found ? found.rows : null;
+}
+
+function drawSelected() {
+  const s = state.select;
+  if (!s) return;
+  const level = run.levels[s.level];
+  const q = sampleRow(s);
+  drawRobot(level.robot, q, { stroke: colours.ink, fill: levelColour(level), fillAlpha: 0.35, width: 1.6 });
+  if (!level.drawn) return;
+  const point = row => [frame.X(row[level.x]), frame.Y(row[level.y])];
+  const [x, y] = point(q);
+  let node = s.role === 'tree' ? s.index : level.near[s.index];
+  pen.strokeStyle = colours.ink;
+  pen.lineWidth = 2;
+  if (s.role === 'expansion' && node >= 0) {
+    const [nx, ny] = point(level.nodes.row(node));
+    pen.setLineDash([3, 3]);
+    pen.beginPath(); pen.moveTo(nx, ny); pen.lineTo(x, y); pen.stroke();
+    pen.setLineDash([]);
+  }
+  if (level.parents && node >= 0) {
+    pen.beginPath();
+    pen.moveTo(...point(level.nodes.row(node)));
+    for (let steps = 0; level.parents[node] !== node && steps < 1e6; steps++) {
+      node = level.parents[node];
+      pen.lineTo(...point(level.nodes.row(node)));
+    }
+    pen.stroke();
+  }
+  pen.beginPath();
+  pen.arc(x, y, 6.5, 0, 2 * Math.PI);
+  pen.strokeStyle = colours.paper; pen.lineWidth = 4; pen.stroke();
+  pen.strokeStyle = colours.ink; pen.lineWidth = 2; pen.stroke();
+}
+
+function drawNewest() {
+  if (!run || state.at === 0 || state.at === run.total) return;
+  for (const level of run.levels) {
+    if (!level.drawn) continue;
+    const p = until(level.proposalTime, state.at) - 1;
+    if (p < 0 || level.proposalTime[p] !== state.at) continue;
+    const q = level.proposals.row(p), x = frame.X(q[level.x]), y = frame.Y(q[level.y]);
+    pen.strokeStyle = levelColour(level);
+    pen.lineWidth = 1.5;
+    if (level.near[p] >= 0) {
+      const from = level.nodes.row(level.near[p]);
+      pen.setLineDash([3, 3]);
+      pen.beginPath(); pen.moveTo(frame.X(from[level.x]), frame.Y(from[level.y])); pen.lineTo(x, y); pen.stroke();
+      pen.setLineDash([]);
+    }
+    pen.beginPath(); pen.arc(x, y, 5.5, 0, 2 * Math.PI); pen.stroke();
+  }
+}
+
+function draw() {
+  frame = fitCanvas();
+  if (!frame) return;
+  pen.setTransform(frame.ratio, 0, 0, frame.ratio, 0, 0);
+  pen.clearRect(0, 0, frame.width, frame.height);
+  const problem = data.problems[state.scene], b = frame.b;
+  pen.fillStyle = colours.free;
+  pen.fillRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
+  pen.save();
+  pen.beginPath();
+  pen.rect(frame.X(b[0]) - 1, frame.Y(b[3]) - 1, (b[2] - b[0]) * frame.scale + 2, (b[3] - b[1]) * frame.scale + 2);
+  pen.clip();
+  pen.beginPath();
+  for (const shape of problem.obstacles) shapePath(shape);
+  pen.fillStyle = colours.obstacle;
+  pen.fill();
+  pen.strokeStyle = colours['obstacle-edge'];
+  pen.lineWidth = 1;
+  pen.stroke();
+  pen.restore();
+  pen.strokeStyle = colours['obstacle-edge'];
+  pen.lineWidth = 1;
+  pen.strokeRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
+
+  const now = view();
+  const robot = data.robots[problem.robot] || null;
+  if (run) {
+    const deepest = [...run.levels].reverse();
+    for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n);
+    for (const level of deepest) if (shown(level, 'expansion')) drawProposals(level, now[level.number].p);
+    for (const level of deepest) {
+      const path = shown(level, 'path') && pathNow(level);
+      if (!path || !path.size) continue;
+      drawPath(level, path, level.number === 0 ? 2.6 : 1.8);
+      if (level.number === 0) {
+        const every = Math.max(1, Math.floor(path.size / 40));
+        for (let i = 0; i < path.size; i += every) drawRobot(robot, path.row(i), { stroke: levelColour(level), alpha: 0.4, width: 1 });
+      }
+    }
+    const root = run.levels[0];
+    if (root && !root.drawn && state.at === run.total && run.path) {
+      for (let i = 0; i < run.path.size; i++) drawRobot(robot, run.path.row(i), { stroke: levelColour(root), alpha: 0.5 });
+    }
+  }
+  pen.font = '600 12px system-ui, sans-serif';
+  pen.textBaseline = 'bottom';
+  for (const [q, name, fill] of [[problem.start, 'start', null], [problem.goal, 'goal', colours.ends]]) {
+    if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
+    const px = problem.position.length >= 2 ? q[problem.position[0]] : robot ? robot.base[0] : 0;
+    const py = problem.position.length >= 2 ? q[problem.position[1]] : robot ? robot.base[1] : 0;
+    const x = frame.X(px), y = frame.Y(py);
+    if (problem.position.length < 2 && name === 'goal') continue;
+    pen.beginPath(); pen.arc(x, y, 3, 0, 7);
+    pen.fillStyle = name === 'goal' ? colours.ends : colours.free; pen.fill();
+    pen.strokeStyle = colours.ends; pen.lineWidth = 1.5; pen.stroke();
+    const label = problem.position.length < 2 ? 'base' : name;
+    const reach = robot ? Math.max(6, Math.min(40, robot.radius * frame.scale)) : 6;
+    const tx = Math.min(frame.width - 36, Math.max(4, x - 12)), ty = y - reach - 2 < 16 ? y + reach + 18 : y - reach - 2;
+    pen.lineWidth = 3; pen.strokeStyle = colours.free; pen.lineJoin = 'round'; pen.strokeText(label, tx, ty);
+    pen.fillStyle = colours.ends; pen.fillText(label, tx, ty);
+  }
+  if (run) { drawNewest(); drawSelected(); }
+}
+
+// Words ----------------------------------------------------------------------------------------------------------------
+
+const sampleRow = s => (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).row(s.index);
+const count = (n, word) => n + ' ' + word + (n === 1 ? '' : 's');
+
+/// As many decimals as the 16 bits of a coordinate hold.
+function coordinate(axis, value) {
+  const digits = Math.max(0, Math.min(6, Math.floor(-Math.log10((axis.hi - axis.lo) / 65535))));
+  const text = value.toFixed(digits).replace(/^-(0(\.0+)?)$/, '$1').replace('-', '−');
+  return axis.periodic ? text + ' rad (' + (value * 180 / Math.PI).toFixed(0).replace('-', '−') + '°)' : text;
+}
+
+const levelTitle = level => 'level ' + level.number + ' · ' + level.name;
+
+function stationOf(level, s) {
+  const proposal = s.role === 'expansion' ? s.index : level.cause[s.index];
+  return proposal < 0 ? '' : level.station(proposal);
+}
+
+function tipText(s) {
+  const level = run.levels[s.level];
+  if (s.role === 'tree') return level.name + ' · node ' + s.index;
+  return level.name + ' · proposal ' + s.index + ' · ' + short[level.station(s.index)];
+}
+
+function showSample() {
+  const box = $('sample');
+  box.replaceChildren();
+  const set = fields => { for (const [name, value] of Object.entries(fields)) { if (value === '' || value === null || value === undefined) delete viewer.dataset[name]; else viewer.dataset[name] = value; } };
+  const none = { select: '', fate: '', station: '', source: '', near: '', sampleLevel: '', cause: '' };
+  if (!run) { set(none); return; }
+  const s = state.select;
+  if (!s) {
+    set(none);
+    box.append(make('p', { className: 'muted', textContent: 'Click a node or a proposal in the picture to see where it came from; or ' }));
+    const form = make('div', { className: 'ways' });
+    for (const level of run.levels) {
+      if (level.nodes.size) form.append(make('button', { type: 'button', textContent: 'first node of ' + level.name, onclick: () => setSelect({ level: level.number, role: 'tree', index: 0 }) }));
+      else if (level.proposals.size) form.append(make('button', { type: 'button', textContent: 'first proposal of ' + level.name, onclick: () => setSelect({ level: level.number, role: 'expansion', index: 0 }) }));
+    }
+    box.append(form);
+    return;
+  }
+  const level = run.levels[s.level], q = sampleRow(s);
+  const proposal = s.role === 'expansion' ? s.index : level.cause[s.index];
+  const list = make('dl');
+  const line = (term, ...what) => list.append(make('dt', { textContent: term }), make('dd', null, ...what));
+  const go = (text, target) => make('button', { type: 'button', className: 'link', textContent: text, onclick: () => setSelect(target) });
+  const node = index => go('node ' + index, { level: s.level, role: 'tree', index });
+  line('sample', (s.role === 'tree' ? 'node ' : 'proposal ') + s.index + ' of ' + (s.role === 'tree' ? level.nodes : level.proposals).size);
+  line('level', make('span', { className: 'swatch', style: 'background:' + levelColour(level) }), levelTitle(level), ', ' + level.raw.space + ', ' + level.raw.planner);
+  let source = '';
+  if (proposal >= 0) {
+    source = level.raw.sources[level.source[proposal]] || '';
+    const guide = level.guides[level.source[proposal]];
+    if (s.role === 'tree') line('came of', go('proposal ' + proposal, { level: s.level, role: 'expansion', index: proposal }), level.direct[s.index] ? '' : ', in growing on after it');
+    if (source) line('h that drew it', source + (guide ? ' (level ' + guide.number + ')' : ''));
+  } else if (s.role === 'tree') {
+    const root = level.parents && level.parents[s.index] === s.index;
+    line('came of', root ? 'a tree’s root: planted when a solve began' : level.proposals.size ? 'no proposal: the start, or the goal' : 'the graph that is searched: this level draws no proposals');
+  }
+  if (s.role === 'expansion') {
+    line('became of it', stations[level.station(s.index)] + (level.fate(s.index) === 'advanced' && level.invalid(s.index) ? '; the proposal itself is invalid' : ''));
+    if (level.added[s.index] >= 0) line('added', node(level.added[s.index]));
+    if (level.near[s.index] >= 0) line('grew from', node(level.near[s.index]));
+  } else {
+    if (level.parents && level.parents[s.index] !== s.index) line('parent', node(level.parents[s.index]));
+    if (level.classes) line('in the roadmap', data.classes[level.classes[s.index]] || '');
+  }
+  level.axes.forEach((axis, i) => line(axis.name, coordinate(axis, q[i])));
+  const time = (s.role === 'tree' ? level.nodeTime : level.proposalTime)[s.index];
+  line('step', String(time) + ' of ' + run.total);
+  box.append(list);
+  const ways = make('div', { className: 'ways' });
+  const step = by => ({ level: s.level, role: s.role, index: s.index + by });
+  const button = (text, onclick, disabled) => ways.append(make('button', { type: 'button', textContent: text, onclick, disabled: !!disabled }));
+  button('‹ before', () => setSelect(step(-1)), s.index === 0);
+  button('after ›', () => setSelect(step(1)), s.index + 1 >= (s.role === 'tree' ? level.nodes : level.proposals).size);
+  button('replay to here', () => { state.at = time; refresh(); });
+  button('let go', () => setSelect(null));
+  box.append(ways);
+  set({ select: selectText(), fate: proposal >= 0 ? level.fate(proposal) : '', station: stationOf(level, s), source, near: proposal >= 0 ? level.near[proposal] : '', sampleLevel: level.name, cause: proposal >= 0 ? proposal : '' });
+}
+
+// The panels -------------------------------------------------------------------------------------------------------------
+
+let levelCells = [];
+
+function showLevels() {
+  const table = $('levels');
+  table.replaceChildren();
+  levelCells = [];
+  if (!run) return;
+  const head = make('tr', null, make('th', { scope: 'col', textContent: '' }));
+  for (const name of ['tree', 'proposals', 'path']) head.append(make('th', { scope: 'col', textContent: name }));
+  table.append(make('thead', null, head));
+  const body = make('tbody');
+  for (const level of run.levels) {
+    const row = make('tr'), name = make('td', { className: 'name' });
+    name.style.paddingLeft = (0.3 + 0.8 * level.raw.depth) + 'em';
+    name.append(make('span', { className: 'swatch', style: 'background:' + levelColour(level) }), level.name,
+                make('small', { textContent: level.raw.space + ', ' + level.raw.planner + (level.raw.solves > 1 ? ', ' + level.raw.solves + ' solves' : '') + (level.drawn ? '' : '; not drawn: no position') }));
+    row.append(name);
+    const cells = { row };
+    for (const role of roles) {
+      const has = role === 'tree' ? level.nodes.size : role === 'expansion' ? level.proposals.size : level.paths.length + (level.number === 0 && run.path ? 1 : 0);
+      const td = make('td');
+      const text = make('span');
+      cells[role] = text;
+      if (has && level.drawn) {
+        const box = make('input', { type: 'checkbox', checked: shown(level, role) });
+        box.setAttribute('aria-label', level.name + ': ' + (role === 'expansion' ? 'proposals' : role));
+        box.dataset.layer = level.number + ':' + role;
+        box.onchange = () => {
+          const on = new Set(layers());
+          if (box.checked) on.add(box.dataset.layer); else on.delete(box.dataset.layer);
+          state.layers = on;
+          refresh();
+        };
+        td.append(make('label', null, text, box));
+      } else {
+        td.append(text);
+      }
+      row.append(td);
+    }
+    levelCells.push(cells);
+    body.append(row);
+  }
+  table.append(body);
+}
+
+function updateLevels(now) {
+  if (!run) return;
+  run.levels.forEach((level, i) => {
+    const cells = levelCells[i];
+    if (!cells) return;
+    const part = (n, of) => of ? (n < of ? n + '/' + of : String(of)) : '–';
+    cells.tree.textContent = part(now[i].n, level.nodes.size);
+    cells.expansion.textContent = part(now[i].p, level.proposals.size);
+    cells.path.textContent = pathNow(level) ? '' : level.paths.length ? '…' : '–';
+    cells.row.classList.toggle('working', state.at > 0 && state.at < run.total && level.spans.some(s => s.from < state.at && state.at <= s.to));
+    for (const box of cells.row.querySelectorAll('input')) box.checked = layers().has(box.dataset.layer);
+  });
+}
+
+function icon(kind, colour) {
+  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  svg.setAttribute('viewBox', '0 0 14 14');
+  svg.setAttribute('aria-hidden', 'true');
+  const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
+  path.setAttribute('d', { reached: 'M3 7a4 4 0 1 0 8 0a4 4 0 1 0 -8 0', advanced: 'M3 7a4 4 0 1 0 8 0a4 4 0 1 0 -8 0', trapped: 'M7 2L12 7L7 12L2 7Z' }[kind] || 'M3 3L11 11M3 11L11 3');
+  path.setAttribute('fill', kind === 'reached' ? colour : 'none');
+  path.setAttribute('stroke', colour);
+  path.setAttribute('stroke-width', '1.8');
+  svg.append(path);
+  return svg;
+}
+
+function showLegend(now) {
+  const list = $('legend');
+  list.replaceChildren();
+  if (!run) return;
+  const seen = new Map();
+  run.levels.forEach((level, i) => {
+    if (!shown(level, 'expansion')) return;
+    for (let p = 0; p < now[i].p; p++) {
+      const key = state.colour === 'fate' ? level.station(p) : String(level.source[p]) + ' ' + (level.raw.sources[level.source[p]] || '?');
+      seen.set(key, (seen.get(key) || 0) + 1);
+    }
+  });
+  if (!seen.size) { list.append(make('li', { className: 'muted', textContent: run.levels.some(l => shown(l, 'expansion')) ? 'none yet' : 'none shown: tick “proposals” of a level' })); return; }
+  const keys = state.colour === 'fate' ? Object.keys(stations).filter(k => seen.has(k)) : [...seen.keys()].sort((a, b) => parseInt(a, 10) - parseInt(b, 10));
+  for (const key of keys) {
+    const at = key.indexOf(' ');
+    const mark = state.colour === 'fate' ? icon(key, colours[key]) : icon('reached', sourceColour(parseInt(key, 10)));
+    list.append(make('li', null, mark, make('span', { textContent: state.colour === 'fate' ? stations[key] : key.slice(at + 1) }), make('b', { textContent: seen.get(key) })));
+  }
+  if (state.colour === 'source') list.append(make('li', { className: 'muted', textContent: 'shapes: ● reached, ○ advanced, ◇ rejected though valid, × rejected' }));
+}
+
+function showNow(now) {
+  const slider = $('at');
+  slider.max = run ? run.total : 0;
+  slider.disabled = !run || run.total === 0;
+  slider.value = state.at;
+  if (!run) { $('now').textContent = ''; return; }
+  let text = 'step ' + state.at + ' of ' + run.total;
+  for (const level of run.levels) {
+    const span = level.spans.find(s => s.from < state.at && state.at <= s.to);
+    if (span && state.at < run.total) text += ' · at work: ' + levelTitle(level) + (level.raw.solves > 1 ? ', solve ' + (span.solve + 1) + ' of ' + level.raw.solves : '');
+  }
+  if (state.at === run.total) text += ' · over';
+  $('now').textContent = text;
+  slider.setAttribute('aria-valuetext', text);
+  viewer.dataset.at = state.at;
+  viewer.dataset.total = run.total;
+  viewer.dataset.nodes = now.map(t => t.n).join(',');
+  viewer.dataset.proposals = now.map(t => t.p).join(',');
+}
+
+/// Everything that depends on the step, the selection and the layers.
+function refresh(light) {
+  const now = view();
+  draw();
+  updateLevels(now);
+  showNow(now);
+  if (!light || run && run.total < 20000) showLegend(now);
+  if (!light) { showSample(); writeHash(); }
+  viewer.dataset.layers = [...layers()].sort().join(',');
+}
+
+/// Everything that depends on the scene, the method and the seed.
+function load(fresh = true) {
+  stop();
+  const c = cell();
+  const entry = c.runs[state.seed] || { id: -1, text: 'no such run' };
+  run = loadRun(entry.id);
+  hover = null;
+  $('tip').hidden = true;
+  if (fresh) { state.select = null; state.layers = null; }
+  state.at = run ? run.total : 0;
+  zoom = { k: 1, x: 0, y: 0 };
+  $('scene').value = state.scene;
+  $('method').value = state.method;
+  $('seed').value = state.seed;
+  $('colour').value = state.colour;
+  $('text').textContent = data.strategies[state.method].text;
+  $('outcome').textContent = entry.text;
+  const message = $('message');
+  const root = run && run.levels[0];
+  message.textContent = !run ? 'The samples of this run are not in this file.'
+    : root && !root.drawn ? 'The space ' + root.raw.space + ' has no position: its samples are listed, not drawn.' : '';
+  message.hidden = !message.textContent;
+  if (!run) for (const name of ['at', 'total', 'nodes', 'proposals']) delete viewer.dataset[name];
+  viewer.dataset.scene = data.problems[state.scene].name;
+  viewer.dataset.method = data.strategies[state.method].name;
+  viewer.dataset.seed = data.seeds[state.seed];
+  viewer.dataset.outcome = entry.text;
+  for (const row of document.querySelectorAll('#summary tr[data-cell]')) row.classList.toggle('chosen', row.dataset.cell === state.scene + '-' + state.method);
+  const total = run ? run.total : 0, speeds = [2, 10, 50, 200, 1000, 5000];
+  $('speed').value = speeds.find(s => s * 12 >= total) || 5000;
+  readColours();
+  showLevels();
+  showWorth();
+  if (fresh) refresh();
+}
+
+function showWorth() {
+  const where = state.scene + '-' + state.method, worth = $('worth'), figures = $('figures');
+  worth.replaceChildren();
+  figures.replaceChildren();
+  const table = $('levels-' + where);
+  if (table) worth.append(table.content.cloneNode(true));
+  for (const text of read('figures-' + where) || []) {
+    const svg = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
+    if (svg.nodeName !== 'svg') continue;
+    figures.append(make('figure', null, document.importNode(svg, true)));
+  }
+}
+
+// Replay ------------------------------------------------------------------------------------------------------------------
+
+let clock = null;
+function tick(time) {
+  if (!playing) return;
+  if (clock === null) clock = { time, at: state.at };
+  const at = Math.min(run.total, Math.floor(clock.at + (time - clock.time) / 1000 * Number($('speed').value)));
+  if (at !== state.at) { state.at = at; refresh(true); }
+  if (at >= run.total) { stop(); refresh(); return; }
+  requestAnimationFrame(tick);
+}
+function stop() {
+  playing = false;
+  clock = null;
+  $('play').textContent = '▶';
+  $('play').setAttribute('aria-label', 'play');
+}
+function play() {
+  if (!run || run.total === 0) return;
+  if (playing) { stop(); refresh(); return; }
+  if (state.at >= run.total) state.at = 0;
+  playing = true;
+  $('play').textContent = '❚❚';
+  $('play').setAttribute('aria-label', 'pause');
+  requestAnimationFrame(tick);
+}
+function goTo(at) {
+  if (!run) return;
+  stop();
+  state.at = Math.max(0, Math.min(run.total, at));
+  refresh();
+}
+
+// Hands ---------------------------------------------------------------------------------------------------------------------
+
+/// The sample drawn nearest to a point of the canvas, within reach of a finger.
+function pick(px, py) {
+  if (!run || !frame) return null;
+  let best = null, least = 12 * 12;
+  const now = view();
+  for (const level of run.levels) {
+    for (const role of ['expansion', 'tree']) {
+      if (!shown(level, role)) continue;
+      const list = role === 'tree' ? level.nodes : level.proposals, n = role === 'tree' ? now[level.number].n : now[level.number].p;
+      for (let i = 0; i < n; i++) {
+        const dx = frame.X(list.values[i * list.d + level.x]) - px, dy = frame.Y(list.values[i * list.d + level.y]) - py;
+        const d = dx * dx + dy * dy;
+        if (d < least) { least = d; best = { level: level.number, role, index: i }; }
+      }
+    }
+  }
+  return best;
+}
+
+let grip = null;
+canvas.addEventListener('pointerdown', e => { if (frame) grip = { x: e.offsetX, y: e.offsetY, zx: zoom.x, zy: zoom.y, moved: false }; });
+canvas.addEventListener('pointermove', e => {
+  if (grip && frame && (e.buttons & 1)) {
+    const dx = e.offsetX - grip.x, dy = e.offsetY - grip.y;
+    if (Math.hypot(dx, dy) > 4) grip.moved = true;
+    if (grip.moved && zoom.k > 1) {
+      zoom.x = grip.zx - dx / frame.scale;
+      zoom.y = grip.zy + dy / frame.scale;
+      draw();
+      return;
+    }
+  }
+  const tip = $('tip');
+  hover = pick(e.offsetX, e.offsetY);
+  tip.hidden = !hover;
+  if (!hover) return;
+  tip.textContent = tipText(hover);
+  const x = Math.min(e.offsetX + 14, $('plot').clientWidth - tip.offsetWidth - 4);
+  tip.style.left = Math.max(2, x) + 'px';
+  tip.style.top = (e.offsetY > 34 ? e.offsetY - 30 : e.offsetY + 18) + 'px';
+});
+canvas.addEventListener('pointerleave', () => { $('tip').hidden = true; hover = null; });
+canvas.addEventListener('pointerup', e => {
+  if (grip && !grip.moved) { stop(); setSelect(pick(e.offsetX, e.offsetY)); }
+  grip = null;
+});
+canvas.addEventListener('wheel', e => {
+  if (!e.ctrlKey && !e.metaKey) return;
+  e.preventDefault();
+  zoomBy(e.deltaY < 0 ? 1.25 : 0.8, e.offsetX, e.offsetY);
+}, { passive: false });
+
+function zoomBy(factor, px, py) {
+  if (!frame) return;
+  const at = px === undefined ? null : frame.back(px, py);
+  zoom.k = Math.min(64, Math.max(1, zoom.k * factor));
+  if (zoom.k === 1) zoom = { k: 1, x: 0, y: 0 };
+  else if (at) {
+    frame = fitCanvas();
+    const [x, y] = frame.back(px, py);
+    zoom.x += at[0] - x;
+    zoom.y += at[1] - y;
+  }
+  draw();
+}
+const fit = () => { zoom = { k: 1, x: 0, y: 0 }; draw(); };
+
+document.addEventListener('keydown', e => {
+  if (e.altKey || e.ctrlKey || e.metaKey) return;
+  const on = e.target.tagName, typing = on === 'SELECT' || on === 'INPUT' && e.target.type !== 'range';
+  const ranging = on === 'INPUT' && e.target.type === 'range';
+  if (typing || (on === 'BUTTON' && (e.key === ' ' || e.key === 'Enter'))) return;
+  if (ranging && e.key.startsWith('Arrow') && !e.shiftKey) return;
+  const by = e.shiftKey ? 10 : 1, s = state.select;
+  const keys = {
+    ' ': play, ArrowLeft: () => goTo(state.at - by), ArrowRight: () => goTo(state.at + by), Home: () => goTo(0),
+    End: () => run && goTo(run.total), Escape: () => setSelect(null), '+': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), 0: fit,
+    '[': () => s && s.index > 0 && setSelect({ ...s, index: s.index - 1 }),
+    ']': () => s && s.index + 1 < (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).size && setSelect({ ...s, index: s.index + 1 }),
+  };
+  // Home and End belong to the page unless the picture is in hand.
+  if ((e.key === 'Home' || e.key === 'End') && document.activeElement !== canvas && !ranging) return;
+  const action = keys[e.key];
+  if (!action) return;
+  e.preventDefault();
+  action();
+});
+
+const choose = (field, value) => { state[field] = Number(value); load(); };
+$('scene').onchange = e => choose('scene', e.target.value);
+$('method').onchange = e => choose('method', e.target.value);
+$('seed').onchange = e => choose('seed', e.target.value);
+$('seed-back').onclick = () => choose('seed', (state.seed + data.seeds.length - 1) % data.seeds.length);
+$('seed-on').onclick = () => choose('seed', (state.seed + 1) % data.seeds.length);
+$('colour').onchange = e => { state.colour = e.target.value; refresh(); };
+$('play').onclick = play;
+$('at').oninput = e => { stop(); state.at = Number(e.target.value); refresh(true); };
+$('at').onchange = e => goTo(Number(e.target.value));
+$('zoom-in').onclick = () => zoomBy(1.5);
+$('zoom-out').onclick = () => zoomBy(1 / 1.5);
+$('zoom-fit').onclick = fit;
+for (const button of document.querySelectorAll('#summary button[data-cell]')) {
+  button.onclick = () => {
+    [state.scene, state.method] = button.dataset.cell.split('-').map(Number);
+    load();
+    $('viewer-heading').scrollIntoView({ block: 'start' });
+  };
+}
+window.addEventListener('hashchange', () => { readHash(); refresh(); });
+window.addEventListener('resize', draw);
+for (const query of ['(prefers-color-scheme: dark)', 'print']) {
+  matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); refresh(); });
+}
+
+data.problems.forEach((p, i) => $('scene').append(make('option', { value: i, textContent: p.name })));
+data.strategies.forEach((s, i) => $('method').append(make('option', { value: i, textContent: s.name })));
+data.seeds.forEach((s, i) => $('seed').append(make('option', { value: i, textContent: s })));
+for (const speed of [2, 10, 50, 200, 1000, 5000]) $('speed').append(make('option', { value: speed, textContent: speed + '/s' }));
+if (data.problems.length && data.strategies.length && data.seeds.length) {
+  readHash();
+  refresh();
+}
+viewer.dataset.ready = '1';
+})();

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/report/html_run.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include <trellis/collision/checker.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(const std::string& bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      group = (group << 8U) | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0U);
+    }
+    for (std::size_t j = 0; j < 4; ++j) {
+      out += i + j > bytes.size() ? '=' : digits[(group >> (18U - 6U * j)) & 63U];
+    }
+  }
+  return out;
+}
+
+/// Whole numbers, seven bits to a byte, the lowest first.
+class Numbers {
+ public:
+  void add(std::uint64_t value) {
+    for (; value > 127U; value >>= 7U) bytes_ += static_cast<char>((value & 127U) | 128U);
+    bytes_ += static_cast<char>(value);
+  }
+  /// 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+  void add_signed(std::int64_t value) { add(zigzag(value)); }
+  static std::uint64_t zigzag(std::int64_t value) {
+    return value < 0 ? 2U * static_cast<std::uint64_t>(-(value + 1)) + 1U : 2U * static_cast<std::uint64_t>(value);
+  }
+  [[nodiscard]] std::string text() const { return base64(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+std::string packed(const Configurations& rows, const Space& space) {
+  std::string bytes;
+  bytes.reserve(2 * rows.values().size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const View q = rows[i];
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      const Axis& axis = space.axes()[j];
+      const double share = (q[j] - axis.lo) / (axis.hi - axis.lo);
+      const auto value =
+          static_cast<std::uint32_t>(share > 0.0 ? std::lround(65535.0 * std::min(share, 1.0)) : 0);  // NaN: 0
+      bytes += static_cast<char>(value & 255U);
+      bytes += static_cast<char>(value >> 8U);
+    }
+  }
+  return base64(bytes);
+}
+
+double rounded(double x) { return std::isfinite(x) ? std::round(x * 1e6) / 1e6 : 0.0; }
+
+Json shape_json(const Disc& disc) { return {rounded(disc.centre.x), rounded(disc.centre.y), rounded(disc.radius)}; }
+
+Json points_json(const std::vector<Vec2>& points) {
+  Json out = Json::array();
+  for (const Vec2& p : points) {
+    out.push_back(rounded(p.x));
+    out.push_back(rounded(p.y));
+  }
+  return out;
+}
+
+Json shape_json(const ConvexShape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return shape_json(*disc);
+  return points_json(std::get<Polygon>(shape).vertices);
+}
+
+Json robot_json(const Robot& robot) {
+  Json bodies = Json::array();
+  for (const Body& body : robot.bodies()) {
+    Json parts = Json::array();
+    for (const auto& part : body.parts) parts.push_back(shape_json(part));
+    bodies.push_back({{"parts", std::move(parts)},
+                      {"parent", body.parent},
+                      {"joint", {rounded(body.joint.x), rounded(body.joint.y)}},
+                      {"axis", body.angle_axis},
+                      {"absolute", body.absolute}});
+  }
+  return {{"translates", robot.translates()},
+          {"base", {rounded(robot.base().x), rounded(robot.base().y)}},
+          {"dimension", robot.dimension()},
+          {"radius", rounded(robot.bounding_radius())},
+          {"bodies", std::move(bodies)}};
+}
+
+Json axes_json(const Space& space) {
+  Json out = Json::array();
+  for (const Axis& axis : space.axes()) out.push_back({axis.name, axis.lo, axis.hi, axis.periodic ? 1 : 0});
+  return out;
+}
+
+/// Of each proposal its fate and, from bit 2, whether it is valid itself: 0 unknown, 1 yes, 2 no.
+std::string packed_fates(const LevelRecord& record, const Problem& problem) {
+  const Search& search = record.search;
+  std::unique_ptr<Checker> checker;
+  if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot.dimension()) {
+    checker = make_checker(problem.collision, record.scene, record.space, problem.resolution);
+  }
+  std::string bytes;
+  bytes.reserve(search.proposals.size());
+  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
+    const Fate fate = i < search.fates.size() ? search.fates[i] : Fate::rejected;
+    unsigned validity = 0;
+    if (fate == Fate::reached && !record.presumed) {
+      validity = 1;
+    } else if (checker) {
+      validity = checker->valid(search.proposals[i]) ? 1 : 2;
+    }
+    bytes += static_cast<char>(static_cast<unsigned>(fate) | (validity << 2U));
+  }
+  return base64(bytes);
+}
+
+/// Of each node how far before it its parent is, 0 for a root. null without a tree.
+Json packed_parents(const Search& search) {
+  const auto& parents = search.parents;
+  if (parents.size() != search.nodes.size() ||
+      std::all_of(parents.begin(), parents.end(), [](std::uint32_t p) { return p == no_node; })) {
+    return nullptr;
+  }
+  Numbers out;
+  for (std::size_t i = 0; i < parents.size(); ++i) out.add(parents[i] <= i ? i - parents[i] : 0);
+  return out.text();
+}
+
+/// Rows by one more than they are; none is 0.
+std::string packed_near(const Search& search) {
+  Numbers out;
+  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
+    const std::uint32_t near = i < search.near.size() ? search.near[i] : no_node;
+    out.add(near < search.nodes.size() ? near + std::uint64_t{1} : 0);
+  }
+  return out.text();
+}
+
+/// Rows by one more than their difference, signed, from the one before; none is 0.
+std::string packed_added(const Search& search) {
+  Numbers out;
+  std::int64_t last = 0;
+  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
+    const std::uint32_t added = i < search.added.size() ? search.added[i] : no_node;
+    if (added >= search.nodes.size()) {
+      out.add(0);
+      continue;
+    }
+    out.add(Numbers::zigzag(static_cast<std::int64_t>(added) - last) + 1);
+    last = added;
+  }
+  return out.text();
+}
+
+/// Of each edge its first end, from the first of the edge before, and its second, from its first.
+std::string packed_edges(const Search& search) {
+  Numbers out;
+  std::int64_t last = 0;
+  for (const auto& [a, b] : search.edges) {
+    out.add_signed(static_cast<std::int64_t>(a) - last);
+    out.add_signed(static_cast<std::int64_t>(b) - static_cast<std::int64_t>(a));
+    last = a;
+  }
+  return out.text();
+}
+
+std::string packed_sources(const Search& search) {
+  Numbers out;
+  for (std::size_t i = 0; i < search.proposals.size(); ++i) {
+    out.add(i < search.proposal_sources.size() ? search.proposal_sources[i] : 0);
+  }
+  return out.text();
+}
+
+Json level_json(const LevelResult& level, const Problem& problem, RobotTable& robots) {
+  const LevelRecord& record = level.record;
+  const Search& search = record.search;
+  Json classes = nullptr;
+  if (level.metrics && level.metrics->classes.size() == search.nodes.size()) {
+    std::string bytes;
+    for (const NodeClass c : level.metrics->classes) bytes += static_cast<char>(c);
+    classes = base64(bytes);
+  }
+  Json position = Json::array();
+  if (record.position_axes.size() >= 2) position = {record.position_axes[0], record.position_axes[1]};
+  return {{"name", record.name},
+          {"parent", record.parent},
+          {"depth", record.depth},
+          {"space", record.space.name()},
+          {"planner", record.planner},
+          {"solves", record.solves},
+          {"axes", axes_json(record.space)},
+          {"position", std::move(position)},
+          {"robot", robots.add(record.scene.get())},
+          {"sources", search.sources},
+          {"nodes", packed(search.nodes, record.space)},
+          {"parents", packed_parents(search)},
+          {"edges", packed_edges(search)},
+          {"classes", std::move(classes)},
+          {"proposals", packed(search.proposals, record.space)},
+          {"fates", packed_fates(record, problem)},
+          {"source", packed_sources(search)},
+          {"near", packed_near(search)},
+          {"added", packed_added(search)}};
+}
+
+Json turns_json(const RunResult& run) {
+  Json out = Json::array();
+  const auto add = [&](const Turn& turn) {
+    const LevelRecord& record = run.levels[static_cast<std::size_t>(turn.level)].record;
+    const std::string path = packed(turn.path, record.space);
+    out.push_back(
+        {turn.level, turn.proposals, turn.nodes, turn.solve_ended ? 1 : 0, path.empty() ? Json(nullptr) : Json(path)});
+  };
+  for (const Turn& turn : run.run.turns) add(turn);
+  if (!run.run.turns.empty()) return out;
+  // Records that were not made by execute(): one turn for each level, the deepest first.
+  for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
+    const LevelRecord& record = level->record;
+    add({record.level, static_cast<std::uint32_t>(record.search.proposals.size()),
+         static_cast<std::uint32_t>(record.search.nodes.size()), true,
+         record.solution.solved() ? record.solution.path : Configurations()});
+  }
+  return out;
+}
+
+}  // namespace
+
+int RobotTable::add(const Scene* scene) {
+  if (scene == nullptr) return -1;
+  Json robot = robot_json(scene->robot);
+  const auto [at, fresh] = places_.emplace(robot.dump(), static_cast<int>(list_.size()));
+  if (fresh) list_.push_back(std::move(robot));
+  return at->second;
+}
+
+Json shape_json(const Shape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return shape_json(*disc);
+  if (const auto* box = std::get_if<Box2>(&shape)) return points_json(rectangle_vertices(*box));
+  return points_json(std::get<Polygon>(shape).vertices);
+}
+
+Json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots) {
+  Json levels = Json::array();
+  for (const auto& level : run.levels) levels.push_back(level_json(level, problem, robots));
+  Json path = nullptr;
+  if (run.run.solved && !run.levels.empty()) path = packed(run.run.path, run.levels.front().record.space);
+  return {{"levels", std::move(levels)}, {"turns", turns_json(run)}, {"path", std::move(path)}};
+}
+
+std::string script_json(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace trellis

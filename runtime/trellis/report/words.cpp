@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/report/words.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+namespace trellis {
+
+std::string fixed(double x, int decimals, bool sign) {
+  std::string text = sign ? fmt::format("{:+.{}f}", x, decimals) : fmt::format("{:.{}f}", x, decimals);
+  if (!text.empty() && text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) {
+    text.erase(0, 1);
+    if (sign) text.insert(0, "+");
+  }
+  return text;
+}
+
+std::string count_text(double x) {
+  if (!std::isfinite(x)) return "-";
+  return fixed(x, x < 100 && x != std::floor(x) ? 1 : 0);
+}
+
+int decimals_for(double largest) {
+  if (!std::isfinite(largest) || largest >= 1000) return 0;
+  return largest >= 100 ? 1 : (largest >= 1 ? 2 : 3);
+}
+
+std::string percent(double share) { return std::isfinite(share) ? fixed(100.0 * share, 0) : "-"; }
+
+std::string interval_text(const Interval& interval, int decimals, bool sign) {
+  if (std::isnan(interval.value)) return "-";
+  if (std::isinf(interval.value)) return interval.value > 0 ? "inf" : "-inf";
+  std::string text = fixed(interval.value, decimals, sign);
+  if (std::isfinite(interval.hi)) text += " ±" + fixed(0.5 * (interval.hi - interval.lo), decimals);
+  return text;
+}
+
+std::string plural(std::size_t n, const std::string& noun) {
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+std::string plural_y(std::size_t n, const std::string& stem) {
+  return fmt::format("{} {}{}", n, stem, n == 1 ? "y" : "ies");
+}
+
+std::string wilson_text(const Interval& success) {
+  return std::isfinite(success.lo) ? fmt::format("{}–{}", percent(success.lo), percent(success.hi)) : "-";
+}
+
+std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
+  if (seeds.empty()) return "no seeds";
+  if (seeds.size() == 1) return fmt::format("1 seed ({})", seeds.front());
+  bool consecutive = true;
+  for (std::size_t i = 1; i < seeds.size(); ++i) consecutive = consecutive && seeds[i] == seeds[i - 1] + 1;
+  return consecutive ? fmt::format("{} seeds ({}–{})", seeds.size(), seeds.front(), seeds.back())
+                     : fmt::format("{} seeds", seeds.size());
+}
+
+std::string target_text(const TargetSpec& target) {
+  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
+    return fmt::format("{} within {:g} m ({}) of the path",
+                       tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
+                       tube->distance == "planar" ? "position only" : "full metric");
+  }
+  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
+    return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);
+  }
+  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
+    return fmt::format("motions of {:g} m that come closer to the goal, by rank among all motions", progress->step);
+  }
+  return "the script's own";
+}
+
+char mark_of(const std::string& flag) {
+  const auto* const it = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.flag == flag; });
+  return it != notes.end() ? it->mark : other_mark;
+}
+
+}  // namespace trellis

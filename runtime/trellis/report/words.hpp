@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How reports put figures into words: the printed one and the page.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/measure/statistics.hpp>
+
+namespace trellis {
+
+/// A fixed number of decimals, without "-0.00".
+std::string fixed(double x, int decimals, bool sign = false);
+/// A median of counts: halves happen, and matter only where the count is small.
+std::string count_text(double x);
+/// Decimals of a column of milliseconds, by its largest: small ones should not vanish beside it.
+int decimals_for(double largest);
+std::string percent(double share);
+/// "1.23 ±0.08", "1.23" where there is no interval, "-" where there is no figure.
+std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
+/// "70–99", a share's interval in per cent.
+std::string wilson_text(const Interval& success);
+std::string plural(std::size_t n, const std::string& noun);
+std::string plural_y(std::size_t n, const std::string& stem);
+/// "15 seeds (1–15)".
+std::string seeds_text(const std::vector<std::uint64_t>& seeds);
+std::string target_text(const TargetSpec& target);
+
+/// What stands behind a figure that is to be read with care.
+struct Note {
+  char mark;
+  const char* flag;
+  const char* meaning;
+};
+inline constexpr std::array<Note, 6> notes = {{
+    {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
+    {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
+    {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
+    {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
+    {'f', "too few samples", "too few samples"},
+    {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
+}};
+inline constexpr char median_mark = 'm';
+inline constexpr char other_mark = 'x';
+char mark_of(const std::string& flag);
+
+}  // namespace trellis

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page of `trellis run --html` in a browser without a window: what it shows for an address, held against what
+// --samples and --json say of the same runs. Skipped, aloud, where there is no Chromium (scripts/setup browser).
+//
+// With TRELLIS_SCREENSHOTS=FOLDER the pictures that it takes are kept there, to be looked at.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/process.hpp"
+
+using Json = nlohmann::json;
+using trellis::test::content;
+using trellis::test::Place;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string browser() {
+  if (const char* named = std::getenv("TRELLIS_BROWSER")) return named;
+  for (const char* path : {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"}) {
+    if (fs::exists(path)) return path;
+  }
+  return "";
+}
+
+bool browser_is_here() {
+  if (!browser().empty()) return true;
+  WARN("skipped: there is no Chromium here (scripts/setup browser installs it)");
+  return false;
+}
+
+/// Opens a file of the place in the browser; what that prints.
+std::string browse(const Place& place, const std::string& file, const std::string& arguments) {
+  // A proxy that nobody answers takes the network away.
+  const std::string command =
+      browser() + " --headless=new --no-sandbox --disable-gpu --disable-extensions --no-first-run --hide-scrollbars" +
+      " --proxy-server=127.0.0.1:9 --user-data-dir='" + (place / "profile") + "' --virtual-time-budget=60000 " +
+      arguments + " 'file://" + (place / "") + file + "' >'" + (place / "dom") + "' 2>'" + (place / "chromium.err") +
+      "'";
+  INFO(command);
+  REQUIRE(std::system(command.c_str()) == 0);  // NOLINT(cert-env33-c): a command of our own
+  return content(place / "dom");
+}
+
+/// What is done with the page, by name: the address's part behind '#', then lines of script that do what hands would.
+struct Step {
+  std::string name;
+  std::string hash;
+  std::string hands = "";
+};
+
+/// What the page shows after a step.
+struct Shown {
+  Json data;    ///< attributes of the viewer
+  Json sample;  ///< what the panel says of the sample, by term
+  std::string tip;
+  std::string title;
+
+  [[nodiscard]] std::string operator[](const std::string& name) const {
+    return data.contains(name) ? data[name].get<std::string>() : "";
+  }
+  [[nodiscard]] std::string said(const std::string& term) const {
+    return sample.contains(term) ? sample[term].get<std::string>() : "";
+  }
+};
+
+std::map<std::string, Shown> perform(const Place& place, const std::vector<Step>& steps) {
+  // The page with a script more, which goes through the steps and leaves what it saw at its end.
+  std::string page = content(place / "report.html");
+  std::string lines;
+  for (const Step& step : steps) {
+    lines += "await step(" + Json(step.name).dump() + ", " + Json(step.hash).dump() + ", async () => {" + step.hands +
+             "});\n";
+  }
+  page.insert(page.rfind("</body>"), R"(<script>
+(async () => {
+  const view = document.getElementById('viewer'), all = {}, wait = ms => new Promise(done => setTimeout(done, ms));
+  const press = (...keys) => { for (const key of keys) document.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); };
+  const step = async (name, hash, hands) => {
+    location.hash = hash;
+    await wait(60);
+    await hands();
+    const sample = {};
+    for (const term of document.querySelectorAll('#sample dt')) sample[term.textContent] = term.nextSibling.textContent;
+    const tip = document.getElementById('tip');
+    all[name] = {data: {...view.dataset}, sample, tip: tip.hidden ? '' : tip.textContent, title: document.title};
+  };
+)" + lines + R"(
+  const out = document.createElement('script');
+  out.type = 'application/json';
+  out.id = 'steps';
+  out.textContent = JSON.stringify(all).replaceAll('<', '\\u003c');
+  document.body.append(out);
+})();
+</script>
+)");
+  std::ofstream(place / "steps.html") << page;
+  const std::string dom = browse(place, "steps.html", "--dump-dom");
+  const std::string head = "id=\"steps\">";
+  const std::size_t begin = dom.rfind(head);
+  REQUIRE(begin != std::string::npos);
+  const std::size_t from = begin + head.size();
+  std::map<std::string, Shown> shown;
+  const Json seen = Json::parse(dom.substr(from, dom.find("</script>", from) - from));
+  for (const auto& [name, entry] : seen.items()) {
+    shown[name] = {entry["data"], entry["sample"], entry["tip"], entry["title"]};
+    CAPTURE(name);
+    CHECK(shown[name]["error"].empty());
+    CHECK(shown[name]["ready"] == "1");
+  }
+  REQUIRE(shown.size() == steps.size());
+  return shown;
+}
+
+struct Sample {
+  bool accepted = false;
+  std::vector<double> q;
+};
+
+/// The rows of samples.csv of one level and role.
+std::vector<Sample> samples(const std::string& file, const std::string& level, const std::string& role) {
+  std::vector<Sample> rows;
+  std::istringstream lines(content(file));
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (cells.size() < 5 || cells[0] != level || cells[1] != role) continue;
+    Sample sample{cells[3] == "1", {}};
+    for (std::size_t j = 4; j < cells.size(); ++j) {
+      if (!cells[j].empty()) sample.q.push_back(std::stod(cells[j]));
+    }
+    rows.push_back(std::move(sample));
+  }
+  return rows;
+}
+
+std::vector<std::size_t> counts(const std::string& text) {
+  std::vector<std::size_t> out;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) out.push_back(std::stoul(part));
+  return out;
+}
+
+constexpr const char* script = R"(
+local nested = skeleton() >> shrink(0.5) >> lazy() >> rrt { step = 0.5 }
+local mixed = (0.7 * skeleton() + 0.3 * goal_bias(0.2)) >> rrt { step = 0.5 }
+return experiment {
+  problems = { scenes.simple_passage(), scenes.cup() },
+  strategies = {
+    { "rrt", rrt { step = 0.5 } },
+    { "nested", nested },
+    { "mixed", mixed },
+    { "hopeless", rrt { step = 0.5, proposals = 20 } },
+    { "</script><script>document.title='caught'</script>", prm {} },
+  },
+  seeds = 2,
+  measure = tube { points = 256, pool = 1024, delta = 0.5 },
+}
+)";
+
+}  // namespace
+
+TEST_CASE("the page shows what its address says, as the other files have it, and does what hands ask", "[browser]") {
+  if (!browser_is_here()) return;
+  const Place place;
+  place.script("script.lua", script);
+  const auto outcome = place.run(
+      {"run", "script.lua", "--quiet", "--html", "report.html", "--samples", "samples", "--json", "all.json"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const Json document = Json::parse(content(place / "all.json"));
+  const auto run_of = [&](const std::string& problem, const std::string& strategy, int seed) {
+    for (const auto& run : document["runs"]) {
+      if (run["problem"] == problem && run["strategy"] == strategy && run["seed"] == seed) return run;
+    }
+    return Json();
+  };
+
+  const std::string click = R"(
+    const canvas = document.getElementById('canvas'), box = canvas.getBoundingClientRect();
+    const scale = Math.min(box.width - 16, box.height - 16) / 10;  // the world is 10 x 10
+    const at = {clientX: box.left + box.width / 2 + (1 - 5) * scale, clientY: box.top + box.height / 2 - (8.5 - 5) * scale,
+                bubbles: true, buttons: 1};
+    for (const kind of ['pointerdown', 'pointermove', 'pointerup']) canvas.dispatchEvent(new PointerEvent(kind, at));)";
+  const std::string other =
+      "document.getElementById('seed-on').click();"
+      "document.querySelector('[data-layer=\"0:tree\"]').click();";
+  const std::string nested = "scene=simple_passage&method=nested&seed=1";
+  const std::string evil = "</script><script>document.title='caught'</script>";
+  std::vector<Step> steps = {
+      {"no address", ""},
+      {"whole hierarchy", nested},
+      {"early", nested + "&at=3"},
+      {"of the root", nested + "&select=0:expansion:0"},
+      {"of a guide", nested + "&at=0&select=2:tree:5"},
+      {"unsolved", "scene=cup&method=hopeless&seed=1"},
+      {"evil", "method=%3C/script%3E%3Cscript%3Edocument.title%3D%27caught%27%3C/script%3E"},
+      {"nowhere", "scene=nowhere&method=none&seed=77&at=x&select=9:tree:1"},
+      {"click", "scene=simple_passage&method=rrt&seed=1&at=5&layers=0:tree", click},
+      {"keys", "method=rrt&at=7&select=0:expansion:2", "press('ArrowRight', 'ArrowRight', 'ArrowLeft', ']');"},
+      {"play", "method=rrt&at=1&select=0:expansion:0", "press('Escape', ' '); await wait(1000); press(' ');"},
+      {"buttons", "method=mixed", other},
+  };
+  for (const auto* index : {"0", "1", "2", "3"}) {
+    steps.push_back({std::string("mixed ") + index, std::string("method=mixed&select=0:expansion:") + index});
+  }
+  const std::vector<std::size_t> indices = {3, 17, 39};
+  for (const std::size_t index : indices) {
+    const std::string number = std::to_string(index);
+    steps.push_back({"tree " + number, "scene=cup&method=rrt&seed=2&at=40&select=0:expansion:" + number});
+  }
+  const auto shown = perform(place, steps);
+
+  // The first run, over.
+  CHECK(shown.at("no address")["scene"] == "simple_passage");
+  CHECK(shown.at("no address")["method"] == "rrt");
+  CHECK(shown.at("no address")["seed"] == "1");
+  CHECK(shown.at("no address")["at"] == shown.at("no address")["total"]);
+  CHECK(shown.at("no address")["total"] == run_of("simple_passage", "rrt", 1)["levels"][0]["proposals"].dump());
+  CHECK(shown.at("no address")["outcome"].starts_with("solved"));
+  CHECK(shown.at("nowhere")["scene"] == "simple_passage");
+  CHECK(shown.at("nowhere")["select"].empty());
+
+  // A plain tree, sample by sample.
+  const auto tree = samples(place / "samples/cup/rrt/seed-2/samples.csv", "0", "tree");
+  const auto proposals = samples(place / "samples/cup/rrt/seed-2/samples.csv", "0", "expansion");
+  REQUIRE(proposals.size() > 40);
+  std::size_t added = 0;
+  for (std::size_t i = 0; i < 40; ++i) added += proposals[i].accepted ? 1 : 0;
+  for (const std::size_t index : indices) {
+    CAPTURE(index);
+    const Shown& at = shown.at("tree " + std::to_string(index));
+    CHECK(at["at"] == "40");
+    CHECK(counts(at["proposals"]) == std::vector<std::size_t>{40});
+    CHECK(counts(at["nodes"]) == std::vector<std::size_t>{added + 1});
+    CHECK((at["fate"] != "rejected") == proposals[index].accepted);
+    CHECK((at["source"] == "goal" || at["source"] == "uniform"));
+    CHECK(at.said("became of it").starts_with(at["fate"]));
+    REQUIRE(!at.said("y").empty());
+    CHECK(std::abs(std::stod(at.said("y")) - proposals[index].q[1]) < 1e-3);
+    CHECK(std::stoul(at["near"]) < tree.size());
+  }
+
+  // The levels of a hierarchy take turns, and lead to what was recorded in all.
+  const Json run = run_of("simple_passage", "nested", 1);
+  const auto nodes = counts(shown.at("whole hierarchy")["nodes"]);
+  const auto drawn = counts(shown.at("whole hierarchy")["proposals"]);
+  REQUIRE(nodes.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(nodes[i] == run["levels"][i]["nodes"]);
+    CHECK(drawn[i] == run["levels"][i]["proposals"]);
+  }
+  CHECK(counts(shown.at("early")["nodes"]) == std::vector<std::size_t>{0, 0, 0, 3});  // the skeleton comes first
+  CHECK(shown.at("of the root")["sampleLevel"] == "root");
+  const Shown& guide = shown.at("of a guide");
+  CHECK(guide["sampleLevel"] == "shrink(0.5)");
+  CHECK(std::stoul(guide["at"]) > 0);  // the replay goes on to what is selected
+  CHECK(counts(guide["nodes"])[0] == 0);
+
+  // A mixture says which part drew.
+  std::map<std::string, std::size_t> times;
+  for (const auto* index : {"0", "1", "2", "3"}) {
+    const Shown& at = shown.at(std::string("mixed ") + index);
+    ++times[at["source"]];
+    if (at["source"] == "skeleton()") CHECK(at.said("h that drew it") == "skeleton() (level 1)");
+  }
+  const Json sources = run_of("simple_passage", "mixed", 1)["levels"][0]["sources"];
+  for (const auto& source : sources) CHECK(times[source["name"]] <= source["proposals"]);
+  CHECK(times.size() <= sources.size());
+
+  CHECK(shown.at("unsolved")["outcome"].starts_with("not solved: "));
+  CHECK(shown.at("unsolved")["total"] == "20");
+
+  // A name that is markup stays text.
+  CHECK(shown.at("evil")["method"] == evil);
+  CHECK(shown.at("evil").title == "Trellis: script.lua");
+
+  CHECK(shown.at("click")["select"] == "0:tree:0");
+  CHECK(shown.at("click").said("x") == "1.000");
+  CHECK(shown.at("click").tip == "root · node 0");
+  CHECK(shown.at("keys")["at"] == "8");
+  CHECK(shown.at("keys")["select"] == "0:expansion:3");
+  CHECK(shown.at("play")["select"].empty());
+  CHECK(std::stoul(shown.at("play")["at"]) > 1);
+  CHECK(shown.at("buttons")["seed"] == "2");
+  CHECK(shown.at("buttons")["layers"] == "0:expansion,0:path,1:path,1:tree");
+
+  const char* folder = std::getenv("TRELLIS_SCREENSHOTS");
+  for (const std::string size : {"1400,900", "420,900"}) {
+    const std::string file =
+        folder != nullptr ? (fs::path(folder) / ("page-" + size + ".png")).string() : place / ("page-" + size + ".png");
+    browse(place, "report.html#" + nested, "--window-size=" + size + " --screenshot='" + file + "'");
+    CHECK(content(file).starts_with("\x89PNG\r\n\x1a\n"));
+    CHECK(fs::file_size(file) > 20000);
+  }
+}
