@@ -9,6 +9,7 @@
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/figures.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 
@@ -78,12 +79,6 @@ void add_profile(const Figure& figure, const std::string& level, const std::stri
   picture.panels.push_back(std::move(panel));
 }
 
-void write(const draw::Figure& figure, const std::filesystem::path& stem) {
-  const draw::Canvas canvas = draw::plot(figure);
-  write_file(stem.string() + ".svg", canvas.render(draw::Format::svg));
-  write_file(stem.string() + ".png", canvas.render(draw::Format::png));
-}
-
 }  // namespace
 
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory) {
@@ -92,11 +87,12 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& problem : experiment.problems) {
     for (const auto& entry : experiment.strategies) {
       const std::string& name = entry.first;
+      // Named first, so that what is left out changes no other's name.
+      const std::filesystem::path place =
+          std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
       const auto runs = select_runs(result, problem.name, name);
       const RunsSummary summary = summarise(runs);
       if (summary.levels.empty()) continue;
-      const std::filesystem::path place =
-          std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
       const std::string heading = fmt::format("{} on {}", name, problem.name);
       const std::string seeds = fmt::format("{} seed{}", runs.size(), runs.size() == 1 ? "" : "s");
 
@@ -119,8 +115,9 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
       }
       if (waterfall.panels.empty() && profile.panels.empty()) continue;
       make_directory(place.string());
-      if (!waterfall.panels.empty()) write(draw::waterfall(waterfall), place / "waterfall");
-      if (!profile.panels.empty()) write(draw::profile(profile), place / "profile");
+      if (!waterfall.panels.empty())
+        write_picture(draw::plot(draw::waterfall(waterfall)), (place / "waterfall").string());
+      if (!profile.panels.empty()) write_picture(draw::plot(draw::profile(profile)), (place / "profile").string());
     }
   }
 }

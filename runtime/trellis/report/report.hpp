@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
+#include <trellis/draw/planar.hpp>
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis {
@@ -21,9 +24,23 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
 /// beside and renamed). Throws Error where a file cannot be written.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
-/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png, for every strategy
-/// that was scored. Throws Error where a file cannot be written.
+/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png and .pdf, for every
+/// strategy that was scored. Throws Error where a file cannot be written.
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
+
+struct SceneFigureOptions {
+  draw::RoleColours colours = draw::RoleColours::safe;
+  /// The side of the cells that samples are counted in, metres. None: half a metre, doubled or halved until the world's
+  /// longer side has about 12 to 48 cells.
+  std::optional<double> cell{};
+};
+
+/// Draws where in the world the samples lie, Figure 2 of Attali et al. 2022: DIR/<problem>/<strategy>/samples.svg, .png
+/// and .pdf for every strategy, and levels.* where levels below the root have a position in the plane. Problems without
+/// one are left out. Returns a sentence about each of them. Throws Error for a cell out of range, and where a file
+/// cannot be written.
+std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
+                                             const std::string& directory, const SceneFigureOptions& options = {});
 
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);
