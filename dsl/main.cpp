@@ -26,12 +26,15 @@ int dispatch(int argc, char** argv) {
   run->add_option("SCRIPT", options.script, "a Lua script")->required();
   run->add_option("--seeds", options.seeds, "the number of consecutive seeds, instead of the script's");
   run->add_option("--seed", options.seed, "the first seed, instead of the script's");
-  run->add_option("--jobs", options.jobs, "runs at the same time (default 1, so that their times compare); scoring takes all cores");
+  run->add_option("--jobs", options.jobs,
+                  "runs at the same time (default 1, so that their times compare); scoring takes all cores");
   run->add_option("--cross", options.cross, "paths of other seeds to score each run on, instead of the script's");
   run->add_flag("--ablate", options.ablate, "run every strategy with each of its guides taken out, too");
   run->add_option("--json", options.json, "write all figures to a file");
   run->add_option("--samples", options.samples, "write all samples and paths into a folder");
   run->add_option("--figures", options.figures, "draw the results into a folder");
+  run->add_option("--palette", options.palette,
+                  "the figures' colours of samples: safe, for any colour vision, or paper");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
 
   command::MeasureOptions measuring;

@@ -18,6 +18,7 @@ struct RunOptions {
   std::string json;     ///< a file, "" without
   std::string samples;  ///< a folder, "" without
   std::string figures;  ///< a folder, "" without
+  std::string palette;  ///< of the figures, "" for the default
   bool ablate = false;
   bool quiet = false;
 };

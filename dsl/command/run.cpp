@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
@@ -29,6 +35,18 @@ ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool qui
                           .interrupted = InterruptibleRun::requested});
 }
 
+draw::RoleColours palette_option(const RunOptions& options) {
+  if (options.palette.empty()) return draw::RoleColours::safe;
+  static const std::vector<std::string> names = {"safe", "paper"};
+  const auto found = std::find(names.begin(), names.end(), options.palette);
+  if (found == names.end()) {
+    throw Error(fmt::format("--palette: there are safe and paper, got '{}'{}", options.palette,
+                            did_you_mean(options.palette, names)));
+  }
+  if (options.figures.empty()) throw Error("--palette: nothing is drawn without --figures");
+  return found == names.begin() ? draw::RoleColours::safe : draw::RoleColours::paper;
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -37,6 +55,8 @@ int run(const RunOptions& options) {
   const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
   const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
+
+  const draw::RoleColours colours = palette_option(options);
 
   dsl::SessionOptions session;
   session.seed = seed.value_or(session.seed);
@@ -76,6 +96,12 @@ int run(const RunOptions& options) {
   }
   if (!options.figures.empty()) {
     attempt([&] { write_figures(program.experiment, result, options.figures); });
+    attempt([&] {
+      for (const std::string& note :
+           write_scene_figures(program.experiment, result, options.figures, {.colours = colours})) {
+        if (!options.quiet) fmt::print(stderr, "trellis: {}\n", note);
+      }
+    });
     figures.keep();
   }
   if (failure) throw Error(*failure);
