@@ -35,6 +35,8 @@ int dispatch(int argc, char** argv) {
   run->add_option("--samples", options.samples, "write all samples and paths into a folder");
   run->add_option("--figures", options.figures, "draw the results into a folder");
   run->add_option("--out", options.out, "write tables, the document and figures into a folder, problem by problem");
+  run->add_option("--palette", options.palette,
+                  "the figures' colours of samples: safe, for any colour vision, or paper");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
 
   command::MeasureOptions measuring;

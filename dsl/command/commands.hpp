@@ -20,6 +20,7 @@ struct RunOptions {
   std::string samples;  ///< a folder, "" without
   std::string figures;  ///< a folder, "" without
   std::string out;      ///< a folder for tables, figures and the document, "" without
+  std::string palette;  ///< of the figures, "" for the default
   bool ablate = false;
   bool quiet = false;
 };

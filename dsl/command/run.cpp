@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -57,10 +58,20 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_file((folder / "table.md").string(), report_markdown(experiment, result));
   write_file((folder / "table.csv").string(), report_csv(experiment, result));
   write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
+  write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
+}
+
+void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
+                       draw::RoleColours colours, bool quiet) {
+  write_figures(experiment, result, folder);
+  for (const std::string& note : write_scene_figures(experiment, result, folder, {.colours = colours})) {
+    if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
+  }
 }
 
 /// Problem by problem, so that what is finished is kept when the rest is not.
-ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options) {
+ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options,
+                              draw::RoleColours colours) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t all = steps(experiment);
@@ -74,7 +85,7 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
           run(one, {.jobs = jobs,
                     .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
                     .interrupted = InterruptibleRun::requested});
-      write_figures(one, found, (std::filesystem::path(options.out) / "figures").string());
+      write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), colours, options.quiet);
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
@@ -91,6 +102,18 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
   return result;
 }
 
+draw::RoleColours palette_option(const RunOptions& options) {
+  if (options.palette.empty()) return draw::RoleColours::safe;
+  static const std::vector<std::string> names = {"safe", "paper"};
+  const auto found = std::find(names.begin(), names.end(), options.palette);
+  if (found == names.end()) {
+    throw Error(fmt::format("--palette: there are safe and paper, got '{}'{}", options.palette,
+                            did_you_mean(options.palette, names)));
+  }
+  if (options.figures.empty() && options.out.empty()) throw Error("--palette: nothing is drawn without --figures");
+  return found == names.begin() ? draw::RoleColours::safe : draw::RoleColours::paper;
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -99,6 +122,8 @@ int run(const RunOptions& options) {
   const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
   const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
+
+  const draw::RoleColours colours = palette_option(options);
 
   dsl::SessionOptions session;
   session.seed = seed.value_or(session.seed);
@@ -119,7 +144,7 @@ int run(const RunOptions& options) {
 
   const auto threads = static_cast<unsigned>(jobs.value_or(1));
   const ExperimentResult result = options.out.empty() ? run_cells(program.experiment, threads, options.quiet)
-                                                      : run_problems(program.experiment, threads, options);
+                                                      : run_problems(program.experiment, threads, options, colours);
   out.keep();
 
   // One output that fails does not take the others with it.
@@ -150,7 +175,7 @@ int run(const RunOptions& options) {
     samples.keep();
   }
   if (!options.figures.empty()) {
-    attempt([&] { write_figures(program.experiment, result, options.figures); });
+    attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
     figures.keep();
   }
   if (failure) throw Error(*failure);

@@ -117,6 +117,44 @@ TEST_CASE("the command line asks for ablations, other paths and figures") {
         "trellis: --cross: the script measures nothing (measure = false)\n");
 }
 
+TEST_CASE("figures are drawn of every strategy, in the palette asked for") {
+  const Place place;
+  place.script("guided.lua",
+               "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
+               "strategies = { guided = skeleton() >> rrt { step = 0.5 }, rrt = rrt { step = 0.5 } } }");
+  const auto draw = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "guided.lua", "--quiet", "--figures"});
+    const auto outcome = place.run(more);
+    INFO(outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.out.empty());
+    CHECK(outcome.err.empty());
+  };
+  draw({"figures"});
+  for (const std::string strategy : {"guided", "rrt"}) {
+    for (const std::string picture : {"samples", "waterfall", "profile"}) {
+      for (const std::string format : {"svg", "png", "pdf"}) {
+        CHECK(fs::file_size(place / ("figures/cup/" + strategy + "/" + picture + "." + format)) > 0);
+      }
+    }
+  }
+  CHECK(fs::exists(place / "figures/cup/guided/levels.pdf"));
+  CHECK_FALSE(fs::exists(place / "figures/cup/rrt/levels.pdf"));
+  draw({"safe", "--palette", "safe", "--jobs", "2"});
+  draw({"paper", "--palette", "paper"});
+  const std::string file = "/cup/guided/samples.svg";
+  const bool same = content(place / ("safe" + file)) == content(place / ("figures" + file));
+  const bool painted = content(place / ("paper" + file)) != content(place / ("figures" + file));
+  CHECK(same);
+  CHECK(painted);
+
+  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--palette", "papr"}).err ==
+        "trellis: --palette: there are safe and paper, got 'papr' (did you mean 'paper'?)\n");
+  CHECK(place.run({"run", "guided.lua", "--palette", "paper"}).err ==
+        "trellis: --palette: nothing is drawn without --figures\n");
+  CHECK_FALSE(fs::exists(place / "more"));
+}
+
 TEST_CASE("the samples do not depend on the number of jobs, or on the day") {
   const Place place;
   place.script("nested.lua",
@@ -160,6 +198,9 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                                        {"run", "quick.lua", "--cross", "all"},
                                                        {"run", "quick.lua", "--figures", ""},
                                                        {"run", "quick.lua", "--html", ""},
+                                                       {"run", "quick.lua", "--palette", "safe"},
+                                                       {"run", "quick.lua", "--figures", "new", "--palette", "blue"},
+                                                       {"run", "quick.lua", "--figures", "new", "--palette", ""},
                                                        {"run", "quick.lua", "--ablate"},
                                                        {"check"},
                                                        {"help", "shrnik"}};

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The pictures of the measure as files, and strategies compared run by run.
-#include <unistd.h>
-
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <set>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,101 +13,20 @@
 #include <trellis/report/summary.hpp>
 
 #include "report_fixture.hpp"
+#include "report_folder.hpp"
 #include "support/catch.hpp"
 
 using namespace trellis;
+using fixture::check_pictures;
+using fixture::Files;
+using fixture::Folder;
+using fixture::read;
 namespace fs = std::filesystem;
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-/// A folder of its own that goes with the test.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "trellis-test-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  /// All files below, as paths from here.
-  [[nodiscard]] std::set<std::string> files() const {
-    std::set<std::string> all;
-    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
-      if (entry.is_regular_file()) all.insert(fs::relative(entry.path(), path_).generic_string());
-    }
-    return all;
-  }
-
- private:
-  fs::path path_;
-};
-
-using Files = std::set<std::string>;
-
-std::string read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE(file);
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
-}
-
-/// What is wrong with an XML document: tags that do not close in turn, a bare '<' or '&'. "" where nothing is.
-std::string fault(const std::string& xml) {
-  std::vector<std::string> open;
-  bool any = false;
-  for (std::size_t i = 0; i < xml.size();) {
-    if (xml[i] == '&') {
-      const std::size_t end = xml.find(';', i);
-      if (end == std::string::npos || end - i > 10) return "a bare & at " + std::to_string(i);
-    }
-    if (xml[i] != '<') {
-      if (any && open.empty() && std::isspace(static_cast<unsigned char>(xml[i])) == 0) return "text after the root";
-      ++i;
-      continue;
-    }
-    const std::size_t end = xml.find('>', i);
-    if (end == std::string::npos) return "a tag without end at " + std::to_string(i);
-    const std::string tag = xml.substr(i + 1, end - i - 1);
-    if (tag.find('<') != std::string::npos) return "a bare < at " + std::to_string(i);
-    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an odd quote in <" + tag + ">";
-    const std::string name = tag.substr(0, tag.find_first_of(" \t\r\n/"));
-    if (tag.starts_with("/")) {
-      if (open.empty() || open.back() != tag.substr(1)) return "</" + tag.substr(1) + "> closes nothing";
-      open.pop_back();
-    } else if (!tag.starts_with("?") && !tag.starts_with("!")) {
-      if (any && open.empty()) return "a second root";
-      any = true;
-      if (!tag.ends_with("/")) open.push_back(name);
-    }
-    i = end + 1;
-  }
-  if (!open.empty()) return "<" + open.back() + "> is not closed";
-  return any ? "" : "no root";
-}
-
-void check_pictures(const Folder& folder) {
-  for (const std::string& file : folder.files()) {
-    CAPTURE(file);
-    const std::string content = read(folder.path() / file);
-    if (file.ends_with(".svg")) {
-      CHECK(fault(content).empty());
-      CHECK(content.find("<svg") != std::string::npos);
-      CHECK(content.find("nan") == std::string::npos);
-    } else {
-      CHECK(content.starts_with("\x89PNG\r\n\x1a\n"));
-    }
-  }
-}
 
 /// Where along the path the samples of every level lie, made up.
 void add_profiles(ExperimentResult& result) {
@@ -158,7 +70,7 @@ TEST_CASE("every strategy that was scored has its pictures in a folder of its ow
   Files expected;
   for (const char* strategy : {"rrt", "nested"}) {
     for (const char* picture : {"waterfall", "profile"}) {
-      for (const char* format : {"svg", "png"}) {
+      for (const char* format : {"svg", "png", "pdf"}) {
         expected.insert(std::string("simple_passage/") + strategy + "/" + picture + "." + format);
       }
     }
@@ -223,7 +135,8 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
     }
     const Folder folder;
     write_figures(experiment, result, folder.path().string());
-    CHECK(folder.files() == Files{"simple_passage/nested/waterfall.svg", "simple_passage/nested/waterfall.png"});
+    CHECK(folder.files() == Files{"simple_passage/nested/waterfall.svg", "simple_passage/nested/waterfall.png",
+                                  "simple_passage/nested/waterfall.pdf"});
     CHECK_FALSE(fs::exists(folder.path() / "simple_passage" / "rrt"));
     check_pictures(folder);
   }
@@ -244,7 +157,7 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
     result.runs[1].levels[0].root->tree = fixture::no_figure(not_a_number);
     const Folder folder;
     write_figures(experiment, result, folder.path().string());
-    CHECK(folder.files().size() == 8);
+    CHECK(folder.files().size() == 12);
     check_pictures(folder);
   }
 }
@@ -284,7 +197,7 @@ TEST_CASE("names that are no file names get folders of their own for their pictu
   Files expected;
   for (const char* problem : {"a-b", "-.", "a----b-"}) {
     for (const char* strategy : {"r-r--t", "r-r--t-2"}) {
-      for (const char* format : {"svg", "png"}) {
+      for (const char* format : {"svg", "png", "pdf"}) {
         expected.insert(std::string(problem) + "/" + strategy + "/waterfall." + format);
       }
     }

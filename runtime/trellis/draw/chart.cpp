@@ -12,21 +12,28 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/marks.hpp>
+#include <trellis/draw/page.hpp>
 #include <trellis/draw/text.hpp>
 
 namespace trellis::draw {
 
 namespace {
 
-const Font title_font{.size = 10.0, .bold = true};
-const Font panel_font{.size = 8.0, .bold = true};
-const Font label_font{.size = 8.0};
-const Font tick_font{.size = 7.0};
-const Font legend_font{.size = 7.5};
-const Font caption_font{.size = 7.5};
+using page::block;
+using page::block_height;
+using page::border;
+using page::caption_font;
+using page::entry_width;
+using page::gap;
+using page::label_font;
+using page::legend_font;
+using page::line_height;
+using page::panel_font;
+using page::swatch;
+using page::tick_font;
+using page::title_font;
+using page::wrapped;
 
-constexpr double border = 6.0;
-constexpr double gap = 12.0;  ///< between panels
 constexpr double tick_length = 3.0;
 constexpr double tick_gap = 2.5;
 constexpr double least_width = 40.0;  ///< of a panel
@@ -34,26 +41,6 @@ constexpr double lane_height = 4.0;
 constexpr double lane_gap = 1.5;
 constexpr double slant = 35.0;
 constexpr double longest_name = 110.0;  ///< points, of a category
-constexpr double swatch = 16.0;
-
-double line_height(const Font& font) { return text_extents("", font).height(); }
-
-double block_height(const std::vector<std::string>& lines, const Font& font) {
-  return static_cast<double>(lines.size()) * line_height(font);
-}
-
-std::vector<std::string> wrapped(const std::string& text, double width, const Font& font, std::size_t most) {
-  if (text.empty()) return {};
-  return wrap_text(text, width, font, most);
-}
-
-void block(Canvas& canvas, const std::vector<std::string>& lines, Point at, TextStyle style) {
-  style.stand = Stand::top;
-  for (const auto& line : lines) {
-    canvas.text(line, at, style);
-    at.y += line_height(style.font);
-  }
-}
 
 /// How the names below a category axis are set.
 struct Names {
@@ -144,8 +131,6 @@ std::vector<Entry> entries(const std::vector<Panel>& panels, bool arrows) {
   return found;
 }
 
-double entry_width(const Entry& entry) { return swatch + 4.0 + text_extents(entry.name, legend_font).width; }
-
 void draw_entry(Canvas& canvas, const Entry& entry, Point at) {
   const double height = line_height(legend_font);
   const double middle = at.y + 0.5 * height;
@@ -180,28 +165,14 @@ void draw_entry(Canvas& canvas, const Entry& entry, Point at) {
       break;
     case Entry::Sign::arrow: marks::arrow(canvas, {box.centre().x, middle - 4.0}, 0, -1, entry.colour); break;
   }
-  canvas.text(entry.name, {at.x + swatch + 4.0, middle}, {legend_font, palette::ink, Align::left, Stand::middle});
+  page::entry_name(canvas, entry.name, at);
 }
 
-/// Rows of the legend above the panels: where each entry stands.
-struct LegendRows {
-  std::vector<Point> at;
-  double height = 0.0;
-};
-
-LegendRows flow(const std::vector<Entry>& legend, double width) {
-  LegendRows rows;
-  constexpr double apart = 14.0;
-  const double line = line_height(legend_font) + 2.0;
-  Point at;
-  for (const auto& entry : legend) {
-    const double needed = entry_width(entry);
-    if (at.x > 0.0 && at.x + needed > width) at = {0.0, at.y + line};
-    rows.at.push_back(at);
-    at.x += needed + apart;
-  }
-  rows.height = legend.empty() ? 0.0 : at.y + line + 4.0;
-  return rows;
+page::LegendRows flow(const std::vector<Entry>& legend, double width) {
+  std::vector<std::string> names;
+  names.reserve(legend.size());
+  for (const auto& entry : legend) names.push_back(entry.name);
+  return page::flow(names, width);
 }
 
 /// One panel's place and axes.
@@ -263,7 +234,7 @@ class Plot {
     block(canvas, title_, {border, y}, {title_font, palette::ink});
     y += block_height(title_, title_font) + (title_.empty() ? 0.0 : 4.0);
     if (!inside) {
-      const LegendRows rows = flow(legend_, width_ - 2.0 * border);
+      const page::LegendRows rows = flow(legend_, width_ - 2.0 * border);
       for (std::size_t i = 0; i < legend_.size(); ++i) {
         draw_entry(canvas, legend_[i], {border + rows.at[i].x, y + rows.at[i].y});
       }
@@ -516,7 +487,7 @@ class Plot {
     marks::label_references(scratch, ink, figure_.panels[0], cells_[0].frame);
     const Ink seen = ink.ink();
     Rect box;
-    for (const auto& entry : legend_) box.width = std::max(box.width, entry_width(entry) + 8.0);
+    for (const auto& entry : legend_) box.width = std::max(box.width, entry_width(entry.name) + 8.0);
     box.height = static_cast<double>(legend_.size()) * (line_height(legend_font) + 1.0) + 5.0;
     const Rect room = plot.grown(-4.0);
     if (box.width > 0.6 * room.width || box.height > 0.7 * room.height) return std::nullopt;

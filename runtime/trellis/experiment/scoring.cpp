@@ -16,9 +16,6 @@ namespace trellis {
 
 namespace {
 
-/// Keeps the shifts of the measure apart from the run's own seed. They depend on the seed alone, not on problem or
-/// strategy, so that two runs that found the same path are scored at the same points.
-constexpr std::uint64_t measure_seed = 0x7472656c6c697300;
 // A run is scored on several paths of others: with fewer points each, as their errors average out.
 constexpr std::int64_t cross_points = 1024;
 constexpr std::int64_t cross_pool = 4096;

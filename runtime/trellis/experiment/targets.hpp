@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis {
+
+/// Keeps the shifts of the measure apart from the run's own seed. They depend on the seed alone, not on problem or
+/// strategy, so that two runs that found the same path are scored at the same points.
+inline constexpr std::uint64_t measure_seed = 0x7472656c6c697300;
 
 /// A target, or why there is none.
 struct MadeTarget {
@@ -20,6 +26,21 @@ MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const
 
 /// The configurations near the optimum of a level's instance; the same for every run of it.
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings);
+
+/// The targets that one problem's runs are scored on in the root's space, made anew from their paths, as results keep
+/// none. Their pools are what scoring saw; of evaluation points they have a few only.
+class RootTargets {
+ public:
+  /// Both outlive the object. The experiment measures something.
+  RootTargets(const Experiment& experiment, const Problem& problem);
+  [[nodiscard]] MadeTarget of(const RunResult& run);
+
+ private:
+  const Measure& measure_;
+  const Problem& problem_;
+  LevelRecord root_;
+  std::optional<MadeTarget> common_;  // where all runs have the same
+};
 
 /// A search's motions ranked by how much closer they come to the goal, and the target of those ranks.
 struct Ranks {

@@ -10,6 +10,7 @@
 #include <trellis/draw/figures.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/figures.hpp>
+#include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 
@@ -79,12 +80,6 @@ void add_profile(const Figure& figure, const std::string& level, const std::stri
   picture.panels.push_back(std::move(panel));
 }
 
-void write(const draw::Figure& figure, const std::filesystem::path& stem) {
-  const draw::Canvas canvas = draw::plot(figure);
-  write_file(stem.string() + ".svg", canvas.render(draw::Format::svg));
-  write_file(stem.string() + ".png", canvas.render(draw::Format::png));
-}
-
 }  // namespace
 
 StrategyFigures strategy_figures(const std::string& problem, const std::string& strategy, const RunsSummary& summary) {
@@ -121,15 +116,16 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& problem : experiment.problems) {
     for (const auto& entry : experiment.strategies) {
       const std::string& name = entry.first;
-      const RunsSummary summary = summarise(select_runs(result, problem.name, name));
-      if (summary.levels.empty()) continue;
+      // Named first, so that what is left out changes no other's name.
       const std::filesystem::path place =
           std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
+      const RunsSummary summary = summarise(select_runs(result, problem.name, name));
+      if (summary.levels.empty()) continue;
       const StrategyFigures figures = strategy_figures(problem.name, name, summary);
       if (!figures.waterfall && !figures.profile) continue;
       make_directory(place.string());
-      if (figures.waterfall) write(*figures.waterfall, place / "waterfall");
-      if (figures.profile) write(*figures.profile, place / "profile");
+      if (figures.waterfall) write_picture(draw::plot(*figures.waterfall), (place / "waterfall").string());
+      if (figures.profile) write_picture(draw::plot(*figures.profile), (place / "profile").string());
     }
   }
 }

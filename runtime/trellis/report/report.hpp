@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include <trellis/draw/planar.hpp>
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis {
@@ -32,8 +35,8 @@ std::string report_csv(const Experiment& experiment, const ExperimentResult& res
 /// beside and renamed). Throws Error where a file cannot be written.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
-/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png, for every strategy
-/// that was scored. Throws Error where a file cannot be written.
+/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png and .pdf, for every
+/// strategy that was scored. Throws Error where a file cannot be written.
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
 
 struct HtmlOptions {
@@ -48,6 +51,20 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
 /// Throws Error where the file cannot be written.
 void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
                 const HtmlOptions& options = {});
+
+struct SceneFigureOptions {
+  draw::RoleColours colours = draw::RoleColours::safe;
+  /// The side of the cells that samples are counted in, metres. None: half a metre, doubled or halved until the world's
+  /// longer side has about 12 to 48 cells.
+  std::optional<double> cell{};
+};
+
+/// Draws where in the world the samples lie, Figure 2 of Attali et al. 2022: DIR/<problem>/<strategy>/samples.svg, .png
+/// and .pdf for every strategy, and levels.* where levels below the root have a position in the plane. Problems without
+/// one are left out. Returns a sentence about each of them. Throws Error for a cell out of range, and where a file
+/// cannot be written.
+std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
+                                             const std::string& directory, const SceneFigureOptions& options = {});
 
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);

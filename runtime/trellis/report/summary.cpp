@@ -13,19 +13,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// "0.1.10" as numbers, so that levels sort depth first and 10 comes after 9.
-std::vector<std::uint64_t> parse_key(const std::string& key) {
-  std::vector<std::uint64_t> numbers;
-  bool inside = false;
-  for (const char c : key) {
-    const bool digit = c >= '0' && c <= '9';
-    if (digit && !inside) numbers.push_back(0);
-    if (digit) numbers.back() = 10 * numbers.back() + static_cast<std::uint64_t>(c - '0');
-    inside = digit;
-  }
-  return numbers;
-}
-
 using LevelResults = std::vector<const LevelResult*>;
 
 template <class F>
@@ -285,6 +272,18 @@ LevelSummary summarise_level(const LevelResults& levels) {
 }
 
 }  // namespace
+
+std::vector<std::uint64_t> parse_key(const std::string& key) {
+  std::vector<std::uint64_t> numbers;
+  bool inside = false;
+  for (const char c : key) {
+    const bool digit = c >= '0' && c <= '9';
+    if (digit && !inside) numbers.push_back(0);
+    if (digit) numbers.back() = 10 * numbers.back() + static_cast<std::uint64_t>(c - '0');
+    inside = digit;
+  }
+  return numbers;
+}
 
 RunsSummary summarise(std::span<const RunResult* const> runs) {
   RunsSummary result;

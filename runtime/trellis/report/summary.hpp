@@ -125,6 +125,9 @@ struct Comparison {
   Paired expansion;
 };
 
+/// A level's key, "0.1.10", as numbers, so that levels sort depth first and 10 comes after 9.
+std::vector<std::uint64_t> parse_key(const std::string& key);
+
 RunsSummary summarise(std::span<const RunResult* const> runs);
 
 /// All strategies against the baseline (ablations against the whole strategy), on a problem or, "", on all.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <trellis/draw/canvas.hpp>
+
+/// What all pictures have in common: how their texts are set, their margins, the rows of a legend.
+namespace trellis::draw::page {
+
+inline constexpr Font title_font{.size = 10.0, .bold = true};
+inline constexpr Font panel_font{.size = 8.0, .bold = true};
+inline constexpr Font label_font{.size = 8.0};
+inline constexpr Font tick_font{.size = 7.0};
+inline constexpr Font legend_font{.size = 7.5};
+inline constexpr Font caption_font{.size = 7.5};
+
+inline constexpr double border = 6.0;
+inline constexpr double gap = 12.0;  ///< between panels
+inline constexpr double swatch = 16.0;
+
+double line_height(const Font& font);
+double block_height(const std::vector<std::string>& lines, const Font& font);
+/// No line at all for an empty text.
+std::vector<std::string> wrapped(const std::string& text, double width, const Font& font, std::size_t most);
+/// Lines below each other, the first one's top at the given point.
+void block(Canvas& canvas, const std::vector<std::string>& lines, Point at, TextStyle style);
+
+/// The width of a legend's entry with this name, its sign included.
+double entry_width(const std::string& name);
+/// The name of an entry beside its sign, which stands from `at.x` on for the width of a swatch; `at` is the top left.
+void entry_name(Canvas& canvas, const std::string& name, Point at);
+
+/// Rows of a legend above the panels: where each entry stands, from the legend's top left.
+struct LegendRows {
+  std::vector<Point> at;
+  double height = 0.0;
+};
+LegendRows flow(const std::vector<std::string>& names, double width);
+
+}  // namespace trellis::draw::page

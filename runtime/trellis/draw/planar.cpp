@@ -1,0 +1,479 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/draw/planar.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/draw/page.hpp>
+#include <trellis/draw/text.hpp>
+
+namespace trellis::draw {
+
+namespace {
+
+constexpr double most_cells = 1e6;
+/// Of the cells that hold samples, the share whose circles fit into their cells.
+constexpr double fitting = 0.95;
+constexpr double fitting_diameter = 0.95;  ///< cells
+constexpr double largest_diameter = 2.2;
+constexpr double tallest = 1.5;  ///< a panel, in widths of its column
+constexpr double ring = 0.8;     ///< points
+constexpr double least_shown = 0.5;
+constexpr double robot_outline = 0.8;
+constexpr double marked_below = 4.0;  ///< points; a robot that is smaller on paper is a mark
+constexpr double mark_radius = 2.2;
+
+constexpr Colour start_colour = rgb(0x555555);
+constexpr Colour obstacle_colour = rgb(0xC9C9C9);
+constexpr Colour obstacle_edge = rgb(0x8C8C8C);
+
+Path path_of(const WorldShape& shape, const Transform& map) {
+  if (const auto* disc = std::get_if<WorldDisc>(&shape)) {
+    return Path::circle(map(disc->centre), disc->radius * map.xx);
+  }
+  return Path::polygon(std::get<std::vector<Point>>(shape)).mapped(map);
+}
+
+Rect bounds_of(const std::vector<WorldShape>& shapes) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Point lo{infinity, infinity};
+  Point hi{-infinity, -infinity};
+  const auto add = [&](Point p, double radius) {
+    lo = {std::min(lo.x, p.x - radius), std::min(lo.y, p.y - radius)};
+    hi = {std::max(hi.x, p.x + radius), std::max(hi.y, p.y + radius)};
+  };
+  for (const auto& shape : shapes) {
+    if (const auto* disc = std::get_if<WorldDisc>(&shape)) {
+      add(disc->centre, disc->radius);
+    } else {
+      for (const Point p : std::get<std::vector<Point>>(shape)) add(p, 0.0);
+    }
+  }
+  return {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
+}
+
+void append(Path& to, const Path& path) {
+  const Point* p = path.points().data();
+  for (const auto verb : path.verbs()) {
+    switch (verb) {
+      case Path::Verb::move: to.move_to(p[0]); break;
+      case Path::Verb::line: to.line_to(p[0]); break;
+      case Path::Verb::curve: to.curve_to(p[0], p[1], p[2]); break;
+      case Path::Verb::close: to.close(); break;
+    }
+    p += verb == Path::Verb::curve ? 3 : verb == Path::Verb::close ? 0 : 1;
+  }
+}
+
+/// What of a robot is drawn: its parts, or a mark where they are too small to be seen.
+std::vector<Path> robot_paths(const std::vector<WorldShape>& parts, const Transform& map) {
+  std::vector<Path> paths;
+  if (parts.empty()) return paths;
+  const Rect box = bounds_of(parts);
+  if (std::max(box.width, box.height) * map.xx < marked_below) return {Path::circle(map(box.centre()), mark_radius)};
+  paths.reserve(parts.size());
+  for (const auto& part : parts) paths.push_back(path_of(part, map));
+  return paths;
+}
+
+/// The outline of the paths' union, outside of it: within `page` and none of the paths from `at` on.
+void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, std::size_t at = 0) {
+  if (at == paths.size()) {
+    for (const Path& path : paths) canvas.stroke(path, {palette::ink, 2.0 * robot_outline});
+    return;
+  }
+  Path outside = Path::rectangle(page);
+  append(outside, paths[at]);
+  const auto clip = canvas.clip(outside, FillRule::even_odd);
+  outline(canvas, paths, page, at + 1);
+}
+
+/// How a role's circles look. Among others the strategy's own are rings, upon what they are compared with.
+struct Look {
+  Colour colour;
+  double filling = 0.0;  ///< opacity
+  bool ringed = true;
+};
+
+Look look_of(Role role, RoleColours colours, bool alone) {
+  const Colour colour = colour_of(role, colours);
+  if (alone) return {colour, 0.55};
+  switch (role) {
+    case Role::target: return {colour, 0.65, false};
+    case Role::baseline: return {colour, 0.3, false};
+    case Role::tree:
+    case Role::expansion: break;
+  }
+  return {colour};
+}
+
+/// The layers of a panel from the lowest to the highest: what is filled below what is not.
+std::vector<CircleLayer> below_each_other(const PlanarPanel& panel) {
+  constexpr std::array order = {2, 4, 3, 1};  // target, tree, expansion, baseline
+  std::vector<CircleLayer> layers = panel.layers;
+  std::stable_sort(layers.begin(), layers.end(), [&](const CircleLayer& a, const CircleLayer& b) {
+    return order.at(static_cast<std::size_t>(a.role)) < order.at(static_cast<std::size_t>(b.role));
+  });
+  return layers;
+}
+
+/// Circles on paper, all of one look. The outer edges of their rings have the radii given.
+class Circles {
+ public:
+  void add(Point at, double radius) {
+    if (!(radius > 0.0)) return;
+    if (radius <= ring) {
+      append(dots_, Path::circle(at, radius));
+    } else {
+      append(discs_, Path::circle(at, radius));
+      append(rings_, Path::circle(at, radius - 0.5 * ring));
+    }
+  }
+  void draw(Canvas& canvas, const Look& look) const {
+    if (look.filling > 0.0 && !discs_.verbs().empty()) canvas.fill(discs_, look.colour.faded(look.filling));
+    if (look.ringed && !rings_.verbs().empty()) canvas.stroke(rings_, {look.colour, ring});
+    if (!dots_.verbs().empty()) canvas.fill(dots_, look.ringed ? look.colour : look.colour.faded(look.filling));
+  }
+
+ private:
+  Path discs_;
+  Path rings_;
+  Path dots_;
+};
+
+double radius_of(double area) { return std::sqrt(area / std::numbers::pi); }
+
+double largest(const PlanarPanel& panel) {
+  double most = 0.0;
+  for (const auto& layer : panel.layers) {
+    for (const double mean : layer.mean) most = std::max(most, mean);
+  }
+  return most;
+}
+
+/// Signs of the legend.
+struct Entry {
+  enum class Sign : std::uint8_t { circles, start, goal, path, obstacle };
+  Sign sign = Sign::circles;
+  std::string name;
+  Look look{};
+};
+
+class Plot {
+ public:
+  explicit Plot(const PlanarFigure& figure) : figure_(figure), grid_(figure.world, figure.cell) {
+    if (figure_.columns == 0 || !(figure_.width > 2.0 * page::border)) {
+      throw Fault("a picture of a world without columns or width");
+    }
+    if (figure_.panels.empty()) figure_.panels.emplace_back();
+    figure_.columns = std::min(figure_.columns, figure_.panels.size());
+    for (const auto& panel : figure_.panels) {
+      for (const auto& layer : panel.layers) check(layer);
+    }
+    lay_out();
+  }
+
+  [[nodiscard]] Canvas draw() const {
+    Canvas canvas(figure_.width, height_);
+    canvas.fill(Path::rectangle({0.0, 0.0, figure_.width, height_}), palette::paper);
+    page::block(canvas, title_, {page::border, page::border}, {page::title_font, palette::ink});
+    for (std::size_t i = 0; i < legend_.size(); ++i) {
+      draw_entry(canvas, legend_[i], {page::border + rows_.at[i].x, legend_top_ + rows_.at[i].y});
+    }
+    for (std::size_t p = 0; p < frames_.size(); ++p) draw_panel(canvas, p);
+    page::block(canvas, caption_,
+                {page::border, height_ - page::border - page::block_height(caption_, page::caption_font)},
+                {page::caption_font, palette::muted});
+    return canvas;
+  }
+
+ private:
+  void check(const CircleLayer& layer) const {
+    if (layer.mean.size() != grid_.size()) {
+      throw Fault(fmt::format("the layer '{}' has {} cells, its grid {}", layer.name, layer.mean.size(), grid_.size()));
+    }
+    for (const double mean : layer.mean) {
+      if (!(mean >= 0.0 && mean <= 1e15)) throw Fault(fmt::format("the layer '{}' counts {:g}", layer.name, mean));
+    }
+  }
+
+  [[nodiscard]] Look look(const PlanarPanel& panel, const CircleLayer& layer) const {
+    return look_of(layer.role, figure_.colours, panel.layers.size() == 1);
+  }
+
+  void add(Entry entry) {
+    const bool known =
+        std::any_of(legend_.begin(), legend_.end(), [&](const Entry& e) { return e.name == entry.name; });
+    if (entry.name.empty() || known) return;
+    legend_.push_back(std::move(entry));
+  }
+
+  void make_legend() {
+    using Sign = Entry::Sign;
+    // Where layers lie above each other their looks differ most, so these are explained.
+    auto by_layers = figure_.panels;
+    std::stable_sort(by_layers.begin(), by_layers.end(),
+                     [](const auto& a, const auto& b) { return a.layers.size() > b.layers.size(); });
+    for (const auto& panel : by_layers) {
+      for (const auto& layer : panel.layers) add({Sign::circles, layer.name, look(panel, layer)});
+    }
+    const bool paths = std::any_of(figure_.panels.begin(), figure_.panels.end(),
+                                   [](const PlanarPanel& panel) { return !panel.paths.empty(); });
+    if (!figure_.start.empty()) add({Sign::start, "start", {}});
+    if (!figure_.goal.empty()) add({Sign::goal, "goal", {}});
+    if (paths) add({Sign::path, "path", {}});
+    if (!figure_.obstacles.empty()) add({Sign::obstacle, "obstacle", {}});
+    std::vector<std::string> names;
+    names.reserve(legend_.size());
+    for (auto& entry : legend_) {
+      entry.name = shorten(entry.name, text_width() - page::entry_width(""), page::legend_font);
+      names.push_back(entry.name);
+    }
+    rows_ = page::flow(names, text_width());
+  }
+
+  [[nodiscard]] double text_width() const { return figure_.width - 2.0 * page::border; }
+
+  void lay_out() {
+    make_legend();
+    const auto columns = static_cast<double>(figure_.columns);
+    const double column = (text_width() - page::gap * (columns - 1.0)) / columns;
+    const Rect& world = figure_.world;
+    scale_ = std::min(column / world.width, tallest * column / world.height);
+    title_ = page::wrapped(figure_.title, text_width(), page::title_font, 3);
+    caption_ = page::wrapped(figure_.caption, text_width(), page::caption_font, 40);
+    legend_top_ = page::border + page::block_height(title_, page::title_font) + (title_.empty() ? 0.0 : 4.0);
+    double y = legend_top_ + rows_.height;
+    const std::size_t count = figure_.panels.size();
+    frames_.resize(count);
+    for (std::size_t begin = 0; begin < count; begin += figure_.columns) {
+      const std::size_t end = std::min(begin + figure_.columns, count);
+      double top = 0.0;
+      double bottom = 0.0;
+      for (std::size_t p = begin; p < end; ++p) {
+        const PlanarPanel& panel = figure_.panels[p];
+        Frame& frame = frames_[p];
+        frame.title = page::wrapped(panel.title, column, page::panel_font, 3);
+        frame.area = area_per_sample(panel, grid_) * scale_ * scale_;
+        frame.sizes = sizes_explained(panel);
+        std::erase_if(frame.sizes, [&](double size) { return radius_of(size * frame.area) < least_shown; });
+        if (!frame.title.empty()) top = std::max(top, page::block_height(frame.title, page::panel_font) + 3.0);
+        if (!frame.sizes.empty()) bottom = std::max(bottom, sizes_height(frame) + 3.0);
+      }
+      for (std::size_t p = begin; p < end; ++p) {
+        frames_[p].plot = {page::border + static_cast<double>(p - begin) * (column + page::gap), y + top,
+                           world.width * scale_, world.height * scale_};
+      }
+      y += top + world.height * scale_ + bottom + (end < count ? 0.7 * page::gap : 0.0);
+    }
+    height_ = y + (caption_.empty() ? 0.0 : 8.0 + page::block_height(caption_, page::caption_font)) + page::border;
+  }
+
+  struct Frame {
+    Rect plot;
+    std::vector<std::string> title;
+    double area = 0.0;          ///< square points for each sample
+    std::vector<double> sizes;  ///< mean counts that the legend below explains
+  };
+
+  static double sizes_height(const Frame& frame) {
+    return std::max(page::line_height(page::tick_font), 2.0 * radius_of(frame.sizes.back() * frame.area));
+  }
+
+  /// From the world to paper.
+  [[nodiscard]] Transform map(const Rect& plot) const {
+    return {.xx = scale_,
+            .yy = -scale_,
+            .x0 = plot.x - scale_ * figure_.world.x,
+            .y0 = plot.bottom() + scale_ * figure_.world.y};
+  }
+
+  void draw_panel(Canvas& canvas, std::size_t p) const {
+    const PlanarPanel& panel = figure_.panels[p];
+    const Frame& frame = frames_[p];
+    const Rect& plot = frame.plot;
+    page::block(canvas, frame.title, {plot.x, plot.y - 3.0 - page::block_height(frame.title, page::panel_font)},
+                {page::panel_font, palette::ink});
+    {
+      const auto clip = canvas.clip(Path::rectangle(plot));
+      const Transform to_paper = map(plot);
+      for (const auto& obstacle : figure_.obstacles) {
+        canvas.fill(path_of(obstacle, to_paper), obstacle_colour);
+        canvas.stroke(path_of(obstacle, to_paper), {obstacle_edge, 0.4});
+      }
+      for (const auto& path : panel.paths) {
+        canvas.stroke(Path::polyline(path).mapped(to_paper), {palette::ink.faded(0.6), 0.6});
+      }
+      const auto start = robot_paths(figure_.start, to_paper);
+      const auto goal = robot_paths(figure_.goal, to_paper);
+      for (const Path& part : start) canvas.fill(part, start_colour);
+      for (const CircleLayer& layer : below_each_other(panel)) {
+        Circles circles;
+        for (std::size_t i = 0; i < layer.mean.size(); ++i) {
+          circles.add(to_paper(grid_.centre(i)), radius_of(layer.mean[i] * frame.area));
+        }
+        circles.draw(canvas, look(panel, layer));
+      }
+      // Upon the circles, which would hide small robots.
+      outline(canvas, start, plot.grown(10.0));
+      outline(canvas, goal, plot.grown(10.0));
+    }
+    canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
+    if (!panel.note.empty()) {
+      const Font font{.size = 9.0, .italic = true};
+      const std::string note = shorten(panel.note, plot.width - 6.0, font);
+      const TextExtents extents = text_extents(note, font);
+      const Point at = plot.centre();
+      canvas.fill(Path::rectangle({at.x - 0.5 * extents.width - 3.0, at.y - 0.5 * extents.height() - 1.0,
+                                   extents.width + 6.0, extents.height() + 2.0}),
+                  palette::paper.faded(0.85));
+      canvas.text(note, at, {font, palette::muted, Align::centre, Stand::middle});
+    }
+    draw_sizes(canvas, panel, frame);
+  }
+
+  void draw_sizes(Canvas& canvas, const PlanarPanel& panel, const Frame& frame) const {
+    if (frame.sizes.empty()) return;
+    const double middle = frame.plot.bottom() + 3.0 + 0.5 * sizes_height(frame);
+    const TextStyle style{page::tick_font, palette::ink, Align::left, Stand::middle};
+    // Of several layers none is meant.
+    const Look grey{palette::muted, 0.3};
+    double x = frame.plot.x + 1.0;
+    for (const double size : frame.sizes) {
+      const double radius = radius_of(size * frame.area);
+      Circles circle;
+      circle.add({x + radius, middle}, radius);
+      circle.draw(canvas, panel.layers.size() == 1 ? look(panel, panel.layers.front()) : grey);
+      const std::string text = fmt::format("{:g}", size);
+      canvas.text(text, {x + 2.0 * radius + 2.0, middle}, style);
+      x += 2.0 * radius + 2.0 + text_extents(text, page::tick_font).width + 7.0;
+    }
+    canvas.text(shorten("per cell", frame.plot.right() - x + 4.0, page::tick_font), {x - 4.0, middle},
+                {page::tick_font, palette::muted, Align::left, Stand::middle});
+  }
+
+  static void draw_entry(Canvas& canvas, const Entry& entry, Point at) {
+    const Point middle{at.x + 0.5 * page::swatch, at.y + 0.5 * page::line_height(page::legend_font)};
+    const Rect box{middle.x - 6.0, middle.y - 2.5, 12.0, 5.0};
+    switch (entry.sign) {
+      case Entry::Sign::circles: {
+        Circles circles;
+        circles.add(middle, 4.0);
+        circles.draw(canvas, entry.look);
+        break;
+      }
+      case Entry::Sign::start:
+      case Entry::Sign::goal:
+        if (entry.sign == Entry::Sign::start) canvas.fill(Path::rectangle(box), start_colour);
+        outline(canvas, {Path::rectangle(box)}, box.grown(10.0));
+        break;
+      case Entry::Sign::path:
+        canvas.line({at.x, middle.y}, {at.x + page::swatch, middle.y}, {palette::ink.faded(0.6), 0.8});
+        break;
+      case Entry::Sign::obstacle:
+        canvas.fill(Path::rectangle(box), obstacle_colour);
+        canvas.stroke(Path::rectangle(box), {obstacle_edge, 0.4});
+        break;
+    }
+    page::entry_name(canvas, entry.name, at);
+  }
+
+  PlanarFigure figure_;
+  Grid grid_;
+  std::vector<Frame> frames_;
+  std::vector<Entry> legend_;
+  page::LegendRows rows_;
+  std::vector<std::string> title_;
+  std::vector<std::string> caption_;
+  double legend_top_ = 0.0;
+  double scale_ = 1.0;  ///< points for each metre
+  double height_ = 0.0;
+};
+
+}  // namespace
+
+Colour colour_of(Role role, RoleColours colours) {
+  constexpr std::array safe = {palette::vermillion, palette::blue, palette::purple, palette::green};
+  constexpr std::array paper = {rgb(0xE00000), rgb(0x0000E0), rgb(0x9B009B), rgb(0x008A00)};
+  return (colours == RoleColours::safe ? safe : paper).at(static_cast<std::size_t>(role));
+}
+
+Grid::Grid(const Rect& world, double cell) : world_(world), cell_(cell) {
+  // A last cell that rounding made is none.
+  const auto cells = [&](double length) { return std::max(1.0, std::ceil(length / cell - 1e-9)); };
+  const double across = cells(world.width);
+  const double up = cells(world.height);
+  const bool places = std::isfinite(world.x) && std::isfinite(world.y);
+  if (!(places && world.width > 0.0 && world.height > 0.0 && cell > 0.0 && across * up <= most_cells)) {
+    throw Fault(fmt::format("a grid of cells of {:g} in a world of {:g} x {:g}", cell, world.width, world.height));
+  }
+  columns_ = static_cast<std::size_t>(across);
+  rows_ = static_cast<std::size_t>(up);
+}
+
+bool Grid::count(Point p, double weight, std::vector<double>& counts) const {
+  const double x = p.x - world_.x;
+  const double y = p.y - world_.y;
+  if (!(x >= 0.0 && y >= 0.0 && x <= world_.width && y <= world_.height)) return false;
+  // The first and the last cell that a coordinate lies in: two where it lies on the edge between them.
+  const auto cells = [this](double length, std::size_t most) {
+    const double at = length / cell_;
+    const double edge = std::round(at);
+    const bool on_edge = std::abs(at - edge) < 1e-9 * std::max(1.0, edge) && edge > 0.0;
+    const auto index = [most](double i) { return std::min(most - 1, static_cast<std::size_t>(i)); };
+    return on_edge ? std::pair(index(edge - 1.0), index(edge)) : std::pair(index(at), index(at));
+  };
+  const auto [left, right] = cells(x, columns_);
+  const auto [low, high] = cells(y, rows_);
+  const double part = weight / static_cast<double>((right - left + 1) * (high - low + 1));
+  for (std::size_t row = low; row <= high; ++row) {
+    for (std::size_t column = left; column <= right; ++column) counts.at(row * columns_ + column) += part;
+  }
+  return true;
+}
+
+Point Grid::centre(std::size_t index) const {
+  const auto middle = [&](std::size_t i, double length) {
+    const double lo = static_cast<double>(i) * cell_;
+    return 0.5 * (lo + std::min(lo + cell_, length));
+  };
+  return {world_.x + middle(index % columns_, world_.width), world_.y + middle(index / columns_, world_.height)};
+}
+
+double area_per_sample(const PlanarPanel& panel, const Grid& grid) {
+  std::vector<double> counts;
+  counts.reserve(panel.layers.size() * grid.size());
+  for (const auto& layer : panel.layers) {
+    std::copy_if(layer.mean.begin(), layer.mean.end(), std::back_inserter(counts), [](double n) { return n > 0.0; });
+  }
+  if (counts.empty()) return 0.0;
+  std::sort(counts.begin(), counts.end());
+  const auto last = static_cast<double>(counts.size() - 1);
+  const double usual = counts[static_cast<std::size_t>(std::ceil(fitting * last))];
+  const auto area = [&](double diameter) { return std::numbers::pi * std::pow(0.5 * diameter * grid.cell(), 2); };
+  return std::min(area(fitting_diameter) / usual, area(largest_diameter) / counts.back());
+}
+
+std::vector<double> sizes_explained(const PlanarPanel& panel) {
+  const double most = largest(panel);
+  if (!(most > 0.0)) return {};
+  // 1, 2 or 5 times a power of ten, and two more, a quarter or a fifth of the one before.
+  const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9));
+  const double lead = most / power * (1.0 + 1e-9);
+  const double digit = lead >= 5.0 ? 5.0 : lead >= 2.0 ? 2.0 : 1.0;
+  const double top = digit * power;
+  const double next = digit == 2.0 ? top / 4.0 : top / 5.0;
+  const double least = digit == 5.0 ? next / 5.0 : digit == 2.0 ? next / 5.0 : next / 4.0;
+  return {least, next, top};
+}
+
+Canvas plot(const PlanarFigure& figure) { return Plot(figure).draw(); }
+
+}  // namespace trellis::draw

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/draw/planar.hpp>
+#include <trellis/experiment/targets.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/pictures.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis {
+
+namespace {
+
+using draw::CircleLayer;
+using draw::Grid;
+using draw::PlanarFigure;
+using draw::PlanarPanel;
+using draw::Point;
+using draw::Role;
+using draw::WorldDisc;
+using draw::WorldShape;
+
+using Axes = std::vector<std::size_t>;
+
+constexpr double usual_cell = 0.5;
+constexpr double fewest_cells = 12.0;  // along the longer side
+constexpr double most_cells = 48.0;
+constexpr double most_cells_asked = 500.0;
+
+Point point(Vec2 p) { return {p.x, p.y}; }
+Point position(View q, const Axes& axes) { return {q[axes[0]], q[axes[1]]}; }
+
+std::vector<Point> points(const std::vector<Vec2>& vertices) {
+  std::vector<Point> all;
+  all.reserve(vertices.size());
+  for (const Vec2 v : vertices) all.push_back(point(v));
+  return all;
+}
+
+WorldShape drawn(const Shape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return WorldDisc{point(disc->centre), disc->radius};
+  if (const auto* box = std::get_if<Box2>(&shape)) return points(rectangle_vertices(*box));
+  return points(std::get<Polygon>(shape).vertices);
+}
+
+/// The robot's parts at a configuration.
+std::vector<WorldShape> placed(const Robot& robot, View q) {
+  std::vector<Pose2> poses(robot.bodies().size());
+  robot.place(q, poses);
+  std::vector<WorldShape> shapes;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (const ConvexShape& part : robot.bodies()[i].parts) {
+      if (const auto* disc = std::get_if<Disc>(&part)) {
+        shapes.emplace_back(WorldDisc{point(poses[i](disc->centre)), disc->radius});
+        continue;
+      }
+      std::vector<Vec2> vertices = std::get<Polygon>(part).vertices;
+      for (Vec2& v : vertices) v = poses[i](v);
+      shapes.emplace_back(points(vertices));
+    }
+  }
+  return shapes;
+}
+
+std::vector<Point> track(const Configurations& path, const Axes& axes) {
+  std::vector<Point> way;
+  way.reserve(path.size());
+  for (std::size_t i = 0; i < path.size(); ++i) way.push_back(position(path[i], axes));
+  return way;
+}
+
+/// Samples counted cell by cell, over any number of runs.
+class Counts {
+ public:
+  explicit Counts(const Grid& grid) : grid_(grid), sums_(grid.size(), 0.0) {}
+
+  /// The samples of one run.
+  void add(const Configurations& samples, const Axes& axes, double weight = 1.0) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      (grid_.count(position(samples[i], axes), weight, sums_) ? inside_ : outside_) += weight;
+    }
+    ++runs_;
+  }
+
+  [[nodiscard]] bool none() const { return inside_ + outside_ == 0.0; }
+  [[nodiscard]] bool any_outside() const { return outside_ > 0.0; }
+  [[nodiscard]] std::size_t runs() const { return runs_; }
+  /// Samples of a run.
+  [[nodiscard]] double mean() const { return runs_ == 0 ? 0.0 : (inside_ + outside_) / static_cast<double>(runs_); }
+  [[nodiscard]] CircleLayer layer(std::string name, Role role) const {
+    CircleLayer layer{std::move(name), role, sums_};
+    for (double& sum : layer.mean) sum /= static_cast<double>(std::max<std::size_t>(1, runs_));
+    return layer;
+  }
+
+ private:
+  const Grid& grid_;
+  std::vector<double> sums_;
+  double inside_ = 0.0;
+  double outside_ = 0.0;
+  std::size_t runs_ = 0;
+};
+
+std::string rounded(double number) { return fmt::format("{:.{}f}", number, number < 10.0 ? 1 : 0); }
+
+std::string counted(std::size_t n, const std::string& what) {
+  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+}
+
+PlanarPanel panel_of(const std::string& title, const Counts& counts, CircleLayer layer, const std::string& what,
+                     const std::string& without) {
+  PlanarPanel panel;
+  panel.title = counts.none() ? title : fmt::format("{}: {}{}", title, rounded(counts.mean()), what);
+  if (counts.none()) {
+    panel.note = without;
+  } else {
+    panel.layers.push_back(std::move(layer));
+  }
+  return panel;
+}
+
+double cell_of(const draw::Rect& world, const std::optional<double>& asked) {
+  const double longer = std::max(world.width, world.height);
+  if (asked) {
+    if (!(*asked > 0.0 && std::isfinite(*asked) && longer / *asked <= most_cells_asked)) {
+      throw Error(
+          fmt::format("the cells of a picture must be greater than 0 m and at least 1/{:g} of the world's "
+                      "longer side of {:g} m, got {:g}",
+                      most_cells_asked, longer, *asked));
+    }
+    return *asked;
+  }
+  double cell = usual_cell;
+  while (longer / cell > most_cells) cell *= 2.0;
+  while (longer / cell < fewest_cells) cell *= 0.5;
+  return cell;
+}
+
+/// What the caption says of the target.
+std::string target_text(const Measure& measure) {
+  const double delta = common_settings(measure.target).delta;
+  if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
+    return fmt::format("uniform on the {}configurations within {:g} m of the run's path",
+                       tube->support == "free" ? "valid " : "", delta);
+  }
+  if (std::holds_alternative<NearOptimalSettings>(measure.target)) return "configurations on paths near the optimum";
+  return "the script's own";
+}
+
+/// One problem's pictures.
+class ScenePictures {
+ public:
+  ScenePictures(const Experiment& experiment, const ExperimentResult& result, const Problem& problem,
+                const SceneFigureOptions& options)
+      : experiment_(experiment),
+        result_(result),
+        problem_(problem),
+        frame_(make_frame(problem, options)),
+        grid_(frame_.world, frame_.cell) {
+    if (experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target)) {
+      targets_.emplace(experiment, problem);
+    }
+    baseline_ = experiment.baseline;
+    const auto& all = experiment.strategies;
+    const bool usual = std::any_of(all.begin(), all.end(), [](const auto& entry) { return entry.first == "rrt"; });
+    if (baseline_.empty() && usual) baseline_ = "rrt";
+  }
+
+  [[nodiscard]] static bool possible(const Problem& problem) {
+    return problem.scene != nullptr && problem.scene->robot.translates();
+  }
+
+  /// None without a run.
+  [[nodiscard]] std::optional<PlanarFigure> samples(const std::string& strategy) {
+    const auto runs = select_runs(result_, problem_.name, strategy);
+    if (runs.empty()) return std::nullopt;
+    Counts tree(grid_);
+    Counts expansion(grid_);
+    Counts target(grid_);
+    Counts baseline(grid_);
+    PlanarPanel world;
+    for (const RunResult* run : runs) {
+      if (run->run.solved) world.paths.push_back(track(run->run.path, position_));
+      if (run->levels.empty()) continue;
+      const Search& search = run->levels.front().record.search;
+      tree.add(search.nodes, position_);
+      expansion.add(search.proposals, position_);
+      if (!targets_) continue;
+      const auto made = targets_->of(*run);
+      if (!made.target || made.target->empty()) continue;
+      const auto& pool = made.target->pool();
+      target.add(pool, position_, static_cast<double>(search.nodes.size()) / static_cast<double>(pool.size()));
+    }
+    const bool compared = !baseline_.empty() && baseline_ != strategy;
+    if (compared) {
+      for (const RunResult* run : select_runs(result_, problem_.name, baseline_)) {
+        if (!run->levels.empty()) baseline.add(run->levels.front().record.search.nodes, position_);
+      }
+    }
+    const std::string seeds = counted(runs.size(), "seed");
+    world.title = fmt::format("paths of {} of {}", world.paths.size(), seeds);
+
+    PlanarFigure figure = frame_;
+    figure.title = fmt::format("{} on {}: where its samples lie", strategy, problem_.name);
+    PlanarPanel all{.title = "all, to one scale"};
+    const auto add = [&](const std::string& title, const Counts& counts, Role role, const std::string& what,
+                         const std::string& without) {
+      PlanarPanel panel = panel_of(title, counts, counts.layer(title, role), what, without);
+      all.layers.insert(all.layers.end(), panel.layers.begin(), panel.layers.end());
+      figure.panels.push_back(std::move(panel));
+    };
+    figure.panels.push_back(std::move(world));
+    if (targets_) {
+      add("target", target, Role::target, " samples", "no path, no target");
+      if (!target.none()) figure.panels.back().title = "target, as many as the tree";
+    }
+    add("tree", tree, Role::tree, " nodes", "no nodes");
+    add("expansion", expansion, Role::expansion, " proposals", "no proposals");
+    if (compared) add(fmt::format("tree of {}", baseline_), baseline, Role::baseline, " nodes", "no nodes");
+    if (all.layers.size() > 1) figure.panels.push_back(std::move(all));
+
+    figure.caption = circles_text(seeds);
+    if (targets_ && !target.none()) {
+      figure.caption +=
+          fmt::format(" Target: {}, scaled to as many samples as the tree has{}.", target_text(*experiment_.measure),
+                      target.runs() == runs.size() ? "" : fmt::format(", over {} of the {}", target.runs(), seeds));
+    }
+    if (tree.any_outside() || expansion.any_outside() || baseline.any_outside()) figure.caption += outside_text();
+    return figure;
+  }
+
+  /// The levels below the root, each in its own space. None where no such level has a position in the plane.
+  [[nodiscard]] std::optional<PlanarFigure> levels(const std::string& strategy) const {
+    const auto runs = select_runs(result_, problem_.name, strategy);
+    std::map<std::vector<std::uint64_t>, std::vector<const LevelRecord*>> found;
+    for (const RunResult* run : runs) {
+      for (const LevelResult& level : run->levels) {
+        if (level.record.level == 0 || level.record.position_axes.size() != 2) continue;
+        found[parse_key(level.record.key)].push_back(&level.record);
+      }
+    }
+    if (found.empty()) return std::nullopt;
+    PlanarFigure figure = frame_;
+    figure.columns = found.size() == 1 ? 2 : 4;
+    figure.title = fmt::format("{} on {}: where the samples of its guides lie", strategy, problem_.name);
+    figure.caption =
+        circles_text(counted(runs.size(), "seed")) + " Each level in its own space, with the paths found in it.";
+    // Robots differ from level to level: only their places are marked.
+    const LevelRecord& first = *found.begin()->second.front();
+    figure.start = {WorldDisc{position(first.start, first.position_axes), 0.0}};
+    figure.goal = {WorldDisc{position(first.goal, first.position_axes), 0.0}};
+    bool outside = false;
+    for (const auto& [key, records] : found) {
+      Counts tree(grid_);
+      Counts expansion(grid_);
+      std::vector<std::vector<Point>> paths;
+      for (const LevelRecord* record : records) {
+        tree.add(record->search.nodes, record->position_axes);
+        expansion.add(record->search.proposals, record->position_axes);
+        if (record->solution.solved()) paths.push_back(track(record->solution.path, record->position_axes));
+      }
+      outside = outside || tree.any_outside() || expansion.any_outside();
+      const std::string& name = records.front()->name;
+      figure.panels.push_back(panel_of(name + "\ntree", tree, tree.layer("tree", Role::tree), "", "no nodes"));
+      figure.panels.push_back(
+          panel_of(name + "\nexpansion", expansion, expansion.layer("expansion", Role::expansion), "", "no proposals"));
+      for (std::size_t p = figure.panels.size() - 2; p < figure.panels.size(); ++p) {
+        if (figure.panels[p].note.empty()) figure.panels[p].paths = paths;
+      }
+    }
+    if (outside) figure.caption += outside_text();
+    return figure;
+  }
+
+ private:
+  /// What all pictures of a problem have in common.
+  static PlanarFigure make_frame(const Problem& problem, const SceneFigureOptions& options) {
+    const World& world = problem.scene->world;
+    const auto& [lo, hi] = world.bounds();
+    PlanarFigure frame;
+    frame.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
+    frame.cell = cell_of(frame.world, options.cell);
+    frame.obstacles.reserve(world.obstacles().size());
+    for (const Obstacle& obstacle : world.obstacles()) frame.obstacles.push_back(drawn(obstacle.shape));
+    frame.start = placed(problem.scene->robot, problem.start);
+    frame.goal = placed(problem.scene->robot, problem.goal);
+    frame.colours = options.colours;
+    // Wide worlds have wide panels.
+    const double aspect = frame.world.width / frame.world.height;
+    frame.columns = aspect > 5.0 ? 1 : aspect > 2.2 ? 2 : 3;
+    return frame;
+  }
+
+  [[nodiscard]] std::string circles_text(const std::string& seeds) const {
+    return fmt::format(
+        "Circles: samples in each cell of {0:g} m x {0:g} m of a world of {1:g} m x {2:g} m, the mean over {3}; areas "
+        "are "
+        "proportional to it, in each panel to a scale of its own.",
+        frame_.cell, frame_.world.width, frame_.world.height, seeds);
+  }
+  static std::string outside_text() { return " Samples outside of the world are not drawn."; }
+
+  const Experiment& experiment_;
+  const ExperimentResult& result_;
+  const Problem& problem_;
+  PlanarFigure frame_;
+  Grid grid_;
+  Axes position_ = {0, 1};
+  std::optional<RootTargets> targets_;
+  std::string baseline_;
+};
+
+}  // namespace
+
+std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
+                                             const std::string& directory, const SceneFigureOptions& options) {
+  std::vector<std::string> notes;
+  Directories problems;
+  for (const Problem& problem : experiment.problems) {
+    const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
+    if (!ScenePictures::possible(problem)) {
+      notes.push_back(
+          fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
+      continue;
+    }
+    ScenePictures pictures(experiment, result, problem, options);
+    Directories strategies;
+    for (const auto& entry : experiment.strategies) {
+      const std::string& name = entry.first;
+      const std::filesystem::path place = folder / strategies(name);
+      const auto samples = pictures.samples(name);
+      if (!samples) continue;
+      make_directory(place.string());
+      write_picture(draw::plot(*samples), (place / "samples").string());
+      if (const auto levels = pictures.levels(name)) {
+        write_picture(draw::plot(*levels), (place / "levels").string());
+      }
+    }
+  }
+  return notes;
+}
+
+}  // namespace trellis
