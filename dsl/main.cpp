@@ -26,7 +26,8 @@ int dispatch(int argc, char** argv) {
   run->add_option("SCRIPT", options.script, "a Lua script")->required();
   run->add_option("--seeds", options.seeds, "the number of consecutive seeds, instead of the script's");
   run->add_option("--seed", options.seed, "the first seed, instead of the script's");
-  run->add_option("--jobs", options.jobs, "runs at the same time (default 1, so that their times compare); scoring takes all cores");
+  run->add_option("--jobs", options.jobs,
+                  "runs at the same time (default 1, so that their times compare); scoring takes all cores");
   run->add_option("--cross", options.cross, "paths of other seeds to score each run on, instead of the script's");
   run->add_flag("--ablate", options.ablate, "run every strategy with each of its guides taken out, too");
   run->add_option("--json", options.json, "write all figures to a file");

@@ -31,7 +31,8 @@ const Settings<TargetSettings>& user_settings() {
           .number("delta", &TargetSettings::delta, "m", Range::positive(), "radius of the balls that coverage counts")
           .integer("points", &TargetSettings::points, "points", count, "evaluation points on the target")
           .integer("pool", &TargetSettings::pool, "points", count,
-                   "points of the target for the volumes of cut balls and for `exact`, at least as many as points; all are drawn");
+                   "points of the target for the volumes of cut balls and for `exact`, at least as many as points; all "
+                   "are drawn");
   return settings;
 }
 
