@@ -5,7 +5,7 @@ stds.trellis = {
     -- planners
     "rrt", "rrt_connect", "prm", "lazy_prm", "graph_search",
     -- guides
-    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "sequence",
+    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "blend", "sequence",
     -- problems
     "world", "robot", "box", "disc", "polygon", "problem",
     -- experiments
