@@ -213,7 +213,8 @@ class Level {
   void guide_by(const GuideSpec& spec) { guidance_.set_guide(make_guidance(run_, *this, spec)); }
 
   /// Solves the instance, or solves it again; the instances below are solved first.
-  const Solution& solve() {
+  /// \param proposals  that may be spent on it, within the level's budget
+  const Solution& solve(double proposals = Budget::unlimited) {
     double* above = run_.clock.switch_to(&record_.search.seconds);
     if (guidance_.guide() != nullptr) guidance_.guide()->prepare();
     if (!planner_) {
@@ -224,7 +225,10 @@ class Level {
                                                             record_.search, guidance_.guided(), run_.interrupted});
     }
     ++record_.solves;
-    Solution found = planner_->solve(common_.budget);
+    Budget budget = common_.budget;
+    budget.proposals = std::min(budget.proposals, static_cast<double>(record_.search.proposals.size()) + proposals);
+    Solution found = planner_->solve(budget);
+    found_ = found.solved();
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     // A later solve that finds nothing does not undo what was found: its path may still guide.
     if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
@@ -257,6 +261,8 @@ class Level {
   /// Adds time spent for this level outside its solves: making its instance by f.
   void charge(double seconds) { record_.search.seconds += seconds; }
 
+  /// Whether the last solve found a path.
+  [[nodiscard]] bool found() const { return found_; }
   [[nodiscard]] Instance& instance() { return *instance_; }
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
@@ -305,6 +311,7 @@ class Level {
   std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
+  bool found_ = false;
 };
 
 /// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
@@ -332,7 +339,7 @@ class ComponentGuidance final : public Prepared {
       heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
       return;
     }
-    const Solution& found = level_->solve();
+    const Solution& found = solve_below();
     ++epoch_;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
@@ -358,7 +365,7 @@ class ComponentGuidance final : public Prepared {
     if (!heuristic_->stale() || resolves_left_ <= 0) return;
     --resolves_left_;
     guide_->before_resolve();
-    const Solution& found = level_->solve();
+    const Solution& found = solve_below();
     epoch_ = epoch() + 1;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
@@ -380,6 +387,15 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
+  /// Solves the instance in S, for as many paths as the guide wants.
+  const Solution& solve_below() {
+    const Solution* found = &level_->solve();
+    while (const std::int64_t more = guide_->another(level_->found() ? found : nullptr)) {
+      found = &level_->solve(static_cast<double>(more));
+    }
+    return *found;
+  }
+
   Level& parent_;
   std::shared_ptr<Guide> guide_;
   std::string name_;
