@@ -12,7 +12,7 @@ stds.trellis = {
     "experiment", "tube", "near_optimal", "progress", "target",
     "exact", "knn", "kde", "histogram", "legacy", "ablations",
     -- modules of the standard library
-    "scenes", "strategies",
+    "paper", "scenes", "strategies",
   },
 }
 std = "lua54+trellis"
