@@ -95,7 +95,7 @@ end)
 
 -- The library checks each edge to its end and adds no nodes near removed edges unless it is told to.
 method("lazy_prm", {
-  samples = 1000, batch = 200, neighbours = 10, remove = "first", edges = "coarse_to_fine", enhance = 1, spread = 0.25,
+  samples = 1000, batch = 200, neighbours = 20, remove = "first", edges = "coarse_to_fine", enhance = 1, spread = 0.25,
   proposals = 10000,
 }, { edges = "in_turn", enhance = 0 }, function(o)
   return lazy_prm(o)

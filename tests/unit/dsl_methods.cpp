@@ -24,7 +24,7 @@ TEST_CASE("the methods of the paper are written in the language from parts") {
         "true");
   CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', paths = 2, planner = rrt {} } "
               ">> rrt { uniform = 0.5 }") == "true");
-  CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, proposals = 50000 } == "
+  CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, neighbours = 10, proposals = 50000 } == "
               "lazy_prm { remove = 'first' }") == "true");
   CHECK(value("strategies.hybrid() == 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt {}") == "true");
   CHECK(value("strategies.blend { memory = 0.9 } == "
