@@ -5,14 +5,14 @@ stds.trellis = {
     -- planners
     "rrt", "rrt_connect", "prm", "lazy_prm", "graph_search",
     -- guides
-    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "sequence",
+    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "blend", "sequence",
     -- problems
     "world", "robot", "box", "disc", "polygon", "problem",
     -- experiments
     "experiment", "tube", "near_optimal", "progress", "target",
     "exact", "knn", "kde", "histogram", "legacy", "ablations", "published", "claim",
     -- modules of the standard library
-    "scenes", "strategies",
+    "paper", "scenes", "strategies",
   },
 }
 std = "lua54+trellis"

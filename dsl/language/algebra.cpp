@@ -266,21 +266,31 @@ const Settings<SequenceSettings>& sequence_settings() {
   return settings;
 }
 
-int make_sequence(Stack& call) {
-  const Arguments arguments(sequence_construct(), call);
+/// The guides that a combinator was given.
+std::vector<GuideSpec> read_parts(const char* name, const Arguments& arguments) {
   std::vector<GuideSpec> parts;
   std::size_t components = 0;
   arguments.each([&](std::size_t i, Value value) {
     const auto* guide = value.get<GuideSpec>();
     if (guide == nullptr) {
-      throw Error(fmt::format("sequence: element {} must be a guide, got {}", i, describe(value)));
+      throw Error(fmt::format("{}: element {} must be a guide, got {}", name, i, describe(value)));
     }
     parts.push_back(*guide);
     components += components_of(*guide);
   });
-  if (parts.empty()) throw Error("sequence: it needs at least one guide");
+  if (parts.empty()) throw Error(fmt::format("{}: it needs at least one guide", name));
   check_size(components);
-  return call.result(sequence(parts, sequence_settings().read(arguments.options()).turn));
+  return parts;
+}
+
+int make_sequence(Stack& call) {
+  const Arguments arguments(sequence_construct(), call);
+  return call.result(sequence(read_parts("sequence", arguments), sequence_settings().read(arguments.options()).turn));
+}
+
+int make_blend(Stack& call) {
+  const Arguments arguments(blend_construct(), call);
+  return call.result(blend(read_parts("blend", arguments), blend_settings().read(arguments.options())));
 }
 
 int make_ablations(Stack& call) {
@@ -330,6 +340,16 @@ const Construct& sequence_construct() {
   return construct;
 }
 
+const Construct& blend_construct() {
+  static const Construct construct = {.name = "blend",
+                                      .usage = "blend { skeleton(), shrink(0.5), floor = 0.2 }",
+                                      .summary = blend_settings().component().summary,
+                                      .list = "guides",
+                                      .fields = {},
+                                      .options = blend_settings().component()};
+  return construct;
+}
+
 const Construct& ablations_construct() {
   static const Construct construct = {
       .name = "ablations",
@@ -358,6 +378,8 @@ void open_algebra(Stack& stack) {
   }
   stack.push_function(make_sequence);
   stack.set_global(sequence_construct().name);
+  stack.push_function(make_blend);
+  stack.set_global(blend_construct().name);
   stack.push_function(make_ablations);
   stack.set_global(ablations_construct().name);
 }

@@ -105,7 +105,7 @@ std::string construct_text(const Construct& construct) {
 }  // namespace
 
 std::vector<const Construct*> constructs() {
-  std::vector<const Construct*> all = {&sequence_construct(), &ablations_construct()};
+  std::vector<const Construct*> all = {&sequence_construct(), &blend_construct(), &ablations_construct()};
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &target_construct(), &experiment_construct(),
                          &published_construct(), &claim_construct()});
@@ -126,6 +126,7 @@ std::string vocabulary_text() {
   text += row("a >> b", "a guides the search in b's space; guide >> planner is a strategy");
   text += row("0.7*a + 0.3*b", "a mixture of guides");
   text += row("a .. b", "guides that take turns");
+  text += row("blend { a, b }", "a mixture whose weights follow what each guide's proposals achieved");
   text += "\nconstructors:\n";
   for (const Construct* construct : constructs()) text += row(construct->name, construct->summary);
   text += "\nmodules:\n";

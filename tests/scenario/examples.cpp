@@ -131,6 +131,97 @@ SCENARIO("the other examples run to their end", "[examples]") {
   }
 }
 
+SCENARIO("the methods of the paper and those beyond it, on its three scenes, with nothing tuned to a scene",
+         "[examples][methods]") {
+  GIVEN("every method, three seeds") {
+    static const Json document = [] {
+      const Place place;
+      const auto outcome = place.run({"run", example("paper.lua"), "--seeds", "3", "--cross", "0", "--json", "all.json",
+                                      "--jobs", "2", "--quiet"});
+      INFO(outcome.err);
+      REQUIRE(outcome.status == 0);
+      return Json::parse(trellis::test::content(place / "all.json"));
+    }();
+    const auto levels_of = [&](const std::string& strategy) {
+      std::vector<Json> levels;
+      for (const auto& run : runs_of(document, strategy)) {
+        for (const auto& level : run["levels"]) levels.push_back(level);
+      }
+      return levels;
+    };
+    const auto checks = [&](const std::string& strategy) {
+      return median(field(runs_of(document, strategy), "validity_checks"));
+    };
+
+    THEN("each method solves most of its nine runs") {
+      REQUIRE(document["experiment"]["strategies"].size() == 13);
+      for (const auto& strategy : document["experiment"]["strategies"]) {
+        const std::string name = strategy["name"];
+        CAPTURE(name);
+        const auto runs = runs_of(document, name);
+        REQUIRE(runs.size() == 9);
+        // A roadmap of uniform nodes alone seldom finds a narrow passage within its budget.
+        const int least = name == "parasol_lazy_prm" ? 3 : 6;
+        CHECK(std::count_if(runs.begin(), runs.end(), [](const Json& run) { return run["solved"] == true; }) >= least);
+      }
+    }
+    THEN("a lazy roadmap's tree is the nodes that were looked at, and expansion does not apply to it") {
+      for (const auto* name : {"lazy_prm", "parasol_lazy_prm"}) {
+        for (const auto& level : levels_of(name)) {
+          if (level["solved"] != true) continue;
+          const auto& tree = level["efficiency"]["tree"];
+          CHECK(tree["n"].get<double>() < level["nodes"].get<double>());
+          CHECK(tree["n"].get<double>() <= level["validity_checks"].get<double>());
+          CHECK(level["efficiency"]["expansion"]["value"].is_null());
+        }
+      }
+    }
+    THEN("presets of the library propose no goals, the others do") {
+      const auto goals = [&](const std::string& strategy) {
+        double sum = 0.0;
+        for (const auto& level : levels_of(strategy)) {
+          for (const auto& source : level["sources"]) {
+            if (source["name"] == "goal") sum += source["proposals"].get<double>();
+          }
+        }
+        return sum;
+      };
+      for (const auto* name : {"rrt", "dr_rrt", "irc"}) {
+        CHECK(goals(name) > 0.0);
+        CHECK(goals(std::string("parasol_") + name) == 0.0);
+      }
+    }
+    THEN("relaxation has a level for each scale, half of whose guided proposals are uniform") {
+      double uniform = 0.0;
+      double all = 0.0;
+      for (const auto& run : runs_of(document, "parasol_irc")) {
+        REQUIRE(run["levels"].size() == 4);
+        for (std::size_t i = 0; i < 3; ++i) {
+          for (const auto& source : run["levels"][i]["sources"]) {
+            if (source["name"] == "uniform") uniform += source["proposals"].get<double>();
+          }
+          all += run["levels"][i]["proposals"].get<double>();
+        }
+      }
+      CHECK(uniform / all == Approx(0.5).margin(0.03));
+    }
+    THEN("the densities of what regions, relaxation, their mixture and their blend proposed are known") {
+      for (const auto* name : {"rrt", "dr_rrt", "irc", "vonasek", "hybrid", "blend"}) {
+        CAPTURE(name);
+        for (const auto& level : levels_of(name)) {
+          const auto& expansion = level["efficiency"]["expansion"];
+          if (expansion["value"].is_null()) continue;
+          CHECK(expansion["estimator"] == "exact");
+        }
+      }
+    }
+    THEN("guidance by the skeleton and by relaxation costs fewer checks than none") {
+      CHECK(checks("dr_rrt") < checks("rrt"));
+      CHECK(checks("nested") < checks("rrt"));
+    }
+  }
+}
+
 SCENARIO("the circle world that others made, with its 100 queries", "[examples][real]") {
   if (!scenes_are_here()) return;
   GIVEN("RRT, RRT-Connect, PRM and a skeleton-guided RRT") {

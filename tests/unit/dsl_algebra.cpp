@@ -53,6 +53,29 @@ TEST_CASE("nesting distributes over mixtures and sequences") {
   CHECK(holds("(a + b) >> p == 0.5*a + 0.5*b >> p"));
 }
 
+TEST_CASE("a blend composes with every operator") {
+  const std::string parts = "local a, b, c, p = skeleton(), shrink(0.5), lazy(), rrt {} return ";
+  const auto holds = [&](const std::string& law) { return values(parts + law) == std::vector<std::string>{"true"}; };
+  CHECK(holds("a >> blend { b, c } == blend { a >> b, a >> c }"));
+  CHECK(holds("a >> blend { b, c } >> p == (a >> blend { b, c }) >> p"));
+  CHECK(holds("blend { a, b } >> c >> p == blend { a, b } >> (c >> p)"));
+  CHECK(holds("blend { a, b } >> (b + c) == (blend { a, b } >> b) + (blend { a, b } >> c)"));
+  CHECK(holds("(blend { a, b } + b) + c == blend { a, b } + (b + c)"));
+  CHECK(holds("(blend { a, b } .. b) .. c == blend { a, b } .. (b .. c)"));
+  CHECK(holds("blend(a, b) == blend { a, b }"));
+  CHECK(holds("blend { a, b } ~= blend { b, a }"));
+  // The parts of a blend have equal standing, so a blend in a blend is one part.
+  CHECK(holds("blend { blend { a, b }, c } ~= blend { a, b, c }"));
+  CHECK(holds("blend { a, b, floor = 0.5 } ~= blend { a, b }"));
+  CHECK(holds("blend { a, b, floor = 0.2 } == blend { a, b }"));
+  CHECK(
+      holds("load('return ' .. tostring(blend { a, b + c, floor = 0.3, credit = 'reach' } >> p))() == "
+            "blend { a, b + c, floor = 0.3, credit = 'reach' } >> p"));
+  CHECK(
+      holds("load('return ' .. tostring((0.7 * blend { a, b } + 0.3 * c) >> b))() == "
+            "(0.7 * blend { a, b } + 0.3 * c) >> b"));
+}
+
 TEST_CASE("weights are shares") {
   CHECK(value("7*lazy() + 3*skeleton() == 0.7*lazy() + 0.3*skeleton()") == "true");
   CHECK(value("lazy()*0.7 + skeleton()*0.3 == 0.7*lazy() + 0.3*skeleton()") == "true");

@@ -161,6 +161,66 @@ TEST_CASE("lazy roadmaps spend fewer checks than eager ones on an open scene", "
   CHECK(lazy < eager);
 }
 
+TEST_CASE("every way of a lazy roadmap finds valid paths and says which nodes it looked at", "[planner][lazy]") {
+  const auto& kind = *find_planner("lazy_prm");
+  for (const std::string remove : {"all", "first"}) {
+    for (const std::string edges : {"in_turn", "coarse_to_fine"}) {
+      for (const double enhance : {0.0, 1.0}) {
+        CAPTURE(remove, edges, enhance);
+        const std::vector<Options::Entry> options = {{"remove", remove}, {"edges", edges}, {"enhance", enhance}};
+        for (const auto& problem : problems()) {
+          for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+            const auto out = run(kind, problem, seed, 1, options);
+            REQUIRE(out.solution.solved());
+            check_path(problem, out.solution.path);
+            CHECK_FALSE(out.search.expands);
+            REQUIRE(out.search.looked_at.size() == out.search.nodes.size());
+            // Each node looked at is one check beside those of edges; those of the path were looked at.
+            const auto looked_at = std::count(out.search.looked_at.begin(), out.search.looked_at.end(), 1);
+            CHECK(static_cast<std::uint64_t>(looked_at) <= out.checks.validity);
+            CHECK(looked_at >= static_cast<std::ptrdiff_t>(out.solution.path.size()));
+            for (std::size_t i = 0; i < out.solution.path.size(); ++i) {
+              bool found = false;
+              for (std::size_t k = 0; k < out.search.nodes.size() && !found; ++k) {
+                found = out.search.looked_at[k] != 0 &&
+                        problem.space.distance(out.search.nodes[k], out.solution.path[i]) == 0.0;
+              }
+              CHECK(found);
+            }
+            // Nodes beside start, goal and proposals come from enhancement only.
+            if (enhance == 0.0) {
+              CHECK(out.search.nodes.size() <= out.search.proposals.size() + 2);
+            } else if (out.search.proposals.size() > 200) {
+              CHECK(out.search.nodes.size() > out.search.proposals.size() + 2);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("coarse looks find an invalid path sooner", "[planner][lazy]") {
+  const auto& kind = *find_planner("lazy_prm");
+  const auto spent = [&](const std::string& edges) {
+    std::uint64_t checks = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      checks += run(kind, test::cup_problem(), seed, 1, {{"edges", edges}}).checks.validity;
+    }
+    return checks;
+  };
+  CHECK(spent("coarse_to_fine") < spent("in_turn"));
+}
+
+TEST_CASE("only unguided lazy roadmaps that check for real have unseen nodes", "[planner][lazy]") {
+  for (const auto* kind : sampling_planners()) {
+    if (kind->component->name == "lazy_prm") continue;
+    const auto out = run(*kind, test::cup_problem(), 1);
+    CHECK(out.search.looked_at.empty());
+    CHECK(out.search.expands);
+  }
+}
+
 TEST_CASE("shortcutting never lengthens a path and keeps it valid", "[planner][shortcut]") {
   const auto problem = test::cup_problem();
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

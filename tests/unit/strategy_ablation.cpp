@@ -51,6 +51,15 @@ TEST_CASE("each guide is replaced by uniform, with all that guided it, or left o
   for (std::size_t i = 0; i < all.size(); ++i) CHECK(all[i].skipped == (i == 1 || i == 3));
 }
 
+TEST_CASE("a blend is ablated part by part and keeps its settings", "[ablation]") {
+  const BlendSettings settings = {.floor = 0.4};
+  const auto all = ablations(blend({guide("skeleton"), guide("skeleton") >> shrink(0.5)}, settings) >> rrt());
+  CHECK(texts(all) == Texts{"blend { uniform(), skeleton() >> shrink(0.5), floor = 0.4 } >> rrt()",
+                            "blend { skeleton(), uniform(), floor = 0.4 } >> rrt()",
+                            "blend { skeleton(), skeleton(), floor = 0.4 } >> rrt()",
+                            "blend { skeleton(), uniform() >> shrink(0.5), floor = 0.4 } >> rrt()"});
+}
+
 TEST_CASE("what was taken out and what is left are told as they are written", "[ablation]") {
   const auto all = ablations(guide("skeleton") >> shrink(0.5) >> guide("lazy") >> rrt());
   CHECK(names(all) == Texts{"without lazy()", "skipping lazy()", "without shrink(0.5)", "skipping shrink(0.5)",

@@ -46,6 +46,8 @@ std::vector<StrategySpec> strategies() {
       sequence({shrink, skeleton, bias}, 15) >> planner("rrt"),
       sequence({0.7 * lazy + 0.3 * guide("uniform"), skeleton}, 20) >> planner("rrt_connect"),
       skeleton >> shrink >> lazy >> planner("rrt"),
+      blend({shrink, skeleton, bias}, {.floor = 0.1, .decay = 0.9}) >> planner("rrt"),
+      (0.5 * (skeleton >> blend({shrink, lazy, guide("uniform")}, {.credit = "reach"})) + 0.5 * bias) >> planner("rrt"),
       shrink >> skeleton >> planner("rrt"),
       (0.6 * (bias >> with_planner("identity", "rrt")) + 0.4 * sequence({skeleton, shrink}, 30)) >> planner("prm"),
       sequence({skeleton >> with_planner("shrink", "prm"), lazy >> with_planner("shrink", "lazy_prm")}, 25) >>

@@ -70,6 +70,7 @@ TEST_CASE("every guide composes with every other, in every way", "[executor]") {
       try_it(a >> b >> rrt());
       try_it((a + b) >> rrt());
       try_it(sequence({a, b}, 50) >> rrt());
+      try_it(blend({a, b}) >> rrt());
       for (const auto* bias : {"uniform", "goal_bias", "gaussian", "bridge_test"}) {
         try_it((0.8 * (a >> b) + 0.2 * guide(bias)) >> rrt());
         try_it(guide(bias) >> b >> rrt());
@@ -182,6 +183,57 @@ TEST_CASE("shares of a mixture and of uniform proposals are what the spec says",
   CHECK(of("goal") == Approx(0.1).margin(0.01));
   CHECK(of("uniform") == Approx(0.9 * 0.2).margin(0.012));
   CHECK(of("gaussian(0.5)") == Approx(0.9 * 0.8 * 0.3).margin(0.012));
+}
+
+TEST_CASE("the weights of a blend follow what its parts' proposals achieved", "[executor][blend]") {
+  // The goal is walled in. A goal bias proposes what is never reached; its share falls to the floor.
+  const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
+                                          {1, 5, 0}, {9, 5, 0});
+  const auto shares = [&](const BlendSettings& settings) {
+    const auto run =
+        execute(blend({guide("uniform"), guide("goal_bias", {{"share", 1.0}}), guide("uniform")}, settings) >>
+                    rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"proposals", std::int64_t{6000}}}),
+                problem, 1);
+    std::vector<double> share(run.levels[0].search.sources.size(), 0.0);
+    for (const auto source : run.levels[0].search.proposal_sources) share[source] += 1.0 / 6000.0;
+    return std::vector<double>(share.begin() + 3, share.end());
+  };
+  for (const double floor : {0.1, 0.3}) {
+    for (const std::string credit : {"node", "reach"}) {
+      CAPTURE(floor, credit);
+      const auto share = shares({.floor = floor, .decay = 0.98, .credit = credit});
+      REQUIRE(share.size() == 3);
+      CHECK(share[1] == Approx(floor / 3.0).margin(0.02));
+      CHECK(share[0] + share[1] + share[2] == Approx(1.0).epsilon(1e-9));
+    }
+  }
+  // All floor: an even mixture.
+  for (const double share : shares({.floor = 1.0})) CHECK(share == Approx(1.0 / 3.0).margin(0.025));
+}
+
+TEST_CASE("a blend draws by the documented rule, step by step", "[executor][blend]") {
+  const auto problem = test::cup_problem();
+  const BlendSettings settings = {.floor = 0.25, .decay = 0.9, .credit = "node"};
+  const auto strategy = blend({guide("uniform"), guide("goal_bias", {{"share", 0.9}})}, settings) >>
+                        rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"connect_goal", false}});
+  const auto first = execute(strategy, problem, 3);
+  const auto& search = first.levels[0].search;
+  // Brute force: the atoms of h at every step are those of the goal bias by the share that the fates so far give it.
+  double successes[2] = {1.0, 1.0};
+  double attempts[2] = {1.0, 1.0};
+  std::size_t step = 0;
+  ExecuteOptions options;
+  options.watch = [&](const LevelRecord&, const Guidance& h) {
+    const double w[2] = {successes[0] / attempts[0], successes[1] / attempts[1]};
+    const double share = 0.5 * settings.floor + (1.0 - settings.floor) * w[1] / (w[0] + w[1]);
+    CHECK(h.atom_mass() == Approx(0.9 * share).epsilon(1e-12));
+    const auto part = static_cast<std::size_t>(search.proposal_sources[step] - 3);
+    successes[part] = settings.decay * successes[part] + (search.fates[step] == Fate::rejected ? 0.0 : 1.0);
+    attempts[part] = settings.decay * attempts[part] + 1.0;
+    ++step;
+  };
+  execute(strategy, problem, 3, options);
+  CHECK(step == search.proposals.size());
 }
 
 TEST_CASE("a level without a path says so and the run goes on", "[executor]") {

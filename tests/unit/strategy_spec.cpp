@@ -39,6 +39,33 @@ TEST_CASE("nesting distributes over mixtures and sequences", "[spec][laws]") {
   CHECK(a >> (b + guide("goal_bias")) == (a >> b) + guide("goal_bias"));
 }
 
+TEST_CASE("nesting distributes over blends, which keep their settings", "[spec][laws][blend]") {
+  const auto a = guide("skeleton");
+  const auto b = guide("shrink");
+  const auto c = guide("lazy");
+  const BlendSettings settings = {.floor = 0.4, .decay = 0.9, .credit = "reach"};
+  CHECK(a >> blend({b, c}, settings) == blend({a >> b, a >> c}, settings));
+  CHECK(a >> blend({b, guide("goal_bias")}) == blend({a >> b, guide("goal_bias")}));
+  CHECK((a >> blend({b, c})) >> rrt() == a >> (blend({b, c}) >> rrt()));
+  CHECK_FALSE(blend({b, c}, settings) == blend({b, c}));
+  CHECK_FALSE(blend({b, c}) == b + c);
+  CHECK_FALSE(blend({b, c}) == sequence({b, c}));
+  CHECK(blend({a, blend({b, c})}).terms().size() == 2);
+  const auto strategy = blend({a, b}, {.floor = 0.5}) >> rrt();
+  CHECK(strategy.text() == "blend { skeleton(), shrink(0.5), floor = 0.5 } >> rrt()");
+  CHECK(strategy.tree() ==
+        "rrt()\n"
+        "└─ blend, floor 0.5, decay 0.98, credit node\n"
+        "   ├─ 1. skeleton()  searched by graph_search()\n"
+        "   └─ 2. shrink(0.5)  searched by rrt()\n");
+  CHECK(strategy.json().find("\"floor\":0.5,\"decay\":0.98,\"credit\":\"node\"") != std::string::npos);
+  CHECK(strategy.hash() != (blend({a, b}) >> rrt()).hash());
+  CHECK_THROWS_WITH(blend({}), Contains("at least one guide"));
+  CHECK_THROWS_WITH(blend({a}, {.floor = 0.0}), Contains("blend: option 'floor'"));
+  CHECK_THROWS_WITH(blend({a}, {.decay = 1.5}), Contains("blend: option 'decay'"));
+  CHECK_THROWS_WITH(blend({a}, {.credit = "luck"}), Contains("blend: option 'credit'"));
+}
+
 TEST_CASE("weights are normalised, sums and sequences are flat", "[spec][laws]") {
   const auto a = guide("shrink");
   const auto b = guide("lazy");

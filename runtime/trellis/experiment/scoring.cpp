@@ -214,13 +214,30 @@ class ProblemScoring {
   }
 
   [[nodiscard]] Scores own_scores(const Target& target, const LevelRecord& record) const {
-    return {figure(target, record.search.nodes, held(record), {}),
-            figure(target, record.search.proposals, Held::anything, record.proposal_density)};
+    return {figure(target, measured(record, record.search.nodes), held(record), {}),
+            expansion(target, record, record.search.proposals, record.proposal_density)};
   }
   [[nodiscard]] Scores root_scores(const Target& target, const LevelRecord& record) const {
     // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    return {figure(target, record.root_nodes, record.level == 0 ? held(record) : Held::anything, {}),
-            figure(target, record.root_proposals, Held::anything, record.root_proposal_density)};
+    return {figure(target, measured(record, record.root_nodes), record.level == 0 ? held(record) : Held::anything, {}),
+            expansion(target, record, record.root_proposals, record.root_proposal_density)};
+  }
+
+  /// The tree's samples, of rows that stand for a level's nodes: those that were looked at.
+  static Configurations measured(const LevelRecord& record, const Configurations& rows) {
+    const auto& looked_at = record.search.looked_at;
+    if (looked_at.empty()) return rows;
+    Configurations chosen(rows.dimension());
+    chosen.reserve(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (looked_at[i] != 0) chosen.push(rows[i]);
+    }
+    return chosen;
+  }
+  [[nodiscard]] Efficiency expansion(const Target& target, const LevelRecord& record, const Configurations& rows,
+                                     const std::function<double(View)>& density) const {
+    if (!record.search.expands) return figure(target, Configurations(rows.dimension()), Held::anything, {});
+    return figure(target, rows, Held::anything, density);
   }
 
   static Held held(const LevelRecord& record) {
@@ -321,6 +338,16 @@ class ProblemScoring {
 
   // Equal numbers ----------------------------------------------------------------------------------------------------
 
+  static double measured_nodes(const Search& search) {
+    const auto& looked_at = search.looked_at;
+    return static_cast<double>(looked_at.empty()
+                                   ? search.nodes.size()
+                                   : static_cast<std::size_t>(std::count(looked_at.begin(), looked_at.end(), 1)));
+  }
+  static double measured_proposals(const Search& search) {
+    return search.expands ? static_cast<double>(search.proposals.size()) : 0.0;
+  }
+
   void choose_equal_number() {
     for (const bool tree : {true, false}) {
       double least = std::numeric_limits<double>::infinity();
@@ -331,7 +358,7 @@ class ProblemScoring {
           const auto& levels = run(s, seed).levels;
           if (levels.empty()) continue;
           const Search& search = levels.front().record.search;
-          numbers.push_back(static_cast<double>(tree ? search.nodes.size() : search.proposals.size()));
+          numbers.push_back(tree ? measured_nodes(search) : measured_proposals(search));
         }
         const double number = median(numbers);
         if (!(number > 0.0)) continue;
@@ -362,14 +389,14 @@ class ProblemScoring {
     if (targets.empty() && root.target) targets.push_back(root.target);
     const LevelRecord& record = level.record;
     const Configurations nodes =
-        thinned(record.root_nodes, equal_nodes_, Stream(measure_seed, record.key, "equal nodes"));
+        thinned(measured(record, record.root_nodes), equal_nodes_, Stream(measure_seed, record.key, "equal nodes"));
     const Configurations proposals =
         thinned(record.root_proposals, equal_proposals_, Stream(measure_seed, record.key, "equal proposals"));
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores scores;
       if (equal_nodes_ > 0) scores.tree = figure(target, nodes, held(record), {});
       // The density is known whatever the number of samples: only estimates depend on it.
-      if (equal_proposals_ > 0) scores.expansion = figure(target, proposals, Held::anything, {});
+      if (equal_proposals_ > 0) scores.expansion = expansion(target, record, proposals, {});
       return scores;
     });
   }

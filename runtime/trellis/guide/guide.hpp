@@ -42,6 +42,13 @@ class Guide {
   /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at
   /// validity (bridge test) spends the parent's checks.
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
+  /// Asked after each solve of the instance in S whether another path is wanted before h is made: how many proposals
+  /// may be spent on finding it; 0: none is wanted. S may have been changed so that it will be another. \param found
+  /// the path just found; nullptr where there was none
+  virtual std::int64_t another(const Solution* found) {
+    static_cast<void>(found);
+    return 0;
+  }
   /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
   /// Called when h was stale, before the instance in S is solved again: the time to change it.

@@ -7,18 +7,17 @@ namespace trellis {
 namespace {
 
 const Settings<PathGuideSettings>& identity_settings() {
-  static const Settings<PathGuideSettings> settings = with_path_options(
+  static const Settings<PathGuideSettings> settings = with_several_paths(with_path_options(
       Settings<PathGuideSettings>(Component::Kind::guide, "identity",
                                   "S = C, f the identity: the instance itself is solved first, and its path guides",
-                                  "Attali et al. 2022, the perfect guiding space"));
+                                  "Attali et al. 2022, the perfect guiding space")));
   return settings;
 }
 
 class Identity final : public PathGuide {
  public:
   explicit Identity(const PathGuideSettings& settings) : PathGuide("identity", settings) {}
-  std::unique_ptr<Instance> project(const Instance& parent) override { return same_instance(parent); }
-  using PathGuide::project;
+  std::unique_ptr<Instance> reduced(const Instance& parent) override { return same_instance(parent); }
 };
 
 }  // namespace

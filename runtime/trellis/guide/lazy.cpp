@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
+#include <limits>
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
@@ -30,48 +30,25 @@ const Settings<LazySettings>& lazy_settings() {
 /// found invalid. Costs no collision checks.
 class PresumedValidity final : public Validity {
  public:
-  PresumedValidity(Space space, double margin)
-      : space_(std::move(space)), margin_(margin), invalid_(space_), points_(space_.dimension()) {}
+  PresumedValidity(const Space& space, double margin) : invalid_(space, margin) {}
 
   void forbid(View q) {
-    if (!state(q)) return;
+    if (invalid_.contains(q)) return;
     invalid_.add(q);
-    points_.push(q);
     ++epoch_;
   }
 
-  [[nodiscard]] bool state(View q) override {
-    return invalid_.size() == 0 || invalid_.nearest(q).squared_distance > margin_ * margin_;
-  }
-
+  [[nodiscard]] bool state(View q) override { return !invalid_.contains(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override {
-    MotionReport report{true, 0, std::numeric_limits<double>::quiet_NaN()};
-    if (invalid_.size() == 0) return report;
-    const double length = space_.distance(a, b);
-    Configuration middle(a.size());
-    space_.interpolate(a, b, 0.5, middle);
-    invalid_.within(middle, 0.5 * length + margin_, found_);
-    for (const auto& candidate : found_) {
-      const Foot foot = nearest_on_motion(space_, a, b, points_[candidate.id]);
-      if (foot.squared_distance <= margin_ * margin_) {
-        report.valid = false;
-        report.invalid_at = foot.t;
-        return report;
-      }
-    }
-    return report;
+    if (const auto t = invalid_.entered(a, b)) return {false, 0, *t};
+    return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
-
   [[nodiscard]] double clearance(View) override { return std::numeric_limits<double>::infinity(); }
   [[nodiscard]] bool spends_checks() const override { return false; }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
 
  private:
-  Space space_;
-  double margin_;
-  NearestIndex invalid_;
-  Configurations points_;
-  std::vector<NearestIndex::Neighbour> found_;
+  ExcludedBalls invalid_;
   std::uint64_t epoch_ = 0;
 };
 
@@ -79,13 +56,12 @@ class Lazy final : public PathGuide {
  public:
   explicit Lazy(const LazySettings& settings) : PathGuide("lazy", settings), margin_(settings.margin) {}
 
-  std::unique_ptr<Instance> project(const Instance& parent) override {
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     validity_ = std::make_shared<PresumedValidity>(parent.space, margin_ > 0.0 ? margin_ : parent.resolution);
     instance->validity = validity_;
     return instance;
   }
-  using PathGuide::project;
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     auto h = PathGuide::heuristic(parent, sub, found);

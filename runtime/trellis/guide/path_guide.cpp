@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <trellis/base/error.hpp>
 
 namespace trellis {
 
@@ -57,7 +61,7 @@ void PathHeuristic::observe(const Outcome& outcome, bool mine) {
   } else if (mine) {
     // Once the whole path is reached there is no progress left to make along it; it may still serve.
     const std::int64_t patience = uncovered_ > 0 ? patience_ : patience_when_covered * patience_;
-    if (++failures_ >= patience) stale_ = true;
+    if (++failures_ >= patience) refute();
   }
 }
 
@@ -103,6 +107,131 @@ void PathHeuristic::choose_stretches() {
   ++epoch_;
 }
 
+WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius,
+                                     std::int64_t patience, const NearestIndex& reached)
+    : source_(std::move(source)),
+      parent_(parent),
+      tube_(parent.space, std::move(path), radius),
+      patience_(patience),
+      reached_(reached) {
+  const auto& points = tube_.path();
+  lengths_.reserve(points.size());
+  lengths_.push_back(0.0);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    lengths_.push_back(lengths_.back() + parent.space.distance(points[i - 1], points[i]));
+  }
+  go_on();
+}
+
+Guidance::Source WaypointHeuristic::sample(Stream& stream, MutableView out) {
+  drew_itself_ = draw_ == Draw::itself || (draw_ == Draw::both && stream.uniform() < 0.5);
+  if (drew_itself_) {
+    const View point = tube_.path()[at_];
+    std::copy(point.begin(), point.end(), out.begin());
+  } else {
+    tube_.sample(stream, out);
+  }
+  return 0;
+}
+
+double WaypointHeuristic::atom_mass() const {
+  switch (draw_) {
+    case Draw::itself: return 1.0;
+    case Draw::both: return 0.5;
+    case Draw::near: return 0.0;
+  }
+  throw Fault("unknown way of drawing");
+}
+
+void WaypointHeuristic::record(DensityRecord& record, double share) const {
+  const double atom = atom_mass();
+  record.add_atoms(share * atom);
+  record.add(tube_.density(), share * (1.0 - atom));
+}
+
+void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
+  const std::size_t before = at_;
+  if (!outcome.added.empty() && at_ < tube_.path().size()) {
+    const double reach = at_ + 1 == tube_.path().size() ? parent_.goal_tolerance : tube_.radius();
+    if (parent_.space.distance(tube_.path()[at_], outcome.added) <= reach) go_on();
+  }
+  if (at_ != before) {
+    failures_ = 0;
+    return;
+  }
+  if (!mine) return;
+  if (drew_itself_ && outcome.fate == Fate::rejected && draw_ == Draw::itself) {
+    draw_ = Draw::both;
+    ++epoch_;
+  }
+  const std::int64_t patience = at_ < tube_.path().size() ? patience_ : patience_when_covered * patience_;
+  if (++failures_ >= patience) refute();
+}
+
+void WaypointHeuristic::go_on() {
+  const auto& path = tube_.path();
+  const auto is_reached = [&](std::size_t i) {
+    const double reach = i + 1 == path.size() ? parent_.goal_tolerance : tube_.radius();
+    return reached_.nearest(path[i]).squared_distance <= reach * reach;
+  };
+  while (at_ < path.size() && is_reached(at_)) ++at_;
+  ++epoch_;
+  if (at_ == path.size()) {
+    draw_ = Draw::near;
+    tube_.activate({{0.0, tube_.length()}});
+    return;
+  }
+  draw_ = parent_.valid(path[at_]) ? Draw::itself : Draw::near;
+  tube_.activate({{lengths_[at_], lengths_[at_]}});
+}
+
+SeveralPaths::SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts)
+    : parts_(std::move(parts)), live_(parts_.size()) {
+  std::iota(live_.begin(), live_.end(), std::size_t{0});
+}
+
+Guidance::Source SeveralPaths::sample(Stream& stream, MutableView out) {
+  drawn_ = live_[stream.below(live_.size())];
+  return parts_[drawn_]->sample(stream, out);
+}
+
+double SeveralPaths::density(View q) const {
+  double sum = 0.0;
+  for (const std::size_t i : live_) sum += parts_[i]->density(q);
+  return sum / static_cast<double>(live_.size());
+}
+
+double SeveralPaths::atom_mass() const {
+  double sum = 0.0;
+  for (const std::size_t i : live_) sum += parts_[i]->atom_mass();
+  return sum / static_cast<double>(live_.size());
+}
+
+std::uint64_t SeveralPaths::epoch() const {
+  std::uint64_t sum = epoch_;
+  for (const auto& part : parts_) sum += part->epoch();
+  return sum;
+}
+
+void SeveralPaths::record(DensityRecord& record, double share) const {
+  for (const std::size_t i : live_) parts_[i]->record(record, share / static_cast<double>(live_.size()));
+}
+
+void SeveralPaths::observe(const Outcome& outcome, bool mine) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  std::vector<std::size_t> live;
+  live.reserve(live_.size());
+  for (const std::size_t i : live_) {
+    if (!parts_[i]->stale()) live.push_back(i);
+  }
+  if (live.empty()) {
+    refute();
+  } else if (live.size() != live_.size()) {
+    live_ = std::move(live);
+    ++epoch_;
+  }
+}
+
 std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   auto instance = std::make_unique<Instance>(parent);
   instance->checks = {};
@@ -115,6 +244,53 @@ void PathGuide::learn(const Outcome& outcome) {
   if (!outcome.added.empty() && reached_) reached_->add(outcome.added);
 }
 
+std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
+  auto instance = reduced(parent);
+  if (path_settings_.paths > 1) {
+    const double robot = parent.scene->robot.bounding_radius();
+    const double plain = robot > 0.0 ? robot : 0.02 * parent.space.diameter();
+    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space,
+                                                     path_settings_.distinct > 0.0 ? path_settings_.distinct : plain);
+    instance->validity = excluding_;
+  }
+  return instance;
+}
+
+std::int64_t PathGuide::another(const Solution* found) {
+  if (!excluding_) return 0;
+  if (std::exchange(complete_, false)) paths_.clear();
+  if (found != nullptr) {
+    paths_.push_back(found->path);
+    if (static_cast<std::int64_t>(paths_.size()) < path_settings_.paths) {
+      excluding_->exclude(found->path);
+      return path_settings_.effort;
+    }
+  }
+  // What was excluded is valid all the same.
+  if (!paths_.empty()) excluding_->include_all();
+  complete_ = true;
+  return 0;
+}
+
+std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Configurations& path) const {
+  if (paths_.size() > 1) {
+    std::vector<std::unique_ptr<PathFollower>> parts;
+    parts.reserve(paths_.size());
+    for (const auto& one : paths_) parts.push_back(follower_of_one(parent, one));
+    return std::make_unique<SeveralPaths>(std::move(parts));
+  }
+  return follower_of_one(parent, path);
+}
+
+std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path) const {
+  const double radius = tube_radius(path_settings_, parent);
+  if (path_settings_.follow == "waypoints") {
+    return std::make_unique<WaypointHeuristic>(name_, parent, path, radius, path_settings_.patience, *reached_);
+  }
+  return std::make_unique<PathHeuristic>(name_, parent.space, path, radius, path_settings_.window,
+                                         path_settings_.patience, &*reached_);
+}
+
 std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {
   if (!reached_) {
     reached_.emplace(parent.space);
@@ -122,8 +298,7 @@ std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance
   }
   current_ = nullptr;
   if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
-  auto h = std::make_unique<PathHeuristic>(name_, parent.space, found->path, tube_radius(path_settings_, parent),
-                                           path_settings_.window, path_settings_.patience, &*reached_);
+  auto h = follower(parent, found->path);
   current_ = h.get();
   return h;
 }

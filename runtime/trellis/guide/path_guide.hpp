@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/guide/excluded.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/planner/nearest.hpp>
@@ -16,9 +17,13 @@ namespace trellis {
 
 struct PathGuideSettings {
   double radius = 0.0;
+  std::string follow = "tube";
   double window = 0.2;
   std::int64_t patience = 100;
   std::int64_t resolves = 10;
+  std::int64_t paths = 1;
+  double distinct = 0.0;
+  std::int64_t effort = 2000;
 };
 
 template <class S>
@@ -28,6 +33,11 @@ Settings<S> with_path_options(Settings<S> settings) {
           "radius", &S::radius, "m in the metric", Range::non_negative(),
           "radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or "
           "1 % of the space's diameter for a point")
+      .choice(
+          "follow", &S::follow, {"tube", "waypoints"},
+          "how the path is followed: \"tube\", from the stretch of it just beyond what the planner has reached; "
+          "\"waypoints\", its points in turn: one that is valid in C is proposed itself, and where that was blocked "
+          "half the time what is near it; one that is not, what is near it")
       .number("window", &S::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
               "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
       .integer("patience", &S::patience, "proposals", Range::at_least(1),
@@ -36,11 +46,37 @@ Settings<S> with_path_options(Settings<S> settings) {
   return settings;
 }
 
+/// The options of guides that can look for several paths.
+template <class S>
+Settings<S> with_several_paths(Settings<S> settings) {
+  settings
+      .integer("paths", &S::paths, "paths", {.lo = 1, .hi = 64},
+               "guiding paths that are looked for, each distinct from those before it; all found guide at once")
+      .number("distinct", &S::distinct, "m in the metric", Range::non_negative(),
+              "distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding "
+              "radius in C, or 2 % of the space's diameter for a point")
+      .integer("effort", &S::effort, "proposals", Range::at_least(1), "budget of the search for each further path");
+  return settings;
+}
+
 /// The radius that the option `radius` stands for in an instance.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 
+/// h that follows a path in C.
+class PathFollower : public Heuristic {
+ public:
+  [[nodiscard]] bool stale() const final { return stale_; }
+  /// The path was found not to hold: it is stale at once.
+  void refute() { stale_ = true; }
+  /// Of the tube about the path, metres.
+  [[nodiscard]] virtual double radius() const = 0;
+
+ private:
+  bool stale_ = false;
+};
+
 /// h along a path in C: a tube about the stretch of the path just beyond what the planner's nodes have reached.
-class PathHeuristic final : public Heuristic {
+class PathHeuristic final : public PathFollower {
  public:
   /// \param reached  the planner's nodes so far, for the stretches already covered; nullptr: none
   PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
@@ -52,12 +88,8 @@ class PathHeuristic final : public Heuristic {
   void record(DensityRecord& record, double share) const override { record.add(tube_.density(), share); }
   void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
-  [[nodiscard]] bool stale() const override { return stale_; }
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
-
-  /// The path was found not to hold: it is stale at once.
-  void refute() { stale_ = true; }
-  [[nodiscard]] double radius() const { return tube_.radius(); }
+  [[nodiscard]] double radius() const override { return tube_.radius(); }
 
  private:
   void choose_stretches();
@@ -70,12 +102,75 @@ class PathHeuristic final : public Heuristic {
   double window_;
   std::int64_t patience_;
   std::int64_t failures_ = 0;
-  std::uint64_t epoch_ = 0;  ///< how often stretches were chosen
-  bool stale_ = false;
+  std::uint64_t epoch_ = 0;    ///< how often stretches were chosen
   double bin_ = 0.0;           ///< arc length of one bin
   Configurations centres_;     ///< of the bins
   std::vector<char> covered_;  ///< by the planner's nodes
   std::size_t uncovered_ = 0;
+};
+
+/// h along the points of a path in C, one after the other, as iterative relaxation of constraints repairs a path: a
+/// way-point that is valid in C is kept, so it is proposed itself; what is near it is proposed as well once the way to
+/// it was blocked. One that is not valid is replaced: only what is near it is proposed. A node near it reaches it.
+/// After the last of them the whole path serves.
+class WaypointHeuristic final : public PathFollower {
+ public:
+  /// \param reached  the planner's nodes, the start at least; outlives this and is kept up to date
+  WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius, std::int64_t patience,
+                    const NearestIndex& reached);
+
+  Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] double density(View q) const override { return (1.0 - atom_mass()) * tube_.density(q); }
+  [[nodiscard]] double atom_mass() const override;
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  void record(DensityRecord& record, double share) const override;
+  void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
+  [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
+  [[nodiscard]] double radius() const override { return tube_.radius(); }
+  /// The way-point that is proposed now, a row of the path; its size after the last one.
+  [[nodiscard]] std::size_t waypoint() const { return at_; }
+
+ private:
+  enum class Draw : std::uint8_t { itself, both, near };
+
+  /// Passes over the way-points that are reached and looks at the next one.
+  void go_on();
+
+  std::string source_;
+  Instance& parent_;
+  TubeKernel tube_;
+  std::vector<double> lengths_;  ///< of the path up to each way-point
+  std::int64_t patience_;
+  const NearestIndex& reached_;
+  std::size_t at_ = 0;
+  Draw draw_ = Draw::near;
+  bool drew_itself_ = false;
+  std::int64_t failures_ = 0;
+  std::uint64_t epoch_ = 0;
+};
+
+/// h along several paths: each that is not stale draws an equal share.
+class SeveralPaths final : public PathFollower {
+ public:
+  /// \param parts  at least one
+  explicit SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts);
+
+  Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] double density(View q) const override;
+  [[nodiscard]] double atom_mass() const override;
+  [[nodiscard]] std::uint64_t epoch() const override;
+  void record(DensityRecord& record, double share) const override;
+  void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override { return parts_.front()->sources(); }
+  [[nodiscard]] Configurations lifted_path() const override { return parts_[live_.front()]->lifted_path(); }
+  [[nodiscard]] double radius() const override { return parts_.front()->radius(); }
+
+ private:
+  std::vector<std::unique_ptr<PathFollower>> parts_;
+  std::vector<std::size_t> live_;  ///< that draw; never empty
+  std::size_t drawn_ = 0;
+  std::uint64_t epoch_ = 0;
 };
 
 /// A uniform h for a space whose search found nothing to go by.
@@ -97,24 +192,35 @@ class PathGuide : public Guide {
  public:
   PathGuide(std::string name, const PathGuideSettings& settings) : name_(std::move(name)), path_settings_(settings) {}
 
+  std::unique_ptr<Instance> project(const Instance& parent) final;
   void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
   void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
   [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
-  using Guide::project;
+  std::int64_t another(const Solution* found) override;
 
  protected:
+  /// f of the instance.
+  virtual std::unique_ptr<Instance> reduced(const Instance& parent) = 0;
   /// A copy of the instance with everything but its validity's own state: what f starts from.
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
   /// The heuristic in use; nullptr where nothing was found to go by.
-  [[nodiscard]] PathHeuristic* path_heuristic() const { return current_; }
+  [[nodiscard]] PathFollower* path_heuristic() const { return current_; }
 
  private:
+  /// Follows the paths found where there are several, else the path.
+  [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path) const;
+  [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path) const;
+
   std::string name_;
   PathGuideSettings path_settings_;
-  PathHeuristic* current_ = nullptr;     ///< the last one made, owned by whoever asked for it
+  PathFollower* current_ = nullptr;      ///< the last one made, owned by whoever asked for it
   std::optional<NearestIndex> reached_;  ///< the planner's nodes, made when the space is known
+  // Where several paths are wanted:
+  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S
+  std::vector<Configurations> paths_;             ///< found since h was made last
+  bool complete_ = false;                         ///< all that were wanted or found are there
 };
 
 }  // namespace trellis

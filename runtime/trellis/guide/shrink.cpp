@@ -11,13 +11,14 @@ struct ShrinkSettings : PathGuideSettings {
 };
 
 const Settings<ShrinkSettings>& shrink_settings() {
-  static const Settings<ShrinkSettings> settings = with_path_options(
-      Settings<ShrinkSettings>(Component::Kind::guide, "shrink",
-                               "the same world for a smaller robot, scaled about its reference point",
-                               "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints")
+  static const Settings<ShrinkSettings> settings = with_several_paths(with_path_options(
+      Settings<ShrinkSettings>(
+          Component::Kind::guide, "shrink", "the same world for a smaller robot, scaled about its reference point",
+          "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; several paths: Vonasek, "
+          "Penicka and Kozlikova 2020, Searching multiple approximate solutions")
           .number("scale", &ShrinkSettings::scale, "share of its size", Range{.lo = 0, .hi = 1, .open_lo = true},
                   "size of the robot in S relative to that in C")
-          .positional({"scale"}));
+          .positional({"scale"})));
   return settings;
 }
 
@@ -25,7 +26,7 @@ class Shrink final : public PathGuide {
  public:
   explicit Shrink(const ShrinkSettings& settings) : PathGuide("shrink", settings), scale_(settings.scale) {}
 
-  std::unique_ptr<Instance> project(const Instance& parent) override {
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
@@ -33,7 +34,6 @@ class Shrink final : public PathGuide {
         make_checker(parent.collision, instance->scene, parent.space, parent.resolution));
     return instance;
   }
-  using PathGuide::project;
 
  private:
   double scale_;

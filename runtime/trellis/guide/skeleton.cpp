@@ -23,6 +23,8 @@ struct SkeletonSettings {
   double explore = 0.5;
   double decay = 0.9;
   double clearance = 0.0;
+  double penetration = 0.5;
+  std::int64_t drop = 0;
   std::int64_t patience = 200;
   std::int64_t resolves = 5;
 };
@@ -41,6 +43,11 @@ const Settings<SkeletonSettings>& skeleton_settings() {
                   "e: share that is spread evenly over the regions and the whole space; the rest follows the weights")
           .number("decay", &SkeletonSettings::decay, "factor", {.lo = 0, .hi = 1, .open_lo = true},
                   "what a region's successes and attempts are multiplied by before each new one is counted")
+          .number("penetration", &SkeletonSettings::penetration, "share of its diameter", Range::share(),
+                  "how much of the robot's bounding circle, in its diameters, is inside a region where a node moves "
+                  "it on; 0.5: the reference point is inside; 1: the whole circle")
+          .integer("drop", &SkeletonSettings::drop, "proposals", Range::non_negative(),
+                   "proposals of a region without a new node, in a row, after which it is dropped; 0: never")
           .number("clearance", &SkeletonSettings::clearance, "m", Range::non_negative(),
                   "edges of the skeleton with less clearance than this are left out")
           .integer("patience", &SkeletonSettings::patience, "proposals", Range::at_least(1),
@@ -260,7 +267,8 @@ DirectedGraph directed(const Graph& graph) {
 class DynamicRegions final : public Heuristic {
  public:
   DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
-                 Configurations lifted, const SkeletonSettings& settings, double radius, const NearestIndex& reached)
+                 Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
+                 const NearestIndex& reached)
       : projection_(std::move(projection)),
         parent_(std::move(parent)),
         graph_(std::move(graph)),
@@ -268,12 +276,14 @@ class DynamicRegions final : public Heuristic {
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
         ball_(projection_->space(), radius),
+        // The circle of radius r is inside by the share p of its diameter where d <= R + r - 2 p r.
+        reach_(std::max(0.0, ball_.radius() + robot * (1.0 - 2.0 * settings.penetration))),
         spawned_(graph_->vertices.size(), 0),
         lifted_(std::move(lifted)),
         position_(2) {
     spawn(graph_->start);
     // What the planner reached before the graph was searched again need not be reached twice.
-    advance([&](View centre) { return reached.nearest(centre).squared_distance <= ball_.radius() * ball_.radius(); });
+    advance([&](View centre) { return reached.nearest(centre).squared_distance <= reach_ * reach_; });
   }
 
   Source sample(Stream& stream, MutableView out) override {
@@ -313,11 +323,14 @@ class DynamicRegions final : public Heuristic {
       region.attempts = settings_.decay * region.attempts + 1.0;
       ++region.idle;
       ++epoch_;
+      region.failures = success ? 0 : region.failures + 1;
+      if (settings_.drop > 0 && region.failures >= settings_.drop) {
+        regions_.erase(regions_.begin() + static_cast<std::ptrdiff_t>(drawn_));
+      }
     }
     if (!outcome.added.empty()) {
       projection_->project(outcome.added, position_);
-      const double r2 = ball_.radius() * ball_.radius();
-      advance([&](View c) { return projection_->space().squared_distance(c, position_) <= r2; });
+      advance([&](View c) { return projection_->space().squared_distance(c, position_) <= reach_ * reach_; });
     }
     drawn_ = regions_.size();
   }
@@ -349,6 +362,7 @@ class DynamicRegions final : public Heuristic {
     double successes = 1.0;
     double attempts = 1.0;
     std::int64_t idle = 0;                             ///< own proposals since it last moved
+    std::int64_t failures = 0;                         ///< own proposals in a row that led to no node
     std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
     [[nodiscard]] double weight() const { return successes / attempts; }
   };
@@ -437,6 +451,7 @@ class DynamicRegions final : public Heuristic {
   SkeletonSettings settings_;
   double uniform_density_;
   BallKernel ball_;
+  double reach_;  ///< of a node from a region's centre, at which the region moves on
   std::vector<Region> regions_;
   std::vector<char> spawned_;
   std::size_t drawn_ = 0;
@@ -492,7 +507,7 @@ class SkeletonGuide final : public Guide {
     const double robot = parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
     auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, lifted(parent, *found), settings_,
-                                              settings_.region * unit, *reached_);
+                                              settings_.region * unit, robot, *reached_);
     current_ = h.get();
     return h;
   }

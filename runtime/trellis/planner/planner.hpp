@@ -50,6 +50,12 @@ struct Search {
   std::vector<Guidance::Source> proposal_sources;  ///< which part of h drew each proposal
   std::vector<std::string> sources;                ///< their names
   DensityRecord density;                           ///< what h was, over all proposals
+  /// Of each node whether its validity was looked at; empty where that of all was. The nodes of a lazy roadmap that
+  /// were not are no samples that the search paid for, and are not measured.
+  std::vector<std::uint8_t> looked_at;
+  /// Whether the proposals are an expansion: drawn to grow what is there. Those of an unguided lazy roadmap are laid
+  /// out before anything is known, and are not measured.
+  bool expands = true;
   /// Nodes of a roadmap or graph that were joined, in the order they were; a lazy roadmap's may be invalid.
   std::vector<std::array<std::uint32_t, 2>> edges;
   Checks checks;

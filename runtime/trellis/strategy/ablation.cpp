@@ -56,6 +56,7 @@ GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
     const GuideSpec weighted = (term.weight / total_weight(part)) * part;
     sum = sum ? *sum + weighted : weighted;
   }
+  if (guide.kind() == GuideSpec::Kind::blend) return blend(parts, guide.blending());
   return guide.kind() == GuideSpec::Kind::mixture ? *sum : sequence(parts, guide.turn());
 }
 

@@ -217,7 +217,8 @@ class Level {
   void guide_by(const GuideSpec& spec) { guidance_.set_guide(make_guidance(run_, *this, spec)); }
 
   /// Solves the instance, or solves it again; the instances below are solved first.
-  const Solution& solve() {
+  /// \param proposals  that may be spent on it, within the level's budget
+  const Solution& solve(double proposals = Budget::unlimited) {
     double* above = run_.clock.switch_to(&record_.search.seconds);
     if (run_.at_work != nullptr) run_.at_work->pause();
     Level* asking = std::exchange(run_.at_work, this);
@@ -230,7 +231,10 @@ class Level {
                                                             record_.search, guidance_.guided(), run_.interrupted});
     }
     ++record_.solves;
-    Solution found = planner_->solve(common_.budget);
+    Budget budget = common_.budget;
+    budget.proposals = std::min(budget.proposals, static_cast<double>(record_.search.proposals.size()) + proposals);
+    Solution found = planner_->solve(budget);
+    found_ = found.solved();
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
     run_.at_work = asking;
@@ -271,6 +275,8 @@ class Level {
     if (search.proposals.size() + search.nodes.size() > noted_) end_turn({}, false);
   }
 
+  /// Whether the last solve found a path.
+  [[nodiscard]] bool found() const { return found_; }
   [[nodiscard]] Instance& instance() { return *instance_; }
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
@@ -328,6 +334,7 @@ class Level {
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
   std::size_t noted_ = 0;  ///< proposals and nodes when its last turn ended
+  bool found_ = false;
 };
 
 /// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
@@ -355,7 +362,7 @@ class ComponentGuidance final : public Prepared {
       heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
       return;
     }
-    const Solution& found = level_->solve();
+    const Solution& found = solve_below();
     ++epoch_;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
@@ -381,7 +388,7 @@ class ComponentGuidance final : public Prepared {
     if (!heuristic_->stale() || resolves_left_ <= 0) return;
     --resolves_left_;
     guide_->before_resolve();
-    const Solution& found = level_->solve();
+    const Solution& found = solve_below();
     epoch_ = epoch() + 1;
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
@@ -403,6 +410,15 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
+  /// Solves the instance in S, for as many paths as the guide wants.
+  const Solution& solve_below() {
+    const Solution* found = &level_->solve();
+    while (const std::int64_t more = guide_->another(level_->found() ? found : nullptr)) {
+      found = &level_->solve(static_cast<double>(more));
+    }
+    return *found;
+  }
+
   Level& parent_;
   std::shared_ptr<Guide> guide_;
   std::string name_;
@@ -490,6 +506,95 @@ class MixtureGuidance final : public PartsGuidance {
   std::vector<double> weights_;
 };
 
+/// A mixture whose weights follow what each part's proposals achieved (BlendSettings).
+class BlendGuidance final : public PartsGuidance {
+ public:
+  BlendGuidance(const BlendSettings& settings, const Space& space, std::vector<std::unique_ptr<Prepared>> parts)
+      : PartsGuidance(std::move(parts)), settings_(settings), space_(space), arms_(parts_.size()) {}
+  void prepare() override {
+    for (auto& part : parts_) part->prepare();
+  }
+  Source sample(Stream& stream, MutableView out) override {
+    const double total = total_weight();
+    double u = stream.uniform();
+    drawn_ = 0;
+    while (drawn_ + 1 < parts_.size() && u >= share(drawn_, total)) u -= share(drawn_++, total);
+    return draw(stream, out);
+  }
+  [[nodiscard]] double density(View q) const override {
+    return sum([&](const Prepared& part) { return part.density(q); });
+  }
+  [[nodiscard]] double atom_mass() const override {
+    return sum([](const Prepared& part) { return part.atom_mass(); });
+  }
+  [[nodiscard]] std::uint64_t epoch() const override { return counted_ + PartsGuidance::epoch(); }
+  void record(DensityRecord& record, double of) const override {
+    const double total = total_weight();
+    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->record(record, of * share(i, total));
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    if (mine) {
+      auto& arm = arms_[drawn_];
+      arm.successes = settings_.decay * arm.successes + credit(outcome);
+      arm.attempts = settings_.decay * arm.attempts + 1.0;
+      ++counted_;
+    }
+    PartsGuidance::observe(outcome, mine);
+  }
+  /// Of the parts that have a path, that of the one with the most weight.
+  [[nodiscard]] Configurations guiding_path() const override {
+    Configurations best;
+    double most = -1.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (arms_[i].weight() <= most) continue;
+      Configurations path = parts_[i]->guiding_path();
+      if (path.empty()) continue;
+      most = arms_[i].weight();
+      best = std::move(path);
+    }
+    return best;
+  }
+
+ private:
+  struct Arm {
+    double successes = 1.0;
+    double attempts = 1.0;
+    [[nodiscard]] double weight() const { return successes / attempts; }
+  };
+
+  [[nodiscard]] double total_weight() const {
+    double total = 0.0;
+    for (const auto& arm : arms_) total += arm.weight();
+    return total;
+  }
+  /// The probability that part i draws the next proposal, `total` the weight of all.
+  [[nodiscard]] double share(std::size_t i, double total) const {
+    const double even = 1.0 / static_cast<double>(arms_.size());
+    const double follow = total > 0.0 ? arms_[i].weight() / total : even;
+    return settings_.floor * even + (1.0 - settings_.floor) * follow;
+  }
+  template <class Value>
+  [[nodiscard]] double sum(const Value& value) const {
+    const double total = total_weight();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) sum += share(i, total) * value(*parts_[i]);
+    return sum;
+  }
+  double credit(const Outcome& outcome) {
+    if (outcome.added.empty()) return 0.0;
+    if (settings_.credit == "node" || outcome.near.empty()) return 1.0;
+    const double length = space_.distance(outcome.near, outcome.added);
+    longest_ = std::max(longest_, length);
+    return longest_ > 0.0 ? length / longest_ : 0.0;
+  }
+
+  BlendSettings settings_;
+  const Space& space_;
+  std::vector<Arm> arms_;
+  double longest_ = 0.0;       ///< extension so far
+  std::uint64_t counted_ = 0;  ///< outcomes
+};
+
 /// A sequence of guides: each serves a turn of proposals; the path that it leaves informs the next one's search. After
 /// the last the first has its turn again.
 class SequenceGuidance final : public PartsGuidance {
@@ -531,6 +636,9 @@ std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSp
     parts.push_back(make_guidance_at(run, level, term.guide, fmt::format("{}.{}", key, parts.size())));
   }
   if (spec.kind() == GuideSpec::Kind::mixture) return std::make_unique<MixtureGuidance>(weights, std::move(parts));
+  if (spec.kind() == GuideSpec::Kind::blend) {
+    return std::make_unique<BlendGuidance>(spec.blending(), level.instance().space, std::move(parts));
+  }
   return std::make_unique<SequenceGuidance>(std::move(parts), spec.turn());
 }
 

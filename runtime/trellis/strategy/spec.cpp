@@ -59,6 +59,16 @@ Json planner_json(const PlannerSpec& planner) {
   return {{"planner", planner.name()}, {"options", options_json(planner.options())}};
 }
 
+/// The options of a blend that differ from their defaults, as a script writes them.
+std::vector<std::string> blend_options(const BlendSettings& settings) {
+  const BlendSettings plain;
+  std::vector<std::string> given;
+  if (settings.floor != plain.floor) given.push_back("floor = " + to_string(OptionValue(settings.floor)));
+  if (settings.decay != plain.decay) given.push_back("decay = " + to_string(OptionValue(settings.decay)));
+  if (settings.credit != plain.credit) given.push_back("credit = " + to_string(OptionValue(settings.credit)));
+  return given;
+}
+
 Json guide_json(const GuideSpec& guide) {
   if (guide.kind() == GuideSpec::Kind::component) {
     Json json = {{"guide", guide.name()}, {"options", options_json(guide.options())}};
@@ -77,6 +87,10 @@ Json guide_json(const GuideSpec& guide) {
     }
   }
   if (guide.kind() == GuideSpec::Kind::mixture) return {{"mixture", parts}};
+  if (guide.kind() == GuideSpec::Kind::blend) {
+    const BlendSettings& blending = guide.blending();
+    return {{"blend", parts}, {"floor", blending.floor}, {"decay", blending.decay}, {"credit", blending.credit}};
+  }
   return {{"sequence", parts}, {"turn", guide.turn()}};
 }
 
@@ -109,6 +123,7 @@ struct GuideSpec::Node {
   Origin origin;
   std::vector<Term> terms;
   std::int64_t turn = default_turn;
+  BlendSettings blending;
 };
 
 GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::Entry>& given,
@@ -145,6 +160,7 @@ const GuideSpec* GuideSpec::below() const { return node_->below ? &*node_->below
 const Origin& GuideSpec::origin() const { return node_->origin; }
 const std::vector<GuideSpec::Term>& GuideSpec::terms() const { return node_->terms; }
 std::int64_t GuideSpec::turn() const { return node_->turn; }
+const BlendSettings& GuideSpec::blending() const { return node_->blending; }
 
 bool GuideSpec::searches() const {
   if (kind() == Kind::component) return node_->planner.has_value();
@@ -159,7 +175,7 @@ std::string GuideSpec::text() const {
           node_->name + options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
       if (!node_->below) return self;
       const std::string above = node_->below->text();
-      const bool loose = node_->below->kind() != Kind::component;
+      const bool loose = node_->below->kind() == Kind::mixture || node_->below->kind() == Kind::sequence;
       return (loose ? "(" + above + ")" : above) + " >> " + self;
     }
     case Kind::mixture: {
@@ -167,7 +183,8 @@ std::string GuideSpec::text() const {
       for (const auto& term : terms()) total += term.weight;
       std::vector<std::string> parts;
       for (const auto& term : terms()) {
-        const bool loose = term.guide.kind() != Kind::component || term.guide.below() != nullptr;
+        const bool loose =
+            term.guide.kind() != Kind::blend && (term.guide.kind() != Kind::component || term.guide.below() != nullptr);
         const std::string inner = loose ? "(" + term.guide.text() + ")" : term.guide.text();
         parts.push_back(fmt::format("{:.4g}*{}", term.weight / total, inner));
       }
@@ -183,6 +200,12 @@ std::string GuideSpec::text() const {
       if (turn() != default_turn) return fmt::format("sequence {{ {}, turn = {} }}", fmt::join(parts, ", "), turn());
       return fmt::format("{}", fmt::join(parts, " .. "));
     }
+    case Kind::blend: {
+      std::vector<std::string> parts;
+      for (const auto& term : terms()) parts.push_back(term.guide.text());
+      for (auto& option : blend_options(blending())) parts.push_back(std::move(option));
+      return fmt::format("blend {{ {} }}", fmt::join(parts, ", "));
+    }
   }
   throw Fault("unknown kind of guide");
 }
@@ -196,6 +219,7 @@ bool operator==(const GuideSpec& a, const GuideSpec& b) {
     return a.below() == nullptr || *a.below() == *b.below();
   }
   if (a.terms().size() != b.terms().size() || a.turn() != b.turn()) return false;
+  if (!(a.blending() == b.blending())) return false;
   double total_a = 0.0;
   double total_b = 0.0;
   for (const auto& term : a.terms()) total_a += term.weight;
@@ -269,6 +293,36 @@ GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn) {
   return GuideSpec(std::move(node));
 }
 
+const Settings<BlendSettings>& blend_settings() {
+  static const auto settings =
+      Settings<BlendSettings>(
+          Component::Kind::combinator, "blend", "a mixture whose weights follow what each guide's proposals achieved",
+          "the rule of Denny, Sandstrom, Bregger and Amato 2016 for regions, with guides in their place; combining "
+          "guides: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133")
+          .number("floor", &BlendSettings::floor, "share of proposals", {.lo = 0, .hi = 1, .open_lo = true},
+                  "share that is spread evenly over the parts, so that none starves; the rest follows successes over "
+                  "attempts; 1: an even mixture")
+          .number("decay", &BlendSettings::decay, "factor", {.lo = 0, .hi = 1, .open_lo = true},
+                  "what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - "
+                  "decay) of its proposals are remembered")
+          .choice("credit", &BlendSettings::credit, {"node", "reach"},
+                  "what a success is: \"node\", 1 for each proposal that led to a node; \"reach\", the length of the "
+                  "extension to that node, by the longest of the run so far");
+  return settings;
+}
+
+GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings) {
+  if (parts.empty()) throw Error("blend: needs at least one guide");
+  Options::validate(blend_settings().component(),
+                    {{"floor", settings.floor}, {"decay", settings.decay}, {"credit", settings.credit}});
+  auto node = std::make_shared<GuideSpec::Node>();
+  node->kind = GuideSpec::Kind::blend;
+  node->blending = settings;
+  node->terms.reserve(parts.size());
+  for (const auto& part : parts) node->terms.push_back({1.0, part});
+  return GuideSpec(std::move(node));
+}
+
 // ---- strategies
 
 namespace {
@@ -292,7 +346,12 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
     return;
   }
   const bool mixture = guide.kind() == GuideSpec::Kind::mixture;
-  head(mixture ? "mixture" : fmt::format("sequence, turns of {} proposals", guide.turn()));
+  if (guide.kind() == GuideSpec::Kind::blend) {
+    const auto& blending = guide.blending();
+    head(fmt::format("blend, floor {:.3g}, decay {:.3g}, credit {}", blending.floor, blending.decay, blending.credit));
+  } else {
+    head(mixture ? "mixture" : fmt::format("sequence, turns of {} proposals", guide.turn()));
+  }
   double total = 0.0;
   for (const auto& term : guide.terms()) total += term.weight;
   for (std::size_t i = 0; i < guide.terms().size(); ++i) {
@@ -313,7 +372,8 @@ StrategySpec::StrategySpec(PlannerSpec planner, GuideSpec guide)
 std::string StrategySpec::text() const {
   if (!guide_) return planner_.text();
   const std::string guide = guide_->text();
-  return (guide_->kind() == GuideSpec::Kind::component ? guide : "(" + guide + ")") + " >> " + planner_.text();
+  const bool loose = guide_->kind() == GuideSpec::Kind::mixture || guide_->kind() == GuideSpec::Kind::sequence;
+  return (loose ? "(" + guide + ")" : guide) + " >> " + planner_.text();
 }
 
 std::string StrategySpec::tree() const {

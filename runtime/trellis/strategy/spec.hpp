@@ -15,11 +15,12 @@ namespace trellis {
 //
 //   guide >> guide = guide          planner is a strategy           w * guide = guide
 //   guide >> strategy = strategy    guide + guide = guide           guide .. guide = guide (sequence)
+//                                   blend { guide, ... } = guide
 //
-// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)` and `a >> (b .. c)` is `(a >> b) .. (a >> c)`; sums and
-// sequences are flat; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner
-// at the end too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over
-// mixtures.
+// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)`, and so with `..` and blend; sums and sequences are flat, blends
+// are not; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner at the end
+// too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over mixtures,
+// sequences and blends.
 
 /// Where a spec was written. Not part of its value, hash or JSON.
 struct Origin {
@@ -49,10 +50,29 @@ class PlannerSpec {
   Origin origin_;
 };
 
-/// A guide: a component (f, h) with the guide of its own search, a mixture, or a sequence.
+/// How a blend follows what its parts achieved. Part i of n draws with probability
+///
+///     floor / n + (1 - floor) * w_i / sum w,    w_i = successes_i / attempts_i,
+///
+/// both begun at 1 and multiplied by `decay` before each outcome of a proposal of part i is counted. It is the rule by
+/// which dynamic regions are chosen (Denny et al. 2016), with the parts for regions; the floor is what keeps every part
+/// sampled, as exploration does in EXP3 (Auer et al. 2002).
+struct BlendSettings {
+  double floor = 0.2;
+  double decay = 0.98;
+  /// What a proposal's success is. "node": 1 where it led to a node. "reach": how long the extension to that node was,
+  /// by the longest of the run so far; a node amid others is worth little.
+  std::string credit = "node";
+
+  friend bool operator==(const BlendSettings&, const BlendSettings&) = default;
+};
+/// The settings described, for scripts and help.
+const Settings<BlendSettings>& blend_settings();
+
+/// A guide: a component (f, h) with the guide of its own search, a mixture, a sequence, or a blend.
 class GuideSpec {
  public:
-  enum class Kind { component, mixture, sequence };
+  enum class Kind { component, mixture, sequence, blend };
   struct Term;
 
   /// A component without a guide of its own. `planner`: of its own search; none: the component's default.
@@ -69,10 +89,12 @@ class GuideSpec {
   /// The guide of its own search, nullptr without.
   [[nodiscard]] const GuideSpec* below() const;
   [[nodiscard]] const Origin& origin() const;
-  // Of a mixture or sequence (the weights of a sequence are 1):
+  // Of a mixture, sequence or blend (weights other than a mixture's are 1):
   [[nodiscard]] const std::vector<Term>& terms() const;
   /// Proposals that each part of a sequence serves before the next one's turn.
   [[nodiscard]] std::int64_t turn() const;
+  /// How a blend weighs its parts.
+  [[nodiscard]] const BlendSettings& blending() const;
 
   /// Whether any component in it searches a space of its own (S other than {0}).
   [[nodiscard]] bool searches() const;
@@ -86,6 +108,7 @@ class GuideSpec {
   /// Throws Error for a weight that is not finite and positive.
   friend GuideSpec operator*(double weight, const GuideSpec& guide);
   friend GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn);
+  friend GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings);
 
  private:
   struct Node;
@@ -102,6 +125,9 @@ struct GuideSpec::Term {
 inline constexpr std::int64_t default_turn = 200;
 /// `a .. b .. c`: each space serves a turn and informs the next. `a .. b` in Lua is sequence({a, b}).
 GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = default_turn);
+/// A mixture whose weights follow what each part's proposals achieved. Throws Error without parts, or for settings out
+/// of their range.
+GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings = {});
 
 /// A planner at the root, with or without a guide: what can be executed.
 class StrategySpec {

@@ -1,0 +1,1 @@
+return blend { skeleton(), rrt {} } >> rrt {}, scenes.cup()

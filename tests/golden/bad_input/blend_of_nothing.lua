@@ -1,0 +1,1 @@
+return blend { floor = 0.5 } >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return blend { skeleton(), lazy(), floor = 0 } >> rrt {}, scenes.cup()

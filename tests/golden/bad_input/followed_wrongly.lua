@@ -1,0 +1,1 @@
+return shrink { 0.5, follow = "waypoint" } >> rrt {}, scenes.cup()

@@ -1,0 +1,2 @@
+return strategies.dr_rrt {
+  regon = 3 }, scenes.cup()

@@ -1,0 +1,1 @@
+return skeleton { penetration = 2 } >> rrt {}, scenes.cup()

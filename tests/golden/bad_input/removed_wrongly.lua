@@ -1,0 +1,1 @@
+return lazy_prm { remove = "last" }, scenes.cup()

@@ -1,0 +1,1 @@
+return strategies.relaxation { scales = "half" } >> rrt {}, scenes.cup()

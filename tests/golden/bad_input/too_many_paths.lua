@@ -1,0 +1,1 @@
+return shrink { 0.5, paths = 100 } >> rrt {}, scenes.cup()

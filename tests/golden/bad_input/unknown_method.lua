@@ -1,0 +1,3 @@
+return experiment {
+  problems = paper.scenes(),
+  strategies = paper.methods { ircc = {} } }

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The methods of the standard library are what docs/methods.md says, and compose with everything.
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/script.hpp"
+
+using namespace trellis;
+using test::failure;
+using test::value;
+using test::values;
+
+TEST_CASE("the methods of the paper are written in the language from parts") {
+  CHECK(value("strategies.rrt() == rrt { step = 0.5, goal_bias = 0.05 }") == "true");
+  CHECK(value("strategies.parasol_rrt() == rrt { goal_bias = 0 }") == "true");
+  CHECK(value("strategies.dr_rrt() == skeleton { region = 2, explore = 0.5, decay = 0.9, drop = 1000, resolves = 0 } "
+              ">> rrt { uniform = 0 }") == "true");
+  CHECK(value("strategies.parasol_dr_rrt() == skeleton { penetration = 1, drop = 0, resolves = 0 } >> "
+              "rrt { uniform = 0, goal_bias = 0 }") == "true");
+  CHECK(value("strategies.irc { scales = {0.25, 0.5} } == "
+              "shrink { 0.5, follow = 'waypoints', planner = rrt { uniform = 0.5 } } >> "
+              "shrink { 0.5, follow = 'waypoints', planner = rrt { uniform = 0.5 } } >> rrt { uniform = 0.5 }") ==
+        "true");
+  CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', paths = 2, planner = rrt {} } "
+              ">> rrt { uniform = 0.5 }") == "true");
+  CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, neighbours = 10, proposals = 50000 } == "
+              "lazy_prm { remove = 'first' }") == "true");
+  CHECK(value("strategies.hybrid() == 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt {}") == "true");
+  CHECK(value("strategies.blend { memory = 0.9 } == "
+              "blend { strategies.regions(), strategies.relaxation(), decay = 0.9 } >> rrt {}") == "true");
+}
+
+TEST_CASE("every method takes options, and most another planner") {
+  for (const std::string name : {"dr_rrt", "irc", "vonasek", "nested", "hybrid", "blend", "parasol_dr_rrt",
+                                 "parasol_irc", "skeleton", "shrinking", "biases"}) {
+    CAPTURE(name);
+    CHECK(value("tostring(strategies." + name +
+                " { planner = prm { batch = 5 } }):match('>> prm { batch = 5 }$') ~= nil") == "true");
+    CHECK(failure("strategies." + name + " { plannner = prm {} }").find("unknown field 'plannner'") !=
+          std::string::npos);
+    CHECK(failure("strategies." + name + "(5)").find("takes a table") != std::string::npos);
+  }
+  CHECK(value("strategies.dr_rrt { region = 3, step = 0.25 } == "
+              "skeleton { region = 3, drop = 1000, resolves = 0 } >> rrt { uniform = 0, step = 0.25 }") == "true");
+}
+
+TEST_CASE("the methods' guides serve at any level") {
+  CHECK(value("strategies.regions() >> shrink(0.5) >> rrt_connect {} == "
+              "skeleton { drop = 1000, resolves = 0 } >> shrink(0.5) >> rrt_connect {}") == "true");
+  CHECK(value("tostring(blend { strategies.several(), strategies.relaxation { scales = {0.5} } } >> prm {})") ==
+        "blend { shrink { 0.5, follow = \"waypoints\", paths = 3, planner = rrt() }, "
+        "shrink { 0.5, follow = \"waypoints\", planner = rrt { uniform = 0.5 } } } >> prm()");
+  CHECK(value("skeleton() >> strategies.irc { scales = {0.5} } == "
+              "(skeleton() >> strategies.relaxation { scales = {0.5} }) >> rrt { uniform = 0.5 }") == "true");
+}
+
+TEST_CASE("the paper's experiment lists every method under its name") {
+  CHECK(values("local names = {} for i, m in ipairs(paper.methods()) do names[i] = m[1] end "
+               "return table.concat(names, ' ')") ==
+        std::vector<std::string>{"rrt lazy_prm dr_rrt irc vonasek rrt_connect nested hybrid blend"});
+  CHECK(value("#paper.parasol()") == "4");
+  CHECK(value("#paper.scenes()") == "3");
+  CHECK(value("paper.methods { rrt = { step = 0.25 } }[1][2] == rrt { step = 0.25 }") == "true");
+}

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guides that follow the points of a path, and several paths; what spaces are kept out of; options of the skeleton.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/excluded.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/guide/path_guide.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+/// A guide with its space at work, solved as the executor does it.
+struct Work {
+  std::unique_ptr<Instance> parent;
+  std::unique_ptr<Guide> guide;
+  std::unique_ptr<Instance> sub;
+  std::unique_ptr<UniformGuidance> uniform;
+  Search search;
+  std::unique_ptr<Planner> planner;
+  Solution found;
+  std::vector<Configurations> paths;
+  std::unique_ptr<Heuristic> h;
+};
+
+Work work(const std::string& name, const std::vector<Options::Entry>& given, const Problem& problem,
+          std::uint64_t seed = 1) {
+  Work w;
+  const GuideKind& kind = *find_guide(name);
+  w.parent = make_instance(problem);
+  w.guide = kind.make(Options::validate(*kind.component, given));
+  w.sub = w.guide->project(*w.parent);
+  w.uniform = std::make_unique<UniformGuidance>(w.sub->space);
+  w.search = Search(w.sub->space.dimension());
+  const PlannerKind& planner = *find_planner(kind.default_planner);
+  const Options options = Options::validate(*planner.component, {});
+  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false, {}});
+  const auto solve = [&](Budget budget) {
+    Solution found = w.planner->solve(budget);
+    const bool solved = found.solved();
+    if (solved) {
+      w.found = std::move(found);
+      w.paths.push_back(w.found.path);
+    }
+    return w.guide->another(solved ? &w.found : nullptr);
+  };
+  const Budget budget = planner.common(options).budget;
+  std::int64_t more = solve(budget);
+  while (more > 0) {
+    Budget little = budget;
+    little.proposals = static_cast<double>(w.search.proposals.size()) + static_cast<double>(more);
+    more = solve(little);
+  }
+  w.h = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
+  return w;
+}
+
+void tell(Work& w, View added, bool mine) {
+  Outcome outcome;
+  outcome.fate = added.empty() ? Fate::rejected : Fate::reached;
+  outcome.proposal = added.empty() ? View(w.parent->start) : added;
+  outcome.near = w.parent->start;
+  outcome.added = added;
+  w.guide->learn(outcome);
+  w.h->observe(outcome, mine);
+}
+
+const std::vector<Options::Entry> waypoints = {{"follow", std::string("waypoints")}};
+
+double least_distance(const Space& space, View q, const Configurations& path) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    least = std::min(least, nearest_on_motion(space, path[i - 1], path[i], q).squared_distance);
+  }
+  return std::sqrt(least);
+}
+
+}  // namespace
+
+TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][waypoints]") {
+  for (const auto* name : {"shrink", "identity", "lazy"}) {
+    CAPTURE(name);
+    auto w = work(name, waypoints, test::cup_problem());
+    auto& h = dynamic_cast<WaypointHeuristic&>(*w.h);
+    const auto& path = std::as_const(w.found.path);
+    Stream stream(1, "0", "waypoints");
+    Configuration q(3);
+    std::size_t before = 0;
+    while (h.waypoint() < path.size()) {
+      const std::size_t at = h.waypoint();
+      REQUIRE(at > before);
+      before = at;
+      const bool kept = w.parent->valid(path[at]);
+      CHECK(h.atom_mass() == (kept ? 1.0 : 0.0));
+      h.sample(stream, q);
+      CHECK(w.parent->space.distance(q, path[at]) <= (kept ? 0.0 : h.radius() + 1e-12));
+      if (kept) {
+        // The way to it is blocked: what is near it is proposed as well.
+        tell(w, {}, true);
+        CHECK(h.waypoint() == at);
+        CHECK(h.atom_mass() == 0.5);
+        for (int i = 0; i < 20; ++i) {
+          h.sample(stream, q);
+          CHECK(w.parent->space.distance(q, path[at]) <= h.radius() + 1e-12);
+        }
+      }
+      // A node elsewhere reaches nothing.
+      tell(w, w.parent->start, true);
+      CHECK(h.waypoint() == at);
+      tell(w, path[at], true);
+    }
+    // Afterwards the whole path serves.
+    CHECK(h.atom_mass() == 0.0);
+    for (int i = 0; i < 200; ++i) {
+      h.sample(stream, q);
+      CHECK(least_distance(w.parent->space, q, path) <= h.radius() + 1e-9);
+    }
+  }
+}
+
+TEST_CASE("a way-point without progress makes h stale, and another path goes on where the planner is",
+          "[guide][waypoints]") {
+  auto options = waypoints;
+  options.emplace_back("patience", std::int64_t{30});
+  auto w = work("shrink", options, test::cup_problem());
+  const Configurations path = w.found.path;
+  REQUIRE(path.size() > 6);
+  for (std::size_t i = 1; i < 4; ++i) tell(w, std::as_const(path)[i], false);
+  for (int i = 0; i < 30; ++i) {
+    CHECK_FALSE(w.h->stale());
+    tell(w, {}, true);
+  }
+  CHECK(w.h->stale());
+  const auto next = w.guide->heuristic(*w.parent, w.sub.get(), &w.found);
+  CHECK_FALSE(next->stale());
+  CHECK(dynamic_cast<WaypointHeuristic&>(*next).waypoint() >= 4);
+}
+
+TEST_CASE("what h along way-points or several paths enters into a record is its density at every step",
+          "[guide][waypoints][paths][density]") {
+  auto both = waypoints;
+  both.emplace_back("paths", std::int64_t{2});
+  for (const auto& options : {waypoints, both, std::vector<Options::Entry>{{"paths", std::int64_t{3}}}}) {
+    for (const auto& problem : {test::cup_problem(), test::trap_problem(), test::simple_passage_problem()}) {
+      CAPTURE(problem.name, options.size());
+      auto w = work("shrink", options, problem);
+      const auto& space = w.parent->space;
+      Stream stream(7, "0", "record");
+      Configuration q(space.dimension());
+      Configurations probes(space.dimension());
+      for (int i = 0; i < 60; ++i) {
+        if (i % 2 == 0) {
+          space.sample_uniform(stream, q);
+        } else {
+          const View p = w.paths[static_cast<std::size_t>(i) % w.paths.size()]
+                                [stream.below(w.paths.front().size()) % w.paths.back().size()];
+          for (std::size_t j = 0; j < q.size(); ++j) q[j] = p[j] + stream.uniform(-0.05, 0.05);
+          space.reflect(q);
+        }
+        probes.push(q);
+      }
+      std::vector<double> sums(probes.size(), 0.0);
+      double atoms = 0.0;
+      double drawn_atoms = 0.0;
+      DensityRecord record;
+      constexpr int steps = 1500;
+      for (int t = 0; t < steps; ++t) {
+        atoms += w.h->atom_mass() / steps;
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += w.h->density(std::as_const(probes)[i]) / steps;
+        w.h->sample(stream, q);
+        record.served(*w.h);
+        for (const auto& path : w.paths) {
+          for (std::size_t i = 0; i < path.size(); ++i) {
+            if (space.distance(path[i], q) == 0.0) drawn_atoms += 1.0 / steps;
+          }
+        }
+        tell(w, t % 3 == 0 ? View(q) : View(), true);
+      }
+      REQUIRE(record.exact());
+      CHECK(record.atoms() == Approx(atoms).margin(1e-12));
+      CHECK(drawn_atoms == Approx(atoms).margin(0.05));
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
+      }
+      record.compact();
+      CHECK(record.terms() <= 1);
+    }
+  }
+}
+
+TEST_CASE("several paths keep apart but near their ends, and what was excluded is valid again", "[guide][paths]") {
+  const auto problem = test::cup_problem();
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    auto w = work("shrink", {{"paths", std::int64_t{2}}, {"distinct", 0.5}}, problem, seed);
+    REQUIRE(w.paths.size() == 2);
+    const auto& space = w.parent->space;
+    const auto far = [&](View q) {
+      return space.distance(q, problem.start) > 1.5 && space.distance(q, problem.goal) > 1.5;
+    };
+    Configuration q(3);
+    for (std::size_t i = 1; i < w.paths[1].size(); ++i) {
+      for (int k = 0; k < 8; ++k) {
+        space.interpolate(w.paths[1][i - 1], w.paths[1][i], k / 8.0, q);
+        // Balls of 0.5 about points at most 0.25 apart leave a tube of sqrt(0.5^2 - 0.125^2) without gaps.
+        if (far(q)) CHECK(least_distance(space, q, w.paths[0]) >= 0.48);
+      }
+    }
+    for (const auto& path : w.paths) {
+      for (std::size_t i = 0; i < path.size(); ++i) CHECK(w.sub->valid(path[i]));
+      for (std::size_t i = 1; i < path.size(); ++i) CHECK(w.sub->motion(path[i - 1], path[i]).valid);
+    }
+    // Both guide: about half of the proposals each.
+    Stream stream(seed, "0", "several");
+    int first = 0;
+    for (int i = 0; i < 400; ++i) {
+      w.h->sample(stream, q);
+      if (least_distance(space, q, w.paths[0]) < least_distance(space, q, w.paths[1])) ++first;
+    }
+    CHECK(first > 130);
+    CHECK(first < 270);
+  }
+}
+
+TEST_CASE("where there is no second path the search for it ends with its budget, and one guides", "[guide][paths]") {
+  auto w =
+      work("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}}, test::simple_passage_problem());
+  REQUIRE(w.paths.size() == 1);
+  CHECK(dynamic_cast<PathHeuristic*>(w.h.get()) != nullptr);
+  // Asked again, it looks for as many again.
+  CHECK(w.guide->another(&w.found) == 300);
+  CHECK(w.guide->another(nullptr) == 0);
+}
+
+TEST_CASE("excluded balls are what brute force says", "[guide][paths]") {
+  const auto problem = test::cup_problem();
+  const auto& space = problem.space;
+  Stream stream(3, "0", "balls");
+  for (const double radius : {0.0, 0.05, 0.4}) {
+    ExcludedBalls balls(space, radius);
+    std::vector<Configuration> centres;
+    Configuration a(3);
+    Configuration b(3);
+    for (int i = 0; i < 300; ++i) {
+      space.sample_uniform(stream, a);
+      const auto inside = [&](View q) {
+        return std::any_of(centres.begin(), centres.end(),
+                           [&](const auto& c) { return space.squared_distance(c, q) <= radius * radius; });
+      };
+      CHECK(balls.contains(a) == inside(a));
+      space.sample_uniform(stream, b);
+      space.interpolate(a, b, 0.2, b);
+      const bool enters = std::any_of(centres.begin(), centres.end(), [&](const auto& c) {
+        return nearest_on_motion(space, a, b, c).squared_distance <= radius * radius;
+      });
+      const auto t = balls.entered(a, b);
+      REQUIRE(t.has_value() == enters);
+      if (t) {
+        space.interpolate(a, b, *t, b);
+        // At the place that is told it is inside, rounding apart.
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& c : centres) least = std::min(least, space.distance(c, b));
+        CHECK(least <= radius + 1e-9);
+      }
+      if (i % 3 == 0) {
+        balls.add(a);
+        centres.push_back(a);
+      }
+    }
+    balls.clear();
+    CHECK_FALSE(balls.contains(centres.front()));
+  }
+}
+
+TEST_CASE("a region is dropped after so many failures in a row, and then the whole world serves", "[guide][skeleton]") {
+  const auto problem = test::simple_passage_problem();
+  const double even = std::exp(-problem.space.log_volume());
+  const auto wholly_uniform = [&](const Work& w) {
+    Stream stream(1, "0", "anywhere");
+    Configuration q(3);
+    for (int i = 0; i < 200; ++i) {
+      problem.space.sample_uniform(stream, q);
+      if (std::abs(w.h->density(q) - even) > 1e-12) return false;
+    }
+    return true;
+  };
+  for (const std::int64_t drop : {0, 20}) {
+    CAPTURE(drop);
+    auto w = work("skeleton", {{"drop", drop}, {"resolves", std::int64_t{0}}}, problem);
+    CHECK_FALSE(wholly_uniform(w));
+    Stream stream(2, "0", "failures");
+    Configuration q(3);
+    DensityRecord record;
+    for (int i = 0; i < 2000; ++i) {
+      w.h->sample(stream, q);
+      record.served(*w.h);
+      tell(w, {}, true);
+    }
+    CHECK(wholly_uniform(w) == (drop > 0));
+    CHECK(record.exact());
+  }
+}
+
+TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][skeleton]") {
+  const auto problem = test::simple_passage_problem();
+  const double robot = problem.scene->robot.bounding_radius();
+  // The same walker, beside the skeleton by one bounding radius and a half: inside a region of two with its reference
+  // point, not with its whole circle.
+  const auto travelled = [&](double penetration) {
+    auto w = work("skeleton", {{"penetration", penetration}}, problem);
+    const auto before = w.h->epoch();
+    const auto path = w.found.path;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const View p = std::as_const(path)[i];
+      if (p[0] > 3.0) break;
+      const Configuration q = {p[0], p[1] + 1.5 * robot, 0.0};
+      tell(w, q, false);
+    }
+    return w.h->epoch() - before;
+  };
+  CHECK(travelled(0.5) > 0);
+  CHECK(travelled(1.0) < travelled(0.5));
+}
