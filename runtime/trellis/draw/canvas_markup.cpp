@@ -44,8 +44,8 @@ std::string hex(const Colour& c) {
 
 /// fill="#123456" fill-opacity="0.5"
 std::string paint(std::string_view what, const Colour& colour) {
-  std::string out = fmt::format(" {}=\"{}\"", what, hex(colour));
-  if (colour.a < 1.0) out += fmt::format(" {}-opacity=\"{}\"", what, number(colour.a));
+  std::string out = fmt::format(R"( {}="{}")", what, hex(colour));
+  if (colour.a < 1.0) out += fmt::format(R"( {}-opacity="{}")", what, number(colour.a));
   return out;
 }
 
@@ -77,46 +77,46 @@ class Canvas::Scribe {
   explicit Scribe(std::string_view id) : id_(id) {}
 
   void operator()(const Fill& fill) {
-    out_ += fmt::format("<path d=\"{}\"{}{}/>", data(fill.path), paint("fill", fill.colour),
-                        fill.rule == FillRule::even_odd ? " fill-rule=\"evenodd\"" : "");
+    out_ += fmt::format(R"(<path d="{}"{}{}/>)", data(fill.path), paint("fill", fill.colour),
+                        fill.rule == FillRule::even_odd ? R"( fill-rule="evenodd")" : "");
   }
 
   void operator()(const Stroke& stroke) {
     constexpr std::array caps = {"butt", "round", "square"};
     constexpr std::array joins = {"miter", "round", "bevel"};
     const Pen& pen = stroke.pen;
-    out_ += fmt::format("<path d=\"{}\" fill=\"none\"{} stroke-width=\"{}\"", data(stroke.path),
+    out_ += fmt::format(R"(<path d="{}" fill="none"{} stroke-width="{}")", data(stroke.path),
                         paint("stroke", pen.colour), number(pen.width));
     if (pen.cap != Cap::butt) {
-      out_ += fmt::format(" stroke-linecap=\"{}\"", caps.at(static_cast<std::size_t>(pen.cap)));
+      out_ += fmt::format(R"( stroke-linecap="{}")", caps.at(static_cast<std::size_t>(pen.cap)));
     }
     if (pen.join != Join::miter) {
-      out_ += fmt::format(" stroke-linejoin=\"{}\"", joins.at(static_cast<std::size_t>(pen.join)));
+      out_ += fmt::format(R"( stroke-linejoin="{}")", joins.at(static_cast<std::size_t>(pen.join)));
     }
     if (!pen.dash.empty()) {
       std::string dash;
       for (const double length : pen.dash) dash += (dash.empty() ? "" : " ") + number(length);
-      out_ += fmt::format(" stroke-dasharray=\"{}\"", dash);
+      out_ += fmt::format(R"( stroke-dasharray="{}")", dash);
     }
     out_ += "/>";
   }
 
   void operator()(const Text& text) {
     if (text.text.empty()) return;
-    out_ += fmt::format(
-        "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{}{}{} textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"",
-        number(text.offset.x), number(text.offset.y), number(text.font.size),
-        text.font.bold ? " font-weight=\"bold\"" : "", text.font.italic ? " font-style=\"italic\"" : "",
-        paint("fill", text.colour), number(text_extents(text.text, text.font).width));
-    out_ += fmt::format(" transform=\"translate({} {})", number(text.at.x), number(text.at.y));
+    out_ +=
+        fmt::format(R"(<text x="{}" y="{}" font-size="{}"{}{}{} textLength="{}" lengthAdjust="spacingAndGlyphs")",
+                    number(text.offset.x), number(text.offset.y), number(text.font.size),
+                    text.font.bold ? R"( font-weight="bold")" : "", text.font.italic ? R"( font-style="italic")" : "",
+                    paint("fill", text.colour), number(text_extents(text.text, text.font).width));
+    out_ += fmt::format(R"( transform="translate({} {}))", number(text.at.x), number(text.at.y));
     if (text.angle != 0.0) out_ += fmt::format(" rotate({})", number(-text.angle));
-    out_ += "\">" + escaped(text.text) + "</text>";
+    out_ += R"(">)" + escaped(text.text) + "</text>";
   }
 
   void operator()(const Clip& clip) {
     const std::string name = fmt::format("{}-{}", id_, ++clips_);
-    out_ += fmt::format("<clipPath id=\"{0}\"><path d=\"{1}\"{2}/></clipPath><g clip-path=\"url(#{0})\">", name,
-                        data(clip.path), clip.rule == FillRule::even_odd ? " clip-rule=\"evenodd\"" : "");
+    out_ += fmt::format(R"-(<clipPath id="{0}"><path d="{1}"{2}/></clipPath><g clip-path="url(#{0})">)-", name,
+                        data(clip.path), clip.rule == FillRule::even_odd ? R"( clip-rule="evenodd")" : "");
   }
 
   void operator()(const Close&) { out_ += "</g>"; }
@@ -134,10 +134,10 @@ std::string Canvas::markup(std::string_view id) const {
   Scribe scribe(id);
   for (const Command& command : commands_) std::visit(scribe, command);
   // The width in CSS pixels, of which a point has 4/3.
-  return fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{2}\" height=\"{3}\" "
-      "font-family=\"DejaVu Sans, Verdana, sans-serif\" role=\"img\">{4}</svg>",
-      number(width_), number(height_), number(width_ * 4.0 / 3.0), number(height_ * 4.0 / 3.0), scribe.take());
+  return fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{2}" height="{3}" )"
+                     R"(font-family="DejaVu Sans, Verdana, sans-serif" role="img">{4}</svg>)",
+                     number(width_), number(height_), number(width_ * 4.0 / 3.0), number(height_ * 4.0 / 3.0),
+                     scribe.take());
 }
 
 }  // namespace trellis::draw

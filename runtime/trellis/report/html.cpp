@@ -49,10 +49,10 @@ std::string escaped(std::string_view text) {
 
 /// "1.23 ±0.08", the latter smaller, with the interval's ends for whoever points at it.
 std::string interval_html(const Interval& interval, int decimals = 2, bool sign = false) {
-  const std::string text = interval_text(interval, decimals, sign);
+  std::string text = interval_text(interval, decimals, sign);
   const std::size_t half = text.find(" ±");
   if (half == std::string::npos) return text;
-  return fmt::format("<span title=\"95 % interval {} to {}, of {}\">{}<span class=\"pm\">{}</span></span>",
+  return fmt::format(R"(<span title="95 % interval {} to {}, of {}">{}<span class="pm">{}</span></span>)",
                      fixed(interval.lo, decimals, sign), fixed(interval.hi, decimals, sign), plural(interval.n, "run"),
                      text.substr(0, half), text.substr(half + 1));
 }
@@ -76,19 +76,19 @@ class Marks {
     for (const auto& [mark, meaning] : meanings_) {
       out += fmt::format("{}<abbr>{}</abbr> {}", out.empty() ? "" : " · ", mark, escaped(meaning));
     }
-    return out.empty() ? out : "<p class=\"muted\">" + out + "</p>\n";
+    return out.empty() ? out : R"(<p class="muted">)" + out + "</p>\n";
   }
 
  private:
   void add(char mark, const std::string& meaning, const std::string& title, std::string& out) {
     meanings_.emplace(mark, meaning);
-    out += fmt::format("<abbr title=\"{}\">{}</abbr>", escaped(title.empty() ? meaning : title), mark);
+    out += fmt::format(R"(<abbr title="{}">{}</abbr>)", escaped(title.empty() ? meaning : title), mark);
   }
   std::map<char, std::string> meanings_;
 };
 
 std::string figure_cell(const Figure& figure, Marks& marks) {
-  return fmt::format("<td class=\"figure\">{}{}</td>", interval_html(figure.value), marks.of(figure));
+  return fmt::format(R"(<td class="figure">{}{}</td>)", interval_html(figure.value), marks.of(figure));
 }
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
@@ -104,15 +104,15 @@ struct Columns {
 };
 
 std::string heading(const std::string& first, const std::vector<Columns>& groups) {
-  std::string above = fmt::format("<tr><th rowspan=\"2\" scope=\"col\">{}</th>", first);
+  std::string above = fmt::format(R"(<tr><th rowspan="2" scope="col">{}</th>)", first);
   std::string below = "<tr>";
   for (const auto& [group, names] : groups) {
     if (group.empty()) {
-      for (const auto& name : names) above += fmt::format("<th rowspan=\"2\" scope=\"col\">{}</th>", name);
+      for (const auto& name : names) above += fmt::format(R"(<th rowspan="2" scope="col">{}</th>)", name);
       continue;
     }
-    above += fmt::format("<th colspan=\"{}\" scope=\"colgroup\" class=\"over\">{}</th>", names.size(), group);
-    for (const auto& name : names) below += fmt::format("<th scope=\"col\">{}</th>", name);
+    above += fmt::format(R"(<th colspan="{}" scope="colgroup" class="over">{}</th>)", names.size(), group);
+    for (const auto& name : names) below += fmt::format(R"(<th scope="col">{}</th>)", name);
   }
   return "<thead>" + above + "</tr>\n" + below + "</tr></thead>\n";
 }
@@ -126,7 +126,7 @@ using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and stra
 
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
                         bool crossed, Marks& marks) {
-  std::string out = fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}/{}<span class=\"pm\">{} %</span></td>",
+  std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{} %</span></td>)",
                                 attributes, head, s.solved, s.runs, wilson_text(s.success));
   if (measured) {
     const LevelSummary& root = root_of(s);
@@ -179,9 +179,9 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
       const std::string place = fmt::format("{}-{}", p, s);
       body += summary_row(summaries[p][s],
-                          fmt::format("<button type=\"button\" class=\"link\" data-cell=\"{}\">{}</button>", place,
+                          fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place,
                                       escaped(experiment.strategies[s].first)),
-                          fmt::format(" data-cell=\"{}\"", place), measured, crossed, marks);
+                          fmt::format(R"( data-cell="{}")", place), measured, crossed, marks);
     }
   }
   const bool tall = experiment.problems.size() * experiment.strategies.size() > 24;
@@ -203,11 +203,13 @@ std::string level_table(const RunsSummary& summary, bool measured) {
   Marks marks;
   std::string body;
   std::vector<int> depth;
+  depth.reserve(summary.levels.size());
   for (const LevelSummary& level : summary.levels) {
     depth.push_back(level.parent < 0 ? 0 : depth[static_cast<std::size_t>(level.parent)] + 1);
     std::string indent;
     for (int i = 0; i < depth.back(); ++i) indent += "&#160;&#160;";
-    body += fmt::format("<tr><th scope=\"row\">{}{}{}</th>", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
+    body +=
+        fmt::format(R"(<tr><th scope="row">{}{}{}</th>)", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
     body += cell(escaped(level.space)) + cell(escaped(level.planner)) +
             cell(fmt::format("{}/{}", level.solved, level.runs));
     for (const double count : {level.resolves, level.proposals, level.nodes, level.validity_checks}) {
@@ -247,7 +249,7 @@ HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& problem : experiment.problems) problems.emplace(problem.name, &problem);
   std::map<std::uint64_t, std::vector<const RunResult*>> by_seed;
   for (const auto& run : result.runs) {
-    if (problems.count(run.problem) > 0) by_seed[run.seed].push_back(&run);
+    if (problems.contains(run.problem)) by_seed[run.seed].push_back(&run);
   }
   HeldRuns held;
   std::size_t done = 0;
@@ -300,7 +302,7 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
         "those of all would take more than {}.",
         plural(held.incomplete, "run"), result.runs.size(), limit);
   }
-  return "<p class=\"note\">" + escaped(text) + " The tables are of all runs.</p>";
+  return R"(<p class="note">)" + escaped(text) + " The tables are of all runs.</p>";
 }
 
 std::string outcome(const RunResult& run) {

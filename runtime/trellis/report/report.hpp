@@ -41,8 +41,8 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
 
 struct HtmlOptions {
   std::string script;  ///< the path as given on the command line, "" for none
-  std::size_t most_bytes =
-      24 * 1000 * 1000;  ///< of the runs' samples: of more seeds the first ones are held, and it says so
+  /// Of the runs' samples. Where those of all seeds take more, the first ones are held, and the page says so.
+  std::size_t most_bytes = 24'000'000;
   std::function<void(std::size_t, std::size_t)> progress;  ///< called as runs are packed: done, in all
 };
 
