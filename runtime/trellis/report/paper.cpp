@@ -254,8 +254,8 @@ class Tables {
                                         : fmt::format("SE by {}, {}", escaped(estimator), path.title));
     if (estimator.starts_with("legacy")) {
       page_.paragraph(
-          "Undefended, over the whole tube: an artefact of the grid's floor, and what comes nearest to the published "
-          "figures.");
+          "Undefended, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures that were "
+          "made so.");
     }
     page_.header(problem_header("strategy"));
     for (const auto& [name, spec] : experiment_.strategies) {
