@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <dsl/command/commands.hpp>
@@ -52,21 +53,22 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
-/// Everything that --out asks for, of the problems that are finished.
+void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
+                       draw::RoleColours colours, bool quiet) {
+  const unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+  write_figures(experiment, result, folder, jobs);
+  for (const std::string& note : write_scene_figures(experiment, result, folder, {.colours = colours, .jobs = jobs})) {
+    if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
+  }
+}
+
+/// What --out asks for, of the problems that are finished, figures apart.
 void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options) {
   const std::filesystem::path folder(options.out);
   write_file((folder / "table.md").string(), report_markdown(experiment, result));
   write_file((folder / "table.csv").string(), report_csv(experiment, result));
   write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
   write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
-}
-
-void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                       draw::RoleColours colours, bool quiet) {
-  write_figures(experiment, result, folder);
-  for (const std::string& note : write_scene_figures(experiment, result, folder, {.colours = colours})) {
-    if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
-  }
 }
 
 /// Problem by problem, so that what is finished is kept when the rest is not.
@@ -91,14 +93,15 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
       if (i == 0) throw;
+      write_out(part_of(experiment, 0, i), result, options);
       std::vector<std::string> finished;
       for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
       throw Interrupted(fmt::format("interrupted; '{}' holds all of {}; the same command makes the rest too",
                                     options.out, fmt::join(finished, ", ")));
     }
     before += steps(one);
-    write_out(part_of(experiment, 0, i + 1), result, options);
   }
+  write_out(experiment, result, options);
   return result;
 }
 

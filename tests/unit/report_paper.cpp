@@ -17,18 +17,30 @@ using namespace trellis;
 
 namespace {
 
-/// Two problems, two strategies, figures by two estimators, and what was published.
+/// Two problems, three strategies, figures by two estimators, and what was published.
 std::pair<Experiment, ExperimentResult> published() {
   auto [experiment, result] = fixture::passage();
   experiment.problems.push_back(fixture::problem("a|b, \"c\""));
   for (const auto seed : experiment.seeds) result.runs.push_back(fixture::plain_run("a|b, \"c\"", seed, seed > 2));
   for (const auto seed : experiment.seeds) result.runs.push_back(fixture::nested_run("a|b, \"c\"", seed, false));
+  // A third strategy, as ranks of two say nothing: between the others in its figures.
+  experiment.strategies.emplace_back("third", fixture::plain());
+  for (const Problem& problem : experiment.problems) {
+    for (const auto seed : experiment.seeds) {
+      RunResult run = fixture::plain_run(problem.name, seed, true);
+      run.strategy = "third";
+      for (LevelResult& level : run.levels) {
+        if (level.root) level.root->tree.value -= 0.5;
+      }
+      result.runs.push_back(std::move(run));
+    }
+  }
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) {
       if (!level.root) continue;
       Estimate plain = level.root->tree;
       plain.estimator = "legacy";
-      plain.undefended = run.strategy == "rrt" ? 30.0 : 7.0;
+      plain.undefended = run.strategy == "rrt" ? 30.0 : run.strategy == "third" ? 40.0 : 7.0;
       level.root->tree.others = {plain};
       level.root_cross = level.root;
       level.root_cross->tree.value += 0.4;
@@ -37,8 +49,10 @@ std::pair<Experiment, ExperimentResult> published() {
   experiment.measure->estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("legacy")};
   Publication publication;
   publication.source = "Somebody 1999";
-  publication.entries = {{"simple_passage", "rrt", 32.147, 18.671}, {"simple_passage", "nested", 11.395, {}}};
-  publication.entries.back().expansion = std::numeric_limits<double>::quiet_NaN();
+  publication.entries = {{"simple_passage", "rrt", 32.147, 18.671},
+                         {"simple_passage", "nested", 11.395, {}},
+                         {"simple_passage", "third", 20.0, 19.0}};
+  publication.entries[1].expansion = std::numeric_limits<double>::quiet_NaN();
   using Role = Publication::Claim::Role;
   publication.claims = {
       {"nested does better", "simple_passage", "nested", true, {"rrt"}, {Role::tree, Role::expansion}},

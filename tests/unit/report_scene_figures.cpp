@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/planar.hpp>
-#include <trellis/experiment/targets.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"
@@ -102,14 +102,31 @@ TEST_CASE("every strategy has a picture of its samples, and guides have theirs",
       CHECK_FALSE(same);
     }
   }
-  SECTION("the target is the one that the runs were scored on") {
-    RootTargets targets(experiment, experiment.problems[0]);
+  SECTION("the target's points are those that the runs were scored on") {
     for (const RunResult& run : result.runs) {
       REQUIRE(run.run.solved);
-      const auto made = targets.of(run);
-      REQUIRE(made.target);
-      CHECK(made.target->uniform() == run.levels[0].root->tree.uniform);
-      CHECK(made.target->pool().size() == 1024);
+      REQUIRE(run.target.size() == 1024);
+      const Space& space = experiment.problems[0].space;
+      for (std::size_t i = 0; i < run.target.size(); i += 64) {
+        const View q = run.target[i];
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 1; k < run.run.path.size(); ++k) {
+          for (double t = 0.0; t <= 1.0; t += 1.0 / 64.0) {
+            Configuration p(3);
+            space.interpolate(run.run.path[k - 1], run.run.path[k], t, p);
+            nearest = std::min(nearest, std::hypot(p[0] - q[0], p[1] - q[1]));
+          }
+        }
+        CHECK(nearest < 0.51);
+      }
+    }
+  }
+  SECTION("on two threads the pictures are the same") {
+    const Folder other;
+    write_scene_figures(experiment, result, other.path().string(), {.jobs = 2});
+    REQUIRE(other.files() == folder.files());
+    for (const std::string& file : folder.files()) {
+      if (!file.ends_with(".pdf")) CHECK((read(folder.path() / file) == read(other.path() / file)));
     }
   }
   SECTION("a cell out of range") {

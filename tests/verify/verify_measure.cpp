@@ -9,9 +9,9 @@
 #include <map>
 #include <thread>
 
+#include <trellis/base/parallel.hpp>
 #include <trellis/draw/chart.hpp>
 #include <trellis/experiment/experiment.hpp>
-#include <trellis/experiment/scoring.hpp>
 
 #include "support/worlds.hpp"
 #include "verify/measure_cases.hpp"

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/parallel.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/strategy/ablation.hpp>
 

@@ -126,6 +126,9 @@ struct RunResult {
   std::uint64_t seed = 0;
   RunRecord run;                    ///< its `levels` have moved into the ones below
   std::vector<LevelResult> levels;  ///< the validity closures are released once the run is scored
+  /// Points of the target that the root was scored on, spread as it is; none without a path, or where the target does
+  /// not lie in the root's space.
+  Configurations target = {};
 };
 
 struct ExperimentResult {

@@ -2,14 +2,12 @@
 #include <trellis/experiment/scoring.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
+#include <trellis/base/parallel.hpp>
 #include <trellis/experiment/targets.hpp>
 
 namespace trellis {
@@ -19,6 +17,7 @@ namespace {
 // A run is scored on several paths of others: with fewer points each, as their errors average out.
 constexpr std::int64_t cross_points = 1024;
 constexpr std::int64_t cross_pool = 4096;
+constexpr std::size_t kept_points = 2048;  // of each run's target, for who draws it
 // Numbers of samples within this factor of each other are compared as they are.
 constexpr double much_different = 2.0;
 
@@ -214,26 +213,16 @@ class ProblemScoring {
   }
 
   [[nodiscard]] Scores own_scores(const Target& target, const LevelRecord& record) const {
-    return {figure(target, measured(record, record.search.nodes), held(record), {}),
+    return {figure(target, record.search.tree_samples(record.search.nodes), held(record), {}),
             expansion(target, record, record.search.proposals, record.proposal_density)};
   }
   [[nodiscard]] Scores root_scores(const Target& target, const LevelRecord& record) const {
     // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    return {figure(target, measured(record, record.root_nodes), record.level == 0 ? held(record) : Held::anything, {}),
+    return {figure(target, record.search.tree_samples(record.root_nodes),
+                   record.level == 0 ? held(record) : Held::anything, {}),
             expansion(target, record, record.root_proposals, record.root_proposal_density)};
   }
 
-  /// The tree's samples, of rows that stand for a level's nodes: those that were looked at.
-  static Configurations measured(const LevelRecord& record, const Configurations& rows) {
-    const auto& looked_at = record.search.looked_at;
-    if (looked_at.empty()) return rows;
-    Configurations chosen(rows.dimension());
-    chosen.reserve(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (looked_at[i] != 0) chosen.push(rows[i]);
-    }
-    return chosen;
-  }
   [[nodiscard]] Efficiency expansion(const Target& target, const LevelRecord& record, const Configurations& rows,
                                      const std::function<double(View)>& density) const {
     if (!record.search.expands) return figure(target, Configurations(rows.dimension()), Held::anything, {});
@@ -279,6 +268,7 @@ class ProblemScoring {
     const MadeTarget root = own_target(result, result.levels.front(), false);
     std::vector<TargetPointer> crossing;
     for (const std::size_t donor : donors_[index % seeds_]) crossing.push_back(cross_roots_[donor]);
+    if (root.target) keep(*root.target, result.target);
     for (LevelResult& level : result.levels) {
       const LevelRecord& record = level.record;
       if (root.target) {
@@ -311,6 +301,14 @@ class ProblemScoring {
       }
     }
     score_equal_number(result.levels.front(), root, crossing);
+  }
+
+  /// Some of a target's points, spread as it is.
+  static void keep(const Target& target, Configurations& kept) {
+    const std::size_t count = std::min(target.pool().size(), kept_points);
+    kept = Configurations(target.space().dimension());
+    kept.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) kept.push(target.pool()[i]);
   }
 
   void score_progress(RunResult& result, const ProgressSettings& settings) const {
@@ -388,8 +386,8 @@ class ProblemScoring {
     if (equal_nodes_ == 0 && equal_proposals_ == 0) return;
     if (targets.empty() && root.target) targets.push_back(root.target);
     const LevelRecord& record = level.record;
-    const Configurations nodes =
-        thinned(measured(record, record.root_nodes), equal_nodes_, Stream(measure_seed, record.key, "equal nodes"));
+    const Configurations nodes = thinned(record.search.tree_samples(record.root_nodes), equal_nodes_,
+                                         Stream(measure_seed, record.key, "equal nodes"));
     const Configurations proposals =
         thinned(record.root_proposals, equal_proposals_, Stream(measure_seed, record.key, "equal proposals"));
     level.equal = mean_scores(targets, [&](const Target& target) {
@@ -417,33 +415,6 @@ class ProblemScoring {
 };
 
 }  // namespace
-
-void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std::size_t)>& task) {
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> stop{false};
-  std::mutex mutex;  // guards the failure
-  std::exception_ptr failure;
-  const auto work = [&] {
-    while (!stop.load()) {
-      const std::size_t index = next.fetch_add(1);
-      if (index >= count) return;
-      try {
-        task(index);
-      } catch (...) {
-        // The first one counts: those that follow were only told to stop.
-        const std::scoped_lock lock(mutex);
-        if (!failure) failure = std::current_exception();
-        stop.store(true);
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> others;  // beside the caller's own thread
-    for (std::size_t i = 1; i < std::min<std::size_t>(std::max(1U, jobs), count); ++i) others.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
-}
 
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
            const std::function<bool()>& interrupted) {

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <functional>
 
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis {
-
-/// Calls task(i) for every i below `count`, from `jobs` threads at most, the caller's among them. The first exception
-/// stops the others and is rethrown.
-void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std::size_t)>& task);
 
 /// Scores all runs of an experiment: on their own targets, on those of other seeds, and what else the measure asks for.
 /// \param progress     told after each run

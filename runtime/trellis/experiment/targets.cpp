@@ -14,7 +14,6 @@ namespace trellis {
 
 namespace {
 
-constexpr std::int64_t few_points = 64;
 constexpr std::uint64_t cost_seed = 0x6f7074696d756d00;
 
 /// Whether a path has length over some axes.
@@ -58,45 +57,6 @@ MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings
       level.space, settings, [field, limit](View q) { return field->cost(q) <= limit; }, cost_seed));
   if (target->empty()) return {nullptr, "no configuration was found near the optimum"};
   return {std::move(target), ""};
-}
-
-RootTargets::RootTargets(const Experiment& experiment, const Problem& problem)
-    : measure_(*experiment.measure), problem_(problem) {
-  const auto instance = make_instance(problem);
-  root_.space = instance->space;
-  root_.start = instance->start;
-  root_.goal = instance->goal;
-  root_.position_axes = instance->position_axes;
-  root_.valid = [validity = instance->validity](View q) { return validity->state(q); };
-  root_.valid_motion = [validity = instance->validity](View a, View b) { return validity->motion(a, b).valid; };
-}
-
-MadeTarget RootTargets::of(const RunResult& run) {
-  if (const auto* near = std::get_if<NearOptimalSettings>(&measure_.target)) {
-    if (!common_) {
-      NearOptimalSettings settings = *near;
-      settings.points = std::min(settings.points, few_points);
-      common_ = make_near_optimal(root_, settings);
-    }
-    return *common_;
-  }
-  const Configurations& path = run.run.path;
-  if (!run.run.solved || path.empty()) return {nullptr, "no path of its own"};
-  const std::uint64_t seed = measure_seed + run.seed;
-  if (const auto* tube = std::get_if<TubeSettings>(&measure_.target)) {
-    TubeSettings settings = *tube;
-    settings.points = std::min(settings.points, few_points);
-    return make_tube(root_, path, settings, seed);
-  }
-  if (const auto* user = std::get_if<UserTarget>(&measure_.target)) {
-    const auto draws = std::max(user->pool, user->points);
-    UserTarget settings = *user;
-    settings.points = std::min(settings.points, few_points);
-    return {std::make_shared<const Target>(
-                Target::distribution(root_.space, settings, user->make({problem_, path, draws, seed}))),
-            ""};
-  }
-  return {nullptr, "the target is not in the root's space"};
 }
 
 Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <trellis/experiment/experiment.hpp>
@@ -26,21 +25,6 @@ MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const
 
 /// The configurations near the optimum of a level's instance; the same for every run of it.
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings);
-
-/// The targets that one problem's runs are scored on in the root's space, made anew from their paths, as results keep
-/// none. Their pools are what scoring saw; of evaluation points they have a few only.
-class RootTargets {
- public:
-  /// Both outlive the object. The experiment measures something.
-  RootTargets(const Experiment& experiment, const Problem& problem);
-  [[nodiscard]] MadeTarget of(const RunResult& run);
-
- private:
-  const Measure& measure_;
-  const Problem& problem_;
-  LevelRecord root_;
-  std::optional<MadeTarget> common_;  // where all runs have the same
-};
 
 /// A search's motions ranked by how much closer they come to the goal, and the target of those ranks.
 struct Ranks {

@@ -36,8 +36,8 @@ struct Paired {
 /// Pairs where a figure is NaN are left out. Throws Error for lists of different lengths.
 Paired paired(std::span<const double> a, std::span<const double> b, double confidence = 0.95);
 
-/// Spearman's rank correlation, in [-1, 1]; ties share their mean rank. Pairs where a figure is NaN are left out; NaN for
-/// fewer than three pairs, and where all figures of a list are equal. Throws Error for lists of different lengths.
+/// Spearman's rank correlation, in [-1, 1]; ties share their mean rank. Pairs where a figure is NaN are left out; NaN
+/// for fewer than three pairs, and where all figures of a list are equal. Throws Error for lists of different lengths.
 double rank_correlation(std::span<const double> a, std::span<const double> b);
 
 /// The median of the values that are not NaN; NaN without any.

@@ -61,6 +61,17 @@ struct Search {
   Checks checks;
   double seconds = 0.0;
 
+  /// What the tree sampled: of rows that stand for the nodes, those whose node was looked at.
+  [[nodiscard]] Configurations tree_samples(const Configurations& rows) const {
+    if (looked_at.empty()) return rows;
+    Configurations chosen(rows.dimension());
+    chosen.reserve(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (looked_at[i] != 0) chosen.push(rows[i]);
+    }
+    return chosen;
+  }
+
   Search() = default;
   /// \param dimension  of the level's space
   explicit Search(std::size_t dimension) : nodes(dimension), proposals(dimension) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 
+#include <trellis/base/parallel.hpp>
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/figures.hpp>
 #include <trellis/report/directories.hpp>
@@ -110,24 +111,33 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
   return figures;
 }
 
-void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory) {
+void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                   unsigned jobs) {
+  struct Task {
+    std::string problem;
+    std::string strategy;
+    std::filesystem::path place;
+  };
+  std::vector<Task> tasks;
+  tasks.reserve(experiment.problems.size() * experiment.strategies.size());
   Directories problems;
-  std::map<std::string, Directories> strategies;  // of each problem
   for (const auto& problem : experiment.problems) {
+    Directories strategies;
     for (const auto& entry : experiment.strategies) {
-      const std::string& name = entry.first;
       // Named first, so that what is left out changes no other's name.
-      const std::filesystem::path place =
-          std::filesystem::path(directory) / problems(problem.name) / strategies[problem.name](name);
-      const RunsSummary summary = summarise(select_runs(result, problem.name, name));
-      if (summary.levels.empty()) continue;
-      const StrategyFigures figures = strategy_figures(problem.name, name, summary);
-      if (!figures.waterfall && !figures.profile) continue;
-      make_directory(place.string());
-      if (figures.waterfall) write_picture(draw::plot(*figures.waterfall), (place / "waterfall").string());
-      if (figures.profile) write_picture(draw::plot(*figures.profile), (place / "profile").string());
+      tasks.push_back({problem.name, entry.first,
+                       std::filesystem::path(directory) / problems(problem.name) / strategies(entry.first)});
     }
   }
+  in_parallel(tasks.size(), jobs, [&](std::size_t i) {
+    const Task& task = tasks[i];
+    const RunsSummary summary = summarise(select_runs(result, task.problem, task.strategy));
+    const StrategyFigures figures = strategy_figures(task.problem, task.strategy, summary);
+    if (!figures.waterfall && !figures.profile) return;
+    make_directory(task.place.string());
+    if (figures.waterfall) write_picture(draw::plot(*figures.waterfall), (task.place / "waterfall").string());
+    if (figures.profile) write_picture(draw::plot(*figures.profile), (task.place / "profile").string());
+  });
 }
 
 }  // namespace trellis

@@ -139,14 +139,15 @@ class Tables {
   std::string markdown() {
     head();
     for (const NamedPath& path : paths()) layout(path, headline);
-    for (std::size_t i = 1; i < estimators_.size(); ++i) {
-      for (const NamedPath& path : paths()) layout(path, estimators_[i]);
-    }
-    for (const Problem& problem : experiment_.problems) others(problem);
     if (experiment_.published) {
       beside_published();
-      rank_correlations();
+      published_ranks();
       claims();
+    }
+    if (experiment_.measure) sample_ranks();
+    for (const Problem& problem : experiment_.problems) others(problem);
+    for (std::size_t i = 1; i < estimators_.size(); ++i) {
+      for (const NamedPath& path : paths()) layout(path, estimators_[i]);
     }
     return page_.take();
   }
@@ -254,7 +255,8 @@ class Tables {
                                         : fmt::format("SE by {}, {}", escaped(estimator), path.title));
     if (estimator.starts_with("legacy")) {
       page_.paragraph(
-          "Undefended, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures that were "
+          "Undefended, over the whole tube: an artefact of the grid's floor. Kept for comparison with figures that "
+          "were "
           "made so.");
     }
     page_.header(problem_header("strategy"));
@@ -309,46 +311,47 @@ class Tables {
   }
   static std::string published_text(double x) { return std::isnan(x) ? "NA" : fmt::format("{}", x); }
 
-  /// The last of the estimators that is a plain grid, if one was asked for.
-  [[nodiscard]] std::optional<std::string> legacy() const {
-    for (const std::string& estimator : estimators_) {
-      if (estimator.starts_with("legacy")) return estimator;
-    }
-    return std::nullopt;
-  }
+  static bool is_legacy(const std::string& estimator) { return estimator.starts_with("legacy"); }
 
   void beside_published() {
     page_.heading("Beside the published figures");
-    page_.paragraph(
-        fmt::format("Published: {}. Each cell: published; SE on the own path{}. Upper line tree, lower "
-                    "line expansion.",
-                    escaped(experiment_.published->source), legacy() ? "; by `legacy`" : ""));
-    page_.header(problem_header("strategy"));
-    for (const auto& [name, spec] : experiment_.strategies) {
-      std::vector<std::string> cells = {escaped(name)};
-      bool any = false;
-      for (const Problem& problem : experiment_.problems) {
-        const Publication::Entry* e = entry(problem.name, name);
-        any = any || e != nullptr;
-        std::string both;
-        for (const NamedRole& role : roles()) {
-          std::string one = fmt::format("{}; {}", published_text(e != nullptr ? published(*e, role) : nan),
-                                        cell(figure(problem.name, name, paths()[0], role, headline)));
-          if (legacy()) one += "; " + cell(figure(problem.name, name, paths()[0], role, *legacy()));
-          both += (both.empty() ? "" : "<br>") + one;
-        }
-        cells.push_back(std::move(both));
+    page_.paragraph(fmt::format("Published: {}.", escaped(experiment_.published->source)));
+    for (const Problem& problem : experiment_.problems) {
+      if (std::none_of(experiment_.strategies.begin(), experiment_.strategies.end(),
+                       [&](const auto& s) { return entry(problem.name, s.first) != nullptr; })) {
+        continue;
       }
-      if (any) page_.row(cells);
+      std::vector<std::string> header = {escaped(problem.name), "samples", "published"};
+      for (const std::string& estimator : estimators_) {
+        if (estimator != headline && !is_legacy(estimator)) continue;
+        for (const NamedPath& path : paths()) {
+          header.push_back(
+              fmt::format("{}, {}", estimator == headline ? "SE" : "D by " + escaped(estimator), path.title));
+        }
+      }
+      page_.header(header);
+      for (const auto& [name, spec] : experiment_.strategies) {
+        const Publication::Entry* e = entry(problem.name, name);
+        if (e == nullptr) continue;
+        for (const NamedRole& role : roles()) {
+          std::vector<std::string> cells = {escaped(name), role.name, published_text(published(*e, role))};
+          for (const std::string& estimator : estimators_) {
+            if (estimator != headline && !is_legacy(estimator)) continue;
+            for (const NamedPath& path : paths()) {
+              cells.push_back(cell(figure(problem.name, name, path, role, estimator)));
+            }
+          }
+          page_.row(cells);
+        }
+      }
+      page_.text() += '\n';
     }
-    page_.text() += '\n';
   }
 
-  void rank_correlations() {
-    page_.heading("Rank correlation with the published figures");
-    page_.paragraph(
-        "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
-        "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).");
+  /// One row for each estimator, path and role, one column for each problem: Spearman's rank correlation of our figures
+  /// with other(problem, strategy, path, role), NaN where there is none.
+  template <class Other>
+  void ranks(Other other) {
     std::vector<std::string> header = {"estimator", "path", "samples"};
     for (const Problem& problem : experiment_.problems) header.push_back(escaped(problem.name));
     page_.header(header);
@@ -361,10 +364,10 @@ class Tables {
             std::vector<double> theirs;
             std::vector<double> ours;
             for (const auto& [name, spec] : experiment_.strategies) {
-              const Publication::Entry* e = entry(problem.name, name);
               const double mine = figure(problem.name, name, path, role, estimator).value;
-              if (e == nullptr || std::isnan(published(*e, role)) || std::isnan(mine)) continue;
-              theirs.push_back(published(*e, role));
+              const double that = other(problem.name, name, path, role);
+              if (std::isnan(mine) || std::isnan(that)) continue;
+              theirs.push_back(that);
               ours.push_back(mine);
             }
             const double rho = rank_correlation(theirs, ours);
@@ -376,6 +379,29 @@ class Tables {
       }
     }
     page_.text() += '\n';
+  }
+
+  void published_ranks() {
+    page_.heading("Rank correlation with the published figures");
+    page_.paragraph(
+        "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
+        "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).");
+    ranks([&](const std::string& problem, const std::string& strategy, const NamedPath&, const NamedRole& role) {
+      const Publication::Entry* e = entry(problem, strategy);
+      return e != nullptr ? published(*e, role) : nan;
+    });
+  }
+
+  void sample_ranks() {
+    page_.heading("Rank correlation with the number of samples");
+    page_.paragraph(
+        "The same between each estimator's figures and N, over all strategies. An efficiency is to tell where samples "
+        "lie, not how many there are: near -1 a figure says little more than the sample count.");
+    ranks([&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
+      return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
+                                      [](const Efficiency& e) { return static_cast<double>(e.samples); }))
+          .value;
+    });
   }
 
   /// What a difference of two efficiencies, b - a, says of "b is lower than a".

@@ -36,14 +36,15 @@ std::string report_csv(const Experiment& experiment, const ExperimentResult& res
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
 /// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png and .pdf, for every
-/// strategy that was scored. Throws Error where a file cannot be written.
-void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory);
+/// strategy that was scored; `jobs` of them at the same time. Throws Error where a file cannot be written.
+void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                   unsigned jobs = 1);
 
 struct HtmlOptions {
-  std::string script;  ///< the path as given on the command line, "" for none
+  std::string script = {};  ///< the path as given on the command line, "" for none
   /// Of the runs' samples. Where those of all seeds take more, the first ones are held, and the page says so.
   std::size_t most_bytes = 24'000'000;
-  std::function<void(std::size_t, std::size_t)> progress;  ///< called as runs are packed: done, in all
+  std::function<void(std::size_t, std::size_t)> progress = {};  ///< called as runs are packed: done, in all
 };
 
 /// One self-contained HTML page: the results, and every run to replay and look into (docs/formats.md). UTF-8.
@@ -56,7 +57,8 @@ struct SceneFigureOptions {
   draw::RoleColours colours = draw::RoleColours::safe;
   /// The side of the cells that samples are counted in, metres. None: half a metre, doubled or halved until the world's
   /// longer side has about 12 to 48 cells.
-  std::optional<double> cell{};
+  std::optional<double> cell = {};
+  unsigned jobs = 1;  ///< pictures drawn at the same time
 };
 
 /// Draws where in the world the samples lie, Figure 2 of Attali et al. 2022: DIR/<problem>/<strategy>/samples.svg, .png

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/parallel.hpp>
 #include <trellis/draw/planar.hpp>
-#include <trellis/experiment/targets.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
@@ -166,9 +166,7 @@ class ScenePictures {
         problem_(problem),
         frame_(make_frame(problem, options)),
         grid_(frame_.world, frame_.cell) {
-    if (experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target)) {
-      targets_.emplace(experiment, problem);
-    }
+    measured_ = experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target);
     baseline_ = experiment.baseline;
     const auto& all = experiment.strategies;
     const bool usual = std::any_of(all.begin(), all.end(), [](const auto& entry) { return entry.first == "rrt"; });
@@ -180,7 +178,7 @@ class ScenePictures {
   }
 
   /// None without a run.
-  [[nodiscard]] std::optional<PlanarFigure> samples(const std::string& strategy) {
+  [[nodiscard]] std::optional<PlanarFigure> samples(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     if (runs.empty()) return std::nullopt;
     Counts tree(grid_);
@@ -192,18 +190,18 @@ class ScenePictures {
       if (run->run.solved) world.paths.push_back(track(run->run.path, position_));
       if (run->levels.empty()) continue;
       const Search& search = run->levels.front().record.search;
-      tree.add(search.nodes, position_);
-      expansion.add(search.proposals, position_);
-      if (!targets_) continue;
-      const auto made = targets_->of(*run);
-      if (!made.target || made.target->empty()) continue;
-      const auto& pool = made.target->pool();
-      target.add(pool, position_, static_cast<double>(search.nodes.size()) / static_cast<double>(pool.size()));
+      const Configurations nodes = search.tree_samples(search.nodes);
+      tree.add(nodes, position_);
+      if (search.expands) expansion.add(search.proposals, position_);
+      if (run->target.empty()) continue;
+      target.add(run->target, position_, static_cast<double>(nodes.size()) / static_cast<double>(run->target.size()));
     }
     const bool compared = !baseline_.empty() && baseline_ != strategy;
     if (compared) {
       for (const RunResult* run : select_runs(result_, problem_.name, baseline_)) {
-        if (!run->levels.empty()) baseline.add(run->levels.front().record.search.nodes, position_);
+        if (run->levels.empty()) continue;
+        const Search& search = run->levels.front().record.search;
+        baseline.add(search.tree_samples(search.nodes), position_);
       }
     }
     const std::string seeds = counted(runs.size(), "seed");
@@ -219,7 +217,7 @@ class ScenePictures {
       figure.panels.push_back(std::move(panel));
     };
     figure.panels.push_back(std::move(world));
-    if (targets_) {
+    if (measured_) {
       add("target", target, Role::target, " samples", "no path, no target");
       if (!target.none()) figure.panels.back().title = "target, as many as the tree";
     }
@@ -229,7 +227,7 @@ class ScenePictures {
     if (all.layers.size() > 1) figure.panels.push_back(std::move(all));
 
     figure.caption = circles_text(seeds);
-    if (targets_ && !target.none()) {
+    if (measured_ && !target.none()) {
       figure.caption +=
           fmt::format(" Target: {}, scaled to as many samples as the tree has{}.", target_text(*experiment_.measure),
                       target.runs() == runs.size() ? "" : fmt::format(", over {} of the {}", target.runs(), seeds));
@@ -264,8 +262,9 @@ class ScenePictures {
       Counts expansion(grid_);
       std::vector<std::vector<Point>> paths;
       for (const LevelRecord* record : records) {
-        tree.add(record->search.nodes, record->position_axes);
-        expansion.add(record->search.proposals, record->position_axes);
+        const Search& search = record->search;
+        tree.add(search.tree_samples(search.nodes), record->position_axes);
+        if (search.expands) expansion.add(search.proposals, record->position_axes);
         if (record->solution.solved()) paths.push_back(track(record->solution.path, record->position_axes));
       }
       outside = outside || tree.any_outside() || expansion.any_outside();
@@ -315,7 +314,7 @@ class ScenePictures {
   PlanarFigure frame_;
   Grid grid_;
   Axes position_ = {0, 1};
-  std::optional<RootTargets> targets_;
+  bool measured_ = false;
   std::string baseline_;
 };
 
@@ -324,6 +323,14 @@ class ScenePictures {
 std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
                                              const std::string& directory, const SceneFigureOptions& options) {
   std::vector<std::string> notes;
+  std::vector<ScenePictures> scenes;
+  scenes.reserve(experiment.problems.size());
+  struct Task {
+    std::size_t scene;
+    std::string strategy;
+    std::filesystem::path place;
+  };
+  std::vector<Task> tasks;
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
@@ -332,20 +339,23 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
           fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
       continue;
     }
-    ScenePictures pictures(experiment, result, problem, options);
+    scenes.emplace_back(experiment, result, problem, options);
     Directories strategies;
     for (const auto& entry : experiment.strategies) {
-      const std::string& name = entry.first;
-      const std::filesystem::path place = folder / strategies(name);
-      const auto samples = pictures.samples(name);
-      if (!samples) continue;
-      make_directory(place.string());
-      write_picture(draw::plot(*samples), (place / "samples").string());
-      if (const auto levels = pictures.levels(name)) {
-        write_picture(draw::plot(*levels), (place / "levels").string());
-      }
+      tasks.push_back({scenes.size() - 1, entry.first, folder / strategies(entry.first)});
     }
   }
+  in_parallel(tasks.size(), options.jobs, [&](std::size_t i) {
+    const Task& task = tasks[i];
+    const ScenePictures& pictures = scenes[task.scene];
+    const auto samples = pictures.samples(task.strategy);
+    if (!samples) return;
+    make_directory(task.place.string());
+    write_picture(draw::plot(*samples), (task.place / "samples").string());
+    if (const auto levels = pictures.levels(task.strategy)) {
+      write_picture(draw::plot(*levels), (task.place / "levels").string());
+    }
+  });
   return notes;
 }
 
