@@ -17,12 +17,20 @@ Progress::~Progress() {
 }
 
 void Progress::show(std::size_t done, std::size_t all) {
-  if (!shown_ || all == 0) return;
+  done_ = done;
+  all_ = all;
+  draw("steps");
+}
+
+void Progress::show(const std::string& what) { draw("steps, " + what); }
+
+void Progress::draw(const std::string& what) {
+  if (!shown_ || all_ == 0) return;
   constexpr std::size_t width = 40;
-  const std::size_t filled = width * done / all;
+  const std::size_t filled = width * done_ / all_;
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_).count();
-  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} steps  {}:{:02}", std::string(filled, '#'), std::string(width - filled, '.'),
-             done, all, seconds / 60, seconds % 60);
+  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} {}  {}:{:02}", std::string(filled, '#'), std::string(width - filled, '.'),
+             done_, all_, what, seconds / 60, seconds % 60);
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string>
 
 namespace trellis::command {
 
@@ -15,12 +16,18 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(std::size_t done, std::size_t all);
+  /// What is done meanwhile, beside the bar: "drawing trap".
+  void show(const std::string& what);
 
  private:
+  void draw(const std::string& what);
+
   using Clock = std::chrono::steady_clock;
 
   bool shown_;
   bool drawn_ = false;
+  std::size_t done_ = 0;
+  std::size_t all_ = 0;
   Clock::time_point start_ = Clock::now();
 };
 

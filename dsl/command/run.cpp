@@ -87,12 +87,14 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
           run(one, {.jobs = jobs,
                     .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
                     .interrupted = InterruptibleRun::requested});
+      progress.show("drawing " + one.problems.front().name);
       write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), colours, options.quiet);
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
       if (i == 0) throw;
+      progress.show("writing what is finished");
       write_out(part_of(experiment, 0, i), result, options);
       std::vector<std::string> finished;
       for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
@@ -101,8 +103,24 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
     }
     before += steps(one);
   }
+  progress.show("writing the tables and the page");
   write_out(experiment, result, options);
   return result;
+}
+
+/// Says on stderr where nobody found a path, as all figures of such a problem are missing.
+void tell_unsolved(const Experiment& experiment, const ExperimentResult& result) {
+  for (const Problem& problem : experiment.problems) {
+    const bool solved = std::any_of(result.runs.begin(), result.runs.end(), [&](const RunResult& run) {
+      return run.problem == problem.name && run.run.solved;
+    });
+    if (solved) continue;
+    fmt::print(
+        stderr,
+        "trellis: {}: no run of any strategy found a path{}; give the planners more `proposals`, or look at where "
+        "they got to\n",
+        problem.name, experiment.measure ? ", so there is no target and no efficiency" : "");
+  }
 }
 
 draw::RoleColours palette_option(const RunOptions& options) {
@@ -149,6 +167,7 @@ int run(const RunOptions& options) {
   const ExperimentResult result = options.out.empty() ? run_cells(program.experiment, threads, options.quiet)
                                                       : run_problems(program.experiment, threads, options, colours);
   out.keep();
+  if (!options.out.empty()) tell_unsolved(program.experiment, result);
 
   // One output that fails does not take the others with it.
   std::optional<Error> failure;

@@ -2,10 +2,12 @@
 // Runs the built program: exit statuses, what goes where, and what is left behind.
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "support/process.hpp"
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 using trellis::test::content;
 using trellis::test::Outcome;
 using trellis::test::Place;
@@ -302,6 +305,84 @@ TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
     CHECK_FALSE(fs::exists(place / "all.json"));
     CHECK_FALSE(fs::exists(place / "samples"));
   }
+}
+
+TEST_CASE("a folder gets the tables, the document, the page and the figures") {
+  const Place place;
+  place.script(
+      "pair.lua",
+      "return experiment { problems = { scenes.cup(), scenes.trap() }, seeds = 2, measure = tube { points = 256, "
+      "pool = 1024 }, estimators = { knn(), legacy() }, strategies = { guided = skeleton() >> rrt { step = 0.5 }, "
+      "rrt = rrt { step = 0.5 } }, published = published { source = 'Nobody', figures = { cup = { rrt = {8.5, 5.2}, "
+      "guided = {5.8, 18.2} } } } }");
+  const auto outcome = place.run({"run", "pair.lua", "--quiet", "--out", "here"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err.empty());
+  const std::string table = content(place / "here/table.md");
+  CHECK(table.find("## Beside the published figures\n\nPublished: Nobody.") != std::string::npos);
+  CHECK(table.find("| rrt | tree | 8.5 |") != std::string::npos);
+  CHECK(content(place / "here/report.html").ends_with("</html>\n"));
+  CHECK(Json::parse(content(place / "here/results.json"))["runs"].size() == 8);
+  for (const std::string problem : {"cup", "trap"}) {
+    for (const std::string strategy : {"guided", "rrt"}) {
+      CHECK(fs::file_size(place / ("here/figures/" + problem + "/" + strategy + "/samples.svg")) > 0);
+    }
+  }
+  // Problem by problem or all at once, on one thread or many, the figures are the same.
+  CHECK(place.run({"run", "pair.lua", "--quiet", "--out", "there", "--jobs", "2"}).status == 0);
+  CHECK(content(place / "here/table.csv") == content(place / "there/table.csv"));
+}
+
+TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
+  const Place place;
+  std::string text = endless;
+  const std::string begin = "problems = problem {";
+  text.replace(text.find(begin), begin.size(), "problems = { scenes.cup(), problem {");
+  const std::string end = "goal = {9, 9},\n  },";
+  text.replace(text.find(end), end.size(), "goal = {9, 9}, name = 'wall' } },");
+  text.replace(text.find("seeds = 1000"), 12, "seeds = 2, measure = tube { points = 64, pool = 64 }");
+  text.replace(text.find("rrt { step = 0.001 }"), 20, "rrt { step = 0.1, proposals = 1000000000 }");
+  place.script("two.lua", text);
+  const pid_t child = place.start({"run", "two.lua", "--out", "kept"});
+  for (int i = 0; i < 600 && !fs::exists(place / "kept/figures/cup/rrt/samples.svg"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  ::kill(child, SIGINT);
+  const auto outcome = place.finish(child);
+  CHECK(outcome.status == 130);
+  CHECK(outcome.err == "trellis: interrupted; 'kept' holds all of cup; the same command makes the rest too\n");
+  const std::string table = content(place / "kept/table.md");
+  CHECK(table.find("1 problem, 1 strategy, 2 seeds") != std::string::npos);
+  CHECK(Json::parse(content(place / "kept/results.json"))["runs"].size() == 2);
+  CHECK(content(place / "kept/report.html").ends_with("</html>\n"));
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(place / "kept")) left.push_back(entry.path().filename().string());
+  std::sort(left.begin(), left.end());
+  CHECK(left == std::vector<std::string>{"figures", "report.html", "results.json", "table.csv", "table.md"});
+  CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
+}
+
+TEST_CASE("a folder where nothing was solved says so, and where to look") {
+  const Place place;
+  place.script("hopeless.lua",
+               "return experiment { strategies = { rrt = rrt { proposals = 50 } }, seeds = 1, problems = problem { "
+               "name = 'wall', "
+               "world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, robot = robot.point(), start = {1, 1}, "
+               "goal = {9, 9} } }");
+  const auto outcome = place.run({"run", "hopeless.lua", "--quiet", "--out", "kept"});
+  CHECK(outcome.status == 0);
+  CHECK(
+      outcome.err.starts_with("trellis: wall: no run of any strategy found a path, so there is no target and no "
+                              "efficiency; give the planners more `proposals`"));
+  CHECK(content(place / "kept/table.md").find("**wall**: no run found a path") != std::string::npos);
+  CHECK(fs::file_size(place / "kept/figures/wall/rrt/samples.svg") > 0);
+
+  place.script("file", "");
+  const auto blocked = place.run({"run", "hopeless.lua", "--out", "file"});
+  CHECK(blocked.status == 2);
+  CHECK(blocked.err == "trellis: cannot write 'file': Not a directory\n");
 }
 
 TEST_CASE("the standard library can be read from a folder") {

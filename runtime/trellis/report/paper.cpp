@@ -241,6 +241,18 @@ class Tables {
         "tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure).",
         experiment_.problems.size(), experiment_.problems.size() == 1 ? "" : "s", experiment_.strategies.size(),
         experiment_.strategies.size() == 1 ? "y" : "ies", experiment_.seeds.size()));
+    for (const Problem& problem : experiment_.problems) {
+      std::vector<std::string> none;
+      for (const auto& [name, spec] : experiment_.strategies) {
+        if (summarise(select_runs(result_, problem.name, name)).solved == 0) none.push_back(escaped(name));
+      }
+      if (none.empty()) continue;
+      page_.paragraph(
+          none.size() == experiment_.strategies.size()
+              ? fmt::format("**{}**: no run found a path, so there is no target and no figure.", escaped(problem.name))
+              : fmt::format("**{}**: no run of {} found a path; figures are on other strategies' paths only.",
+                            escaped(problem.name), fmt::join(none, ", ")));
+    }
   }
 
   [[nodiscard]] std::vector<std::string> problem_header(const std::string& first) const {
@@ -348,13 +360,13 @@ class Tables {
     }
   }
 
-  /// One row for each estimator, path and role, one column for each problem: Spearman's rank correlation of our figures
-  /// with other(problem, strategy, path, role), NaN where there is none.
+  /// A section, where it has a row: one for each estimator, path and role, one column for each problem: Spearman's rank
+  /// correlation of our figures with other(problem, strategy, path, role), NaN where there is none.
   template <class Other>
-  void ranks(Other other) {
+  void ranks(const std::string& title, const std::string& text, Other other) {
+    std::vector<std::vector<std::string>> rows;
     std::vector<std::string> header = {"estimator", "path", "samples"};
     for (const Problem& problem : experiment_.problems) header.push_back(escaped(problem.name));
-    page_.header(header);
     for (const std::string& estimator : estimators_) {
       for (const NamedPath& path : paths()) {
         for (const NamedRole& role : roles()) {
@@ -374,34 +386,38 @@ class Tables {
             any = any || !std::isnan(rho);
             cells.push_back(std::isnan(rho) ? "NA" : fmt::format("{} ({})", fixed(rho), ours.size()));
           }
-          if (any) page_.row(cells);
+          if (any) rows.push_back(std::move(cells));
         }
       }
     }
+    if (rows.empty()) return;
+    page_.heading(title);
+    page_.paragraph(text);
+    page_.header(header);
+    for (const auto& cells : rows) page_.row(cells);
     page_.text() += '\n';
   }
 
   void published_ranks() {
-    page_.heading("Rank correlation with the published figures");
-    page_.paragraph(
-        "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
-        "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).");
-    ranks([&](const std::string& problem, const std::string& strategy, const NamedPath&, const NamedRole& role) {
-      const Publication::Entry* e = entry(problem, strategy);
-      return e != nullptr ? published(*e, role) : nan;
-    });
+    ranks("Rank correlation with the published figures",
+          "Spearman's, per problem, over the strategies that have both figures (their number in brackets): 1: the same "
+          "ranking, -1: the reverse. Of four strategies only ±1 is rarer than 5 % by chance (one-sided).",
+          [&](const std::string& problem, const std::string& strategy, const NamedPath&, const NamedRole& role) {
+            const Publication::Entry* e = entry(problem, strategy);
+            return e != nullptr ? published(*e, role) : nan;
+          });
   }
 
   void sample_ranks() {
-    page_.heading("Rank correlation with the number of samples");
-    page_.paragraph(
+    ranks(
+        "Rank correlation with the number of samples",
         "The same between each estimator's figures and N, over all strategies. An efficiency is to tell where samples "
-        "lie, not how many there are: near -1 a figure says little more than the sample count.");
-    ranks([&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
-      return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
-                                      [](const Efficiency& e) { return static_cast<double>(e.samples); }))
-          .value;
-    });
+        "lie, not how many there are: near -1 a figure says little more than the sample count.",
+        [&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
+          return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,
+                                          [](const Efficiency& e) { return static_cast<double>(e.samples); }))
+              .value;
+        });
   }
 
   /// What a difference of two efficiencies, b - a, says of "b is lower than a".
