@@ -6,44 +6,48 @@
 namespace trellis {
 
 std::uint32_t LifelongSearch::add_vertex(double heuristic) {
-  const auto id = static_cast<std::uint32_t>(adjacency_.size());
-  adjacency_.emplace_back();
-  heuristic_.push_back(heuristic);
-  cost_.push_back(infinity);
-  ahead_.push_back(id == start ? 0.0 : infinity);
-  parent_edge_.push_back(none);
-  stamp_.push_back(0);
-  if (id == start) requeue(id);
+  const auto id = static_cast<std::uint32_t>(vertices_.size());
+  arcs_.emplace_back();
+  vertices_.push_back({heuristic});
+  if (id == start) {
+    vertices_[id].ahead = 0.0;
+    requeue(id);
+  }
   return id;
 }
 
 void LifelongSearch::requeue(std::uint32_t vertex) {
   // Older entries of the vertex no longer count.
-  ++stamp_[vertex];
-  if (cost_[vertex] == ahead_[vertex]) return;
-  const double cost = std::min(cost_[vertex], ahead_[vertex]);
-  queue_.push({cost + heuristic_[vertex], cost, vertex, stamp_[vertex]});
+  Vertex& v = vertices_[vertex];
+  ++v.stamp;
+  if (v.cost == v.ahead) return;
+  const double cost = std::min(v.cost, v.ahead);
+  queue_.push({cost + v.heuristic, cost, vertex, v.stamp});
 }
 
-void LifelongSearch::offer(std::uint32_t vertex, std::uint32_t edge, std::uint32_t through) {
-  const double way = cost_[through] + edges_[edge].cost;
-  if (vertex == start || way >= ahead_[vertex]) return;
-  ahead_[vertex] = way;
-  parent_edge_[vertex] = edge;
-  requeue(vertex);
+/// A way to the arc's end, through its start, which costs `cost`.
+void LifelongSearch::offer(const Arc& arc, double cost) {
+  Vertex& v = vertices_[arc.to];
+  const double way = cost + arc.cost;
+  if (arc.to == start || way >= v.ahead) return;
+  v.ahead = way;
+  v.parent_edge = arc.edge;
+  requeue(arc.to);
 }
 
 void LifelongSearch::look_ahead(std::uint32_t vertex) {
   if (vertex != start) {
-    ahead_[vertex] = infinity;
-    parent_edge_[vertex] = none;
-    for (const std::uint32_t id : adjacency_[vertex]) {
-      const double way = cost_[other(id, vertex)] + edges_[id].cost;
-      if (way < ahead_[vertex]) {
-        ahead_[vertex] = way;
-        parent_edge_[vertex] = id;
+    double ahead = infinity;
+    std::uint32_t parent_edge = none;
+    for (const Arc& arc : arcs_[vertex]) {
+      const double way = vertices_[arc.to].cost + arc.cost;
+      if (way < ahead) {
+        ahead = way;
+        parent_edge = arc.edge;
       }
     }
+    vertices_[vertex].ahead = ahead;
+    vertices_[vertex].parent_edge = parent_edge;
   }
   requeue(vertex);
 }
@@ -51,10 +55,10 @@ void LifelongSearch::look_ahead(std::uint32_t vertex) {
 std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double cost) {
   const auto id = static_cast<std::uint32_t>(edges_.size());
   edges_.push_back({a, b, cost, false});
-  adjacency_[a].push_back(id);
-  adjacency_[b].push_back(id);
-  offer(b, id, a);
-  offer(a, id, b);
+  arcs_[a].push_back({cost, b, id});
+  arcs_[b].push_back({cost, a, id});
+  offer(arcs_[a].back(), vertices_[a].cost);
+  offer(arcs_[b].back(), vertices_[b].cost);
   return id;
 }
 
@@ -63,55 +67,56 @@ void LifelongSearch::remove_edge(std::uint32_t id) {
   if (edge.removed) return;
   edge.removed = true;
   for (const std::uint32_t end : {edge.a, edge.b}) {
-    auto& list = adjacency_[end];
-    list.erase(std::find(list.begin(), list.end(), id));
+    auto& list = arcs_[end];
+    list.erase(std::find_if(list.begin(), list.end(), [&](const Arc& arc) { return arc.edge == id; }));
   }
   for (const std::uint32_t end : {edge.a, edge.b}) {
-    if (parent_edge_[end] == id) look_ahead(end);
+    if (vertices_[end].parent_edge == id) look_ahead(end);
   }
 }
 
 void LifelongSearch::isolate(std::uint32_t vertex) {
-  const std::vector<std::uint32_t> edges = adjacency_[vertex];
-  for (const std::uint32_t id : edges) remove_edge(id);
+  const std::vector<Arc> arcs = arcs_[vertex];
+  for (const Arc& arc : arcs) remove_edge(arc.edge);
 }
 
 bool LifelongSearch::search() {
   if (vertices() < 2) return false;
   while (!queue_.empty()) {
     const Entry top = queue_.top();
-    if (top.stamp != stamp_[top.vertex]) {
+    const std::uint32_t id = top.vertex;
+    Vertex& v = vertices_[id];
+    if (top.stamp != v.stamp) {
       queue_.pop();
       continue;
     }
     // Strictly beyond the goal's own estimate nothing can change its path. Rounding makes equal ways differ in the last
     // bits, so a little more than equal is still looked at.
-    const double bound = std::min(cost_[goal], ahead_[goal]) * (1.0 + 1e-12);
-    if (cost_[goal] == ahead_[goal] && top.estimate > bound) break;
+    const Vertex& end = vertices_[goal];
+    const double bound = std::min(end.cost, end.ahead) * (1.0 + 1e-12);
+    if (end.cost == end.ahead && top.estimate > bound) break;
     queue_.pop();
-    const std::uint32_t v = top.vertex;
     ++expanded_;
-    if (cost_[v] > ahead_[v]) {
-      cost_[v] = ahead_[v];
-      ++stamp_[v];
-      for (const std::uint32_t id : adjacency_[v]) offer(other(id, v), id, v);
+    if (v.cost > v.ahead) {
+      v.cost = v.ahead;
+      ++v.stamp;
+      for (const Arc& arc : arcs_[id]) offer(arc, v.cost);
     } else {
-      cost_[v] = infinity;
-      for (const std::uint32_t id : adjacency_[v]) {
-        const std::uint32_t next = other(id, v);
-        if (parent_edge_[next] == id) look_ahead(next);
+      v.cost = infinity;
+      for (const Arc& arc : arcs_[id]) {
+        if (vertices_[arc.to].parent_edge == arc.edge) look_ahead(arc.to);
       }
-      look_ahead(v);
+      look_ahead(id);
     }
   }
-  return cost_[goal] < infinity;
+  return vertices_[goal].cost < infinity;
 }
 
 void LifelongSearch::path(std::uint32_t vertex, std::vector<std::uint32_t>& edges) const {
   edges.clear();
   std::uint32_t at = vertex;
   while (at != start) {
-    const std::uint32_t id = parent_edge_[at];
+    const std::uint32_t id = vertices_[at].parent_edge;
     if (id == none || edges.size() > vertices()) {
       edges.clear();
       return;

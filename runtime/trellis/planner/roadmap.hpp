@@ -32,12 +32,12 @@ class LifelongSearch {
   /// Brings the search up to date; whether there is a path to the goal.
   bool search();
   /// The cost of the shortest path to the goal, after search(); infinite without one.
-  [[nodiscard]] double cost() const { return cost_[goal]; }
+  [[nodiscard]] double cost() const { return vertices_[goal].cost; }
   /// Edges of the path from the start to `vertex` in the search tree, in order; empty where the tree does not hold it.
   void path(std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
   /// Whether the search tree holds the vertex, after search(). All reachable ones are held when the goal is not.
   [[nodiscard]] bool reached(std::uint32_t vertex) const {
-    return cost_[vertex] < infinity && cost_[vertex] == ahead_[vertex];
+    return vertices_[vertex].cost < infinity && vertices_[vertex].cost == vertices_[vertex].ahead;
   }
 
   struct Edge {
@@ -46,7 +46,7 @@ class LifelongSearch {
     double cost = 0.0;
     bool removed = false;
   };
-  [[nodiscard]] std::size_t vertices() const { return adjacency_.size(); }
+  [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
   [[nodiscard]] std::size_t edges() const { return edges_.size(); }
   [[nodiscard]] const Edge& edge(std::uint32_t id) const { return edges_[id]; }
   [[nodiscard]] std::uint32_t other(std::uint32_t edge, std::uint32_t vertex) const {
@@ -70,17 +70,27 @@ class LifelongSearch {
     }
   };
 
+  // What a repair asks of a vertex lies together, and so does what it asks of an edge: it visits many of both.
+  struct Vertex {
+    double heuristic;
+    double cost = infinity;            ///< g: as of the last expansion
+    double ahead = infinity;           ///< rhs: one step of look-ahead
+    std::uint32_t parent_edge = none;  ///< that gives rhs
+    std::uint32_t stamp = 0;           ///< of the vertex's entry in the queue that counts
+  };
+  struct Arc {
+    double cost;
+    std::uint32_t to;
+    std::uint32_t edge;
+  };
+
   void requeue(std::uint32_t vertex);
   void look_ahead(std::uint32_t vertex);
-  void offer(std::uint32_t vertex, std::uint32_t edge, std::uint32_t through);
+  void offer(const Arc& arc, double cost);
 
   std::vector<Edge> edges_;
-  std::vector<std::vector<std::uint32_t>> adjacency_;
-  std::vector<double> heuristic_;
-  std::vector<double> cost_;                ///< g: as of the last expansion
-  std::vector<double> ahead_;               ///< rhs: one step of look-ahead
-  std::vector<std::uint32_t> parent_edge_;  ///< that gives rhs
-  std::vector<std::uint32_t> stamp_;        ///< of the vertex's entry in the queue that counts
+  std::vector<Vertex> vertices_;
+  std::vector<std::vector<Arc>> arcs_;  ///< of each vertex, to its neighbours
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
   std::uint64_t expanded_ = 0;
 };
