@@ -126,7 +126,7 @@ int claim_text(Stack& call) {
 const Construct& claim_construct() {
   static const Construct construct = {
       .name = "claim",
-      .usage = "claim { \"b does better\", problem = \"trap\", strategy = \"b\", lower_than = {\"a\"} }",
+      .usage = R"(claim { "b does better", problem = "trap", strategy = "b", lower_than = {"a"} })",
       .summary = "a sentence that the results are to bear out",
       .list = "the sentence",
       .fields = {{"problem", "the name of a problem", "where it is said to hold", true},
@@ -136,7 +136,7 @@ const Construct& claim_construct() {
                   "interval of the difference, paired by seed, lies on one side of 0"},
                  {"not_lower_than", "the name of a strategy, or a list of names",
                   "it holds where the efficiency is not lower: similar or worse"},
-                 {"roles", "\"tree\", \"expansion\", or a list of both", "whose samples; \"tree\" by default"}},
+                 {"roles", R"("tree", "expansion", or a list of both)", R"(whose samples; "tree" by default)"}},
       .options = {}};
   return construct;
 }
