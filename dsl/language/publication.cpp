@@ -40,7 +40,7 @@ int make_claim(Stack& call) {
     if (!text || i > 1) throw Error(fmt::format("claim: takes one sentence, got {}", describe(element)));
     claim.text = *text;
   });
-  if (claim.text.empty()) throw Error("claim: the sentence is missing, as claim { \"a does better than b\", ... }");
+  if (claim.text.empty()) throw Error(R"(claim: the sentence is missing, as claim { "a does better than b", ... })");
   claim.problem = arguments.string("problem").value_or("");
   claim.strategy = arguments.string("strategy").value_or("");
   const bool lower = arguments["lower_than"].given();
@@ -144,7 +144,7 @@ const Construct& claim_construct() {
 const Construct& published_construct() {
   static const Construct construct = {
       .name = "published",
-      .usage = "published { source = \"...\", figures = { trap = { rrt = {9.6, 7.5} } } }",
+      .usage = R"(published { source = "...", figures = { trap = { rrt = {9.6, 7.5} } } })",
       .summary = "figures and sentences of somebody else, to set the results beside",
       .list = "",
       .fields = {{"source", "a string", "a citation", true},

@@ -186,13 +186,17 @@ class ScenePictures {
     Counts target(grid_);
     Counts baseline(grid_);
     PlanarPanel world;
+    bool expands = false;
     for (const RunResult* run : runs) {
       if (run->run.solved) world.paths.push_back(track(run->run.path, position_));
       if (run->levels.empty()) continue;
       const Search& search = run->levels.front().record.search;
       const Configurations nodes = search.tree_samples(search.nodes);
       tree.add(nodes, position_);
-      if (search.expands) expansion.add(search.proposals, position_);
+      if (search.expands) {
+        expansion.add(search.proposals, position_);
+        expands = true;
+      }
       if (run->target.empty()) continue;
       target.add(run->target, position_, static_cast<double>(nodes.size()) / static_cast<double>(run->target.size()));
     }
@@ -222,7 +226,7 @@ class ScenePictures {
       if (!target.none()) figure.panels.back().title = "target, as many as the tree";
     }
     add("tree", tree, Role::tree, " nodes", "no nodes");
-    add("expansion", expansion, Role::expansion, " proposals", "no proposals");
+    add("expansion", expansion, Role::expansion, " proposals", expands ? "no proposals" : "nothing is grown");
     if (compared) add(fmt::format("tree of {}", baseline_), baseline, Role::baseline, " nodes", "no nodes");
     if (all.layers.size() > 1) figure.panels.push_back(std::move(all));
 
