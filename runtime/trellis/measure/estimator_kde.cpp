@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
-#include <utility>
 #include <vector>
 
+#include <trellis/measure/clones.hpp>
 #include <trellis/measure/estimator.hpp>
 
 namespace trellis::measure {
 
 namespace {
 
-constexpr double reach = 8.0;                    // bandwidths beyond which an image behind a wall counts for nothing
+constexpr double negligible = 23.0;              // e^-23 = 1e-10 of a sum counts for nothing
+constexpr double negligible_choice = 14.0;       // the same, e^-14 = 1e-6, where bandwidths are compared
+constexpr double faintest = 60.0;                // a term e^-60 of the largest stands for all smaller ones
 constexpr std::size_t likelihood_samples = 500;  // that the leave-one-out likelihood is taken over
 constexpr int likelihood_steps = 24;             // bandwidths tried, from twice Scott's down to a 64th of it
 
@@ -33,91 +38,182 @@ const Settings<KdeSettings>& kde_settings() {
   return settings;
 }
 
-/// A sum of terms given by their logs, of any size.
-class LogSum {
- public:
-  void add(double log_term) {
-    if (log_term > largest_) {
-      sum_ = sum_ * std::exp(largest_ - log_term) + 1.0;
-      largest_ = log_term;
-    } else {
-      sum_ += std::exp(log_term - largest_);
-    }
-  }
-  [[nodiscard]] double value() const { return largest_ + std::log(sum_); }
+constexpr std::size_t block = PointTree::block;
+using Block = std::array<double, block>;
 
- private:
-  double largest_ = -std::numeric_limits<double>::infinity();
-  double sum_ = 0.0;
+/// exp of numbers in [-faintest, 0], within 1e-12 of it; others count as the nearer of the two ends.
+TRELLIS_ALONG void exp_block(Block& x) {
+  constexpr double magic = 0x1.8p52;  // brings the nearest integer into the last bits of a number
+  // Loops of their own, and no std::min: so the compiler takes several numbers at a time.
+  for (std::size_t i = 0; i < block; ++i) x[i] = x[i] < -faintest ? -faintest : x[i];
+  for (std::size_t i = 0; i < block; ++i) x[i] = x[i] > 0.0 ? 0.0 : x[i];
+  for (std::size_t i = 0; i < block; ++i) {
+    const double y = x[i];
+    const double shifted = y * std::numbers::log2e + magic;
+    const double r = y - (shifted - magic) * std::numbers::ln2;
+    double sum = 1.0 / 3628800.0;
+    sum = sum * r + 1.0 / 362880.0;
+    sum = sum * r + 1.0 / 40320.0;
+    sum = sum * r + 1.0 / 5040.0;
+    sum = sum * r + 1.0 / 720.0;
+    sum = sum * r + 1.0 / 120.0;
+    sum = sum * r + 1.0 / 24.0;
+    sum = sum * r + 1.0 / 6.0;
+    sum = sum * r + 0.5;
+    sum = sum * r + 1.0;
+    sum = sum * r + 1.0;
+    x[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(sum) + (std::bit_cast<std::uint64_t>(shifted) << 52U));
+  }
+}
+
+/// A kernel along one axis.
+struct AxisKernel {
+  bool periodic = false;
+  double period = 0.0;   ///< after which images repeat
+  double lo = 0.0;       ///< the lower wall
+  double inverse = 0.0;  ///< 1 / 2h^2
+  int turns = 0;         ///< periods away at which an image may still count
 };
 
+/// What images add to the kernels of a leaf along one axis: 1 + the sum of exp(-(v^2 - u^2) / 2h^2), u the way from the
+/// kernel's own point and v from an image, which is never nearer. The difference is a product in every case. The leaf's
+/// box, from lo to hi, tells which images count for any of its points.
+/// \param way    |u|
+/// \param limit  the exponent beyond which an image counts for nothing
+TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* points, double lo, double hi,
+                              const Block& way, double limit, Block& factor) {
+  Block images{};
+  bool any = false;
+  const double period = axis.period;
+  const auto counts = [&](double least) { return least * axis.inverse < limit; };
+  const auto add = [&](Block& exponent) {
+    for (std::size_t i = 0; i < block; ++i) exponent[i] *= -axis.inverse;
+    exp_block(exponent);
+    for (std::size_t i = 0; i < block; ++i) images[i] += exponent[i];
+    any = true;
+  };
+  if (axis.periodic) {
+    const double widest = std::min(0.5 * period, std::max(std::abs(lo - y), std::abs(hi - y)));
+    for (int turn = 1; turn <= axis.turns; ++turn) {
+      const double away = turn * period;
+      if (!counts(away * (away - 2.0 * widest))) break;
+      Block exponent;
+      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away - 2.0 * way[i]);
+      add(exponent);
+      if (!counts(away * away)) continue;
+      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away + 2.0 * way[i]);
+      add(exponent);
+    }
+  } else {
+    // In mirrors: behind the lower wall (turn 0), behind the upper one (turn -1), and those of two mirrors or more.
+    for (int turn = -axis.turns; turn <= axis.turns; ++turn) {
+      const double away = turn * period;
+      const double twice = 2.0 * (y - axis.lo) + away;
+      const auto mirrored = [&](double s) { return twice * (2.0 * (s - axis.lo) + away); };
+      if (counts(std::min(mirrored(lo), mirrored(hi)))) {
+        Block exponent;
+        for (std::size_t i = 0; i < block; ++i) exponent[i] = mirrored(points[i]);
+        add(exponent);
+      }
+      const auto repeated = [&](double s) { return away * (away + 2.0 * (y - s)); };
+      if (turn != 0 && counts(std::min(repeated(lo), repeated(hi)))) {
+        Block exponent;
+        for (std::size_t i = 0; i < block; ++i) exponent[i] = repeated(points[i]);
+        add(exponent);
+      }
+    }
+  }
+  if (!any) return;
+  for (std::size_t i = 0; i < block; ++i) factor[i] *= 1.0 + images[i];
+}
+
+/// One kernel of a leaf, which is left out.
+struct LeftOut {
+  std::size_t leaf = std::numeric_limits<std::size_t>::max();
+  std::size_t place = 0;
+};
+
+/// The sum of the kernels about the points of some leaves, at y, in units of exp(-unit): no kernel is larger than that.
+/// \param limits  for each leaf the exponent beyond which its images count for nothing
+TRELLIS_CLONES double sum_of(const std::vector<AxisKernel>& axes, const std::vector<PointTree::Leaf>& leaves,
+                             const std::vector<double>& limits, const double* y, double unit, LeftOut out) {
+  Block total{};
+  for (std::size_t l = 0; l < leaves.size(); ++l) {
+    const PointTree::Leaf& leaf = leaves[l];
+    Block exponent;
+    exponent.fill(unit);
+    Block factor;
+    factor.fill(1.0);
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      const AxisKernel& axis = axes[j];
+      const double* points = leaf.points + j * block;
+      const double at = y[j];
+      const double wrap = axis.periodic ? axis.period : std::numeric_limits<double>::infinity();
+      Block way;
+      for (std::size_t i = 0; i < block; ++i) {
+        const double u = std::abs(points[i] - at);
+        const double v = wrap - u;
+        const double w = v < u ? v : u;
+        way[i] = w;
+        exponent[i] -= w * w * axis.inverse;
+      }
+      add_images(axis, at, points, leaf.box[2 * j], leaf.box[2 * j + 1], way, limits[l], factor);
+    }
+    if (l == out.leaf) exponent[out.place] = -faintest;
+    exp_block(exponent);
+    for (std::size_t i = 0; i < block; ++i) total[i] += exponent[i] * factor[i];
+  }
+  double sum = 0.0;
+  for (const double t : total) sum += t;
+  return sum;
+}
+
+/// Gaussian kernels of one width about the points of a tree.
 class Kernels {
  public:
-  Kernels(const Frame& frame, std::span<const double> rows, double bandwidth) : frame_(frame), rows_(rows) {
+  /// \param ignored  exp(-ignored) of a sum counts for nothing
+  Kernels(const Frame& frame, std::size_t points, double bandwidth, double ignored)
+      : ignored_(ignored),
+        spread_(2.0 * bandwidth * bandwidth),
+        // Kernels narrowed to the period of their axis are an eighth lower per axis at most.
+        beyond_(spread_ *
+                (std::log(static_cast<double>(points)) + ignored + 0.125 * static_cast<double>(frame.dimension()))) {
+    axes_.reserve(frame.dimension());
     for (std::size_t j = 0; j < frame.dimension(); ++j) {
-      Images at;
-      at.period = frame.periodic(j) ? frame.period(j) : 2.0 * frame.extent(j);
+      AxisKernel axis;
+      axis.periodic = frame.periodic(j);
+      axis.period = axis.periodic ? frame.period(j) : 2.0 * frame.extent(j);
+      axis.lo = frame.lo(j);
       // A kernel as wide as the period is uniform over it, and a wider one no different.
-      at.h = std::min(bandwidth, at.period);
-      if (reach * at.h > 0.5 * at.period) at.turns = static_cast<int>(std::ceil(reach * at.h / at.period));
-      log_norm_ -= std::log(at.h * std::sqrt(2.0 * std::numbers::pi));
-      images_.push_back(std::move(at));
+      const double h = std::min(bandwidth, axis.period);
+      axis.inverse = 0.5 / (h * h);
+      axis.turns = 1 + static_cast<int>(std::sqrt(ignored / axis.inverse) / axis.period);
+      log_norm_ -= std::log(h * std::sqrt(2.0 * std::numbers::pi));
+      axes_.push_back(axis);
     }
   }
 
-  /// The log of the sum of all kernels but one at y; `without` beyond the last: of all.
-  [[nodiscard]] double log_sum(View y, std::size_t without) {
-    const std::size_t d = frame_.dimension();
-    LogSum sum;
-    for (std::size_t i = 0; i * d < rows_.size(); ++i) {
-      if (i == without) continue;
-      double log_kernel = 0.0;
-      for (std::size_t j = 0; j < d; ++j) {
-        Images& at = images_[j];
-        const double s = rows_[i * d + j];
-        const double u = frame_.shortest(j, y[j] - s);
-        at.logs.clear();
-        const auto offer = [&](double v) {
-          if (std::abs(v) < reach * at.h) at.logs.push_back(-0.5 * v * v / (at.h * at.h));
-        };
-        for (int turn = 1; turn <= at.turns; ++turn) {
-          offer(u + turn * at.period);
-          offer(u - turn * at.period);
-        }
-        if (!frame_.periodic(j)) {
-          const double mirrored = y[j] + s - 2.0 * frame_.lo(j);
-          for (int turn = 0; turn <= at.turns; ++turn) {
-            offer(mirrored + turn * at.period);
-            offer(mirrored - (turn + 1) * at.period);
-          }
-        }
-        const double nearest = -0.5 * u * u / (at.h * at.h);
-        if (at.logs.empty()) {
-          log_kernel += nearest;
-          continue;
-        }
-        LogSum axis;
-        axis.add(nearest);
-        for (const double log_image : at.logs) axis.add(log_image);
-        log_kernel += axis.value();
-      }
-      sum.add(log_kernel);
+  /// The squared distance at which kernels count for nothing, where the nearest point is at `nearest`.
+  [[nodiscard]] double horizon(double nearest) const { return nearest + beyond_; }
+
+  /// log of the sum of the kernels about the points of some leaves, the nearest of them at a squared distance of
+  /// `nearest` from y.
+  [[nodiscard]] double log_sum(View y, double nearest, const std::vector<PointTree::Leaf>& leaves, LeftOut out = {}) {
+    const double unit = nearest / spread_;
+    limits_.clear();
+    for (const PointTree::Leaf& leaf : leaves) {
+      limits_.push_back(std::min(ignored_, (horizon(nearest) - leaf.least) / spread_));
     }
-    return log_norm_ + sum.value();
+    return log_norm_ - unit + std::log(sum_of(axes_, leaves, limits_, y.data(), unit, out));
   }
 
  private:
-  /// The images of one axis: across the wrap, or in the mirrors that two walls make, which repeat.
-  struct Images {
-    double period = 0.0;
-    double h = 0.0;
-    int turns = 0;             ///< periods away at which an image may still count
-    std::vector<double> logs;  ///< of a kernel's further images at a point, as far as they count
-  };
-  const Frame& frame_;
-  std::span<const double> rows_;
+  double ignored_;
+  double spread_;
+  double beyond_;
   double log_norm_ = 0.0;
-  std::vector<Images> images_;
+  std::vector<AxisKernel> axes_;
+  std::vector<double> limits_;  // scratch
 };
 
 double scott(const Frame& frame, const std::vector<double>& rows) {
@@ -150,6 +246,21 @@ double scott(const Frame& frame, const std::vector<double>& rows) {
   return std::max(sd, 1e-9) * std::pow(static_cast<double>(n), -1.0 / (static_cast<double>(d) + 4.0));
 }
 
+/// The squared distance from y to the nearest point of a leaf but one; infinite where there is no other.
+double nearest_of(const Frame& frame, const PointTree::Leaf& leaf, const double* y, std::size_t without) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < leaf.count; ++i) {
+    if (i == without) continue;
+    double square = 0.0;
+    for (std::size_t j = 0; j < frame.dimension(); ++j) {
+      const double u = frame.shortest(j, leaf.points[j * block + i] - y[j]);
+      square += u * u;
+    }
+    nearest = std::min(nearest, square);
+  }
+  return nearest;
+}
+
 double most_likely(const Frame& frame, const std::vector<double>& rows) {
   const std::size_t d = frame.dimension();
   const std::size_t n = rows.size() / d;
@@ -161,15 +272,51 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
     few.insert(few.end(), rows.begin() + static_cast<std::ptrdiff_t>(i * d),
                rows.begin() + static_cast<std::ptrdiff_t>((i + 1) * d));
   }
-  const std::size_t m = few.size() / d;
+  const PointTree tree(frame, few);
+  const std::size_t m = tree.size();
+  std::vector<PointTree::Leaf> leaves;
+  tree.leaves_within(View(few).first(d), std::numeric_limits<double>::infinity(), leaves);
+  std::vector<double> points;  // in the order of the leaves
+  points.reserve(few.size());
+  std::vector<LeftOut> places;
+  places.reserve(m);
+  for (std::size_t l = 0; l < leaves.size(); ++l) {
+    for (std::size_t i = 0; i < leaves[l].count; ++i) {
+      for (std::size_t j = 0; j < d; ++j) points.push_back(leaves[l].points[j * block + i]);
+      places.push_back({l, i});
+    }
+  }
+  // From each point to each leaf, and to the nearest other point.
+  std::vector<double> to_leaf(m * leaves.size());
+  std::vector<double> to_other(m, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < m; ++i) {
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      const double nearest =
+          nearest_of(frame, leaves[l], &points[i * d], l == places[i].leaf ? places[i].place : block);
+      to_leaf[i * leaves.size() + l] = nearest;
+      to_other[i] = std::min(to_other[i], nearest);
+    }
+  }
   const double largest = 2.0 * scott(frame, few);
   double best = largest;
   double best_likelihood = -std::numeric_limits<double>::infinity();
+  std::vector<PointTree::Leaf> near;
+  near.reserve(leaves.size());
   for (int step = 0; step < likelihood_steps; ++step) {
     const double h = largest * std::pow(2.0, -7.0 * step / (likelihood_steps - 1));
-    Kernels kernels(frame, few, h);
+    Kernels kernels(frame, m, h, negligible_choice);
     double likelihood = 0.0;
-    for (std::size_t i = 0; i < m; ++i) likelihood += kernels.log_sum(View(few).subspan(i * d, d), i);
+    for (std::size_t i = 0; i < m; ++i) {
+      near.clear();
+      LeftOut out;
+      for (std::size_t l = 0; l < leaves.size(); ++l) {
+        if (to_leaf[i * leaves.size() + l] > kernels.horizon(to_other[i])) continue;
+        if (l == places[i].leaf) out = {near.size(), places[i].place};
+        near.push_back(leaves[l]);
+        near.back().least = to_leaf[i * leaves.size() + l];
+      }
+      likelihood += kernels.log_sum(View(points).subspan(i * d, d), to_other[i], near, out);
+    }
     if (likelihood > best_likelihood) {
       best_likelihood = likelihood;
       best = h;
@@ -184,12 +331,15 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   const double h = settings.bandwidth > 0.0   ? settings.bandwidth
                    : settings.rule == "scott" ? scott(evaluation.frame, rows)
                                               : most_likely(evaluation.frame, rows);
-  Kernels kernels(evaluation.frame, rows, h);
+  Kernels kernels(evaluation.frame, evaluation.all.size(), h, negligible);
+  std::vector<PointTree::Leaf> leaves;
   const double log_total = std::log(static_cast<double>(evaluation.samples.total));
   std::vector<double> log_density(evaluation.points);
   double mass = 0.0;
   for (std::size_t i = 0; i < evaluation.points; ++i) {
-    log_density[i] = kernels.log_sum(evaluation.at(i), rows.size()) - log_total;
+    const double nearest = evaluation.neighbours[i * Evaluation::neighbour_count];
+    evaluation.all.leaves_within(evaluation.at(i), kernels.horizon(nearest), leaves);
+    log_density[i] = kernels.log_sum(evaluation.at(i), nearest, leaves) - log_total;
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }
   return estimate_from(evaluation, log_density, std::min(1.0, mass / static_cast<double>(evaluation.points)));

@@ -211,6 +211,26 @@ std::size_t PointTree::count_within(View y, double squared) const {
   }
 }
 
+void PointTree::leaves_within(View y, double squared, std::vector<Leaf>& leaves) const {
+  leaves.clear();
+  if (size_ == 0) return;
+  std::array<std::uint32_t, deepest> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t node = stack[--depth];
+    const double nearest = least<0>(node, y.data());
+    if (nearest > squared) continue;
+    if (nodes_[node].second == 0) {
+      leaves.push_back({&blocks_[block * dimension_ * nodes_[node].leaf], &boxes_[2 * dimension_ * node],
+                        nodes_[node].count, nearest});
+    } else {
+      stack[depth++] = nodes_[node].second;
+      stack[depth++] = node + 1;
+    }
+  }
+}
+
 bool PointTree::any_within(View y, double squared) const {
   double nearest_one = infinity;
   nearest(y, {&nearest_one, 1});

@@ -29,9 +29,19 @@ class PointTree {
   /// Whether there is a point at a squared distance of at most `squared`.
   [[nodiscard]] bool any_within(View y, double squared) const;
 
- private:
-  static constexpr std::size_t block = 16;  // points a leaf has room for
+  static constexpr std::size_t block = 16;  ///< points a leaf has room for
+  /// Points that lie together: block coordinates of the first axis, then of the next; empty places are so far away that
+  /// their squared distance is infinite.
+  struct Leaf {
+    const double* points;
+    const double* box;  ///< lo and hi of each axis in turn
+    std::size_t count;
+    double least;  ///< no point of its box is at a smaller squared distance
+  };
+  /// The leaves that may hold a point at a squared distance of at most `squared`, always in the same order.
+  void leaves_within(View y, double squared, std::vector<Leaf>& leaves) const;
 
+ private:
   struct Node {
     std::uint32_t count = 0;
     std::uint32_t leaf = 0;    // block of a leaf
