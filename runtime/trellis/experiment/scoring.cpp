@@ -207,12 +207,14 @@ class ProblemScoring {
     PreparedSamples expansion;
     Held held = Held::anything;                ///< by the tree
     std::function<double(View)> density = {};  ///< of the expansion
+    bool brief = false;                        ///< scored by the headline's estimator and `knn` only
   };
   [[nodiscard]] static Sets own_sets(const LevelRecord& record) {
     return {.tree = {record.space, measured(record, record.search.nodes)},
             .expansion = {record.space, expansion(record, record.search.proposals)},
             .held = held(record),
-            .density = record.proposal_density};
+            .density = record.proposal_density,
+            .brief = record.level != 0};
   }
   /// \param root  the root's space
   [[nodiscard]] static Sets root_sets(const LevelRecord& record, const Space& root) {
@@ -220,11 +222,12 @@ class ProblemScoring {
     return {.tree = {root, measured(record, record.root_nodes)},
             .expansion = {root, expansion(record, record.root_proposals)},
             .held = record.level == 0 ? held(record) : Held::anything,
-            .density = record.root_proposal_density};
+            .density = record.root_proposal_density,
+            .brief = record.level != 0};
   }
 
   [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, Held held,
-                                  const std::function<double(View)>& density) const {
+                                  const std::function<double(View)>& density, bool brief) const {
     poll();
     if (samples.total() == 0) {
       Efficiency result = none(0, "there are no samples", false);
@@ -232,12 +235,14 @@ class ProblemScoring {
       result.free_share = target.free_share();
       return result;
     }
-    return efficiency(target, samples,
-                      {.held = held, .estimators = measure_.estimators, .density = density, .points = 0});
+    return efficiency(
+        target, samples,
+        {.held = held, .estimators = measure_.estimators, .brief = brief, .density = density, .points = 0});
   }
 
   [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {
-    return {figure(target, sets.tree, sets.held, {}), figure(target, sets.expansion, Held::anything, sets.density)};
+    return {figure(target, sets.tree, sets.held, {}, sets.brief),
+            figure(target, sets.expansion, Held::anything, sets.density, sets.brief)};
   }
 
   /// The tree's samples, of rows that stand for a level's nodes: those that were looked at.
@@ -338,9 +343,9 @@ class ProblemScoring {
       for (const bool tree : {true, false}) {
         const Ranks ranks = rank_motions(level.record, tree, settings, measure_seed + result.seed);
         Efficiency& role = tree ? found.tree : found.expansion;
-        role = ranks.target.target
-                   ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples}, Held::anything, {})
-                   : none(ranks.samples.size(), ranks.target.reason, false);
+        role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
+                                            Held::anything, {}, level.record.level != 0)
+                                   : none(ranks.samples.size(), ranks.target.reason, false);
       }
       level.own = found;
       level.own_cross = found;
@@ -413,12 +418,15 @@ class ProblemScoring {
     const Configurations proposals = thinned(expansion(record, record.root_proposals), equal_proposals_,
                                              Stream(measure_seed, record.key, "equal proposals"));
     // The density is known whatever the number of samples: only estimates depend on it.
-    const Sets sets{
-        .tree = {record.space, nodes}, .expansion = {record.space, proposals}, .held = held(record), .density = {}};
+    const Sets sets{.tree = {record.space, nodes},
+                    .expansion = {record.space, proposals},
+                    .held = held(record),
+                    .density = {},
+                    .brief = true};
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores found;
-      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.held, {});
-      if (equal_proposals_ > 0) found.expansion = figure(target, sets.expansion, Held::anything, {});
+      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+      if (equal_proposals_ > 0) found.expansion = figure(target, sets.expansion, Held::anything, {}, sets.brief);
       return found;
     });
   }

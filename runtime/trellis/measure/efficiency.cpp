@@ -165,6 +165,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   std::string reasons;
   bool found = false;
   for (const EstimatorSpec& spec : scoring.estimators) {
+    if (found && scoring.brief && spec.name() != "knn") continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
     if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
       if (spec.name() != "exact") reasons += (reasons.empty() ? "" : "; ") + reason;

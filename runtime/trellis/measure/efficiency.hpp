@@ -68,6 +68,8 @@ struct Scoring {
   Held held = Held::anything;
   /// The first that has a figure gives the headline, the others stand beside it.
   std::vector<EstimatorSpec> estimators = default_estimators();
+  /// Whether, of those that stand beside the headline, `knn` alone is asked.
+  bool brief = false;
   /// The density of the samples where it is known (without atoms, per volume in metric coordinates), for `exact`.
   std::function<double(View)> density = {};
   std::size_t points = 0;  ///< evaluation points, at most the target's; 0: the target's
