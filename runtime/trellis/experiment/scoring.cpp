@@ -137,6 +137,8 @@ class ProblemScoring {
             std::holds_alternative<UserTarget>(measure_.target));
   }
 
+  [[nodiscard]] static bool has_path(const RunResult& run) { return run.run.solved && !run.run.path.empty(); }
+
   /// For each seed the runs whose paths all strategies are scored on: those of the next seeds, the strategies taking
   /// turns.
   void choose_donors() {
@@ -154,7 +156,7 @@ class ProblemScoring {
           for (std::size_t turn = 0; turn < givers.size(); ++turn) {
             const std::size_t index = givers[(other + k + lap + turn) % givers.size()] * seeds_ + other;
             const bool taken = std::find(donors_[seed].begin(), donors_[seed].end(), index) != donors_[seed].end();
-            if (taken || !cross_roots_[index]) continue;
+            if (taken || !has_path(*runs_[index])) continue;
             donors_[seed].push_back(index);
             break;
           }
@@ -163,23 +165,26 @@ class ProblemScoring {
     }
   }
 
+  /// Made before any run is scored: of the roots those of donors only, of the levels below all.
   void make_cross_targets() {
     cross_roots_.resize(runs_.size());
     cross_levels_.resize(runs_.size());
-    if (!crosses()) {
-      donors_.resize(seeds_);
-      return;
+    donors_.resize(seeds_);
+    if (!crosses()) return;
+    choose_donors();
+    std::vector<char> gives(runs_.size(), 0);
+    for (const auto& donors : donors_) {
+      for (const std::size_t donor : donors) gives[donor] = 1;
     }
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
       poll();
       const RunResult& result = *runs_[i];
+      if (gives[i] != 0) cross_roots_[i] = own_target(result, result.levels.front(), true).target;
       cross_levels_[i].resize(result.levels.size());
-      for (std::size_t l = 0; l < result.levels.size(); ++l) {
+      for (std::size_t l = 1; l < result.levels.size(); ++l) {
         cross_levels_[i][l] = own_target(result, result.levels[l], true).target;
       }
-      if (!result.levels.empty()) cross_roots_[i] = cross_levels_[i].front();
     });
-    choose_donors();
   }
 
   /// The targets of the same level under other seeds.
