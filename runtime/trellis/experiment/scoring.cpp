@@ -9,6 +9,7 @@
 
 #include <trellis/base/parallel.hpp>
 #include <trellis/experiment/targets.hpp>
+#include <trellis/measure/samples.hpp>
 
 namespace trellis {
 
@@ -135,6 +136,8 @@ class ProblemScoring {
             std::holds_alternative<UserTarget>(measure_.target));
   }
 
+  [[nodiscard]] static bool has_path(const RunResult& run) { return run.run.solved && !run.run.path.empty(); }
+
   /// For each seed the runs whose paths all strategies are scored on: those of the next seeds, the strategies taking
   /// turns.
   void choose_donors() {
@@ -152,7 +155,7 @@ class ProblemScoring {
           for (std::size_t turn = 0; turn < givers.size(); ++turn) {
             const std::size_t index = givers[(other + k + lap + turn) % givers.size()] * seeds_ + other;
             const bool taken = std::find(donors_[seed].begin(), donors_[seed].end(), index) != donors_[seed].end();
-            if (taken || !cross_roots_[index]) continue;
+            if (taken || !has_path(*runs_[index])) continue;
             donors_[seed].push_back(index);
             break;
           }
@@ -161,23 +164,26 @@ class ProblemScoring {
     }
   }
 
+  /// Made before any run is scored: of the roots those of donors only, of the levels below all.
   void make_cross_targets() {
     cross_roots_.resize(runs_.size());
     cross_levels_.resize(runs_.size());
-    if (!crosses()) {
-      donors_.resize(seeds_);
-      return;
+    donors_.resize(seeds_);
+    if (!crosses()) return;
+    choose_donors();
+    std::vector<char> gives(runs_.size(), 0);
+    for (const auto& donors : donors_) {
+      for (const std::size_t donor : donors) gives[donor] = 1;
     }
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
       poll();
       const RunResult& result = *runs_[i];
+      if (gives[i] != 0) cross_roots_[i] = own_target(result, result.levels.front(), true).target;
       cross_levels_[i].resize(result.levels.size());
-      for (std::size_t l = 0; l < result.levels.size(); ++l) {
+      for (std::size_t l = 1; l < result.levels.size(); ++l) {
         cross_levels_[i][l] = own_target(result, result.levels[l], true).target;
       }
-      if (!result.levels.empty()) cross_roots_[i] = cross_levels_[i].front();
     });
-    choose_donors();
   }
 
   /// The targets of the same level under other seeds.
@@ -199,34 +205,53 @@ class ProblemScoring {
 
   // Scoring ----------------------------------------------------------------------------------------------------------
 
-  [[nodiscard]] Efficiency figure(const Target& target, const Configurations& samples, Held held,
-                                  const std::function<double(View)>& density) const {
+  /// A level's samples in one space, made ready for all targets there.
+  struct Sets {
+    PreparedSamples tree;
+    PreparedSamples expansion;
+    Held held = Held::anything;                ///< by the tree
+    std::function<double(View)> density = {};  ///< of the expansion
+    bool brief = false;                        ///< scored by the headline's estimator and `knn` only
+  };
+  [[nodiscard]] static Sets own_sets(const LevelRecord& record) {
+    return {.tree = {record.space, record.search.tree_samples(record.search.nodes)},
+            .expansion = {record.space, expansion(record, record.search.proposals)},
+            .held = held(record),
+            .density = record.proposal_density,
+            .brief = record.level != 0};
+  }
+  /// \param root  the root's space
+  [[nodiscard]] static Sets root_sets(const LevelRecord& record, const Space& root) {
+    // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
+    return {.tree = {root, record.search.tree_samples(record.root_nodes)},
+            .expansion = {root, expansion(record, record.root_proposals)},
+            .held = record.level == 0 ? held(record) : Held::anything,
+            .density = record.root_proposal_density,
+            .brief = record.level != 0};
+  }
+
+  [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, Held held,
+                                  const std::function<double(View)>& density, bool brief) const {
     poll();
-    if (samples.empty()) {
+    if (samples.total() == 0) {
       Efficiency result = none(0, "there are no samples", false);
       result.uniform = target.uniform();
       result.free_share = target.free_share();
       return result;
     }
-    return efficiency(target, samples,
-                      {.held = held, .estimators = measure_.estimators, .density = density, .points = 0});
+    return efficiency(
+        target, samples,
+        {.held = held, .estimators = measure_.estimators, .brief = brief, .density = density, .points = 0});
   }
 
-  [[nodiscard]] Scores own_scores(const Target& target, const LevelRecord& record) const {
-    return {figure(target, record.search.tree_samples(record.search.nodes), held(record), {}),
-            expansion(target, record, record.search.proposals, record.proposal_density)};
-  }
-  [[nodiscard]] Scores root_scores(const Target& target, const LevelRecord& record) const {
-    // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    return {figure(target, record.search.tree_samples(record.root_nodes),
-                   record.level == 0 ? held(record) : Held::anything, {}),
-            expansion(target, record, record.root_proposals, record.root_proposal_density)};
+  [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {
+    return {figure(target, sets.tree, sets.held, {}, sets.brief),
+            figure(target, sets.expansion, Held::anything, sets.density, sets.brief)};
   }
 
-  [[nodiscard]] Efficiency expansion(const Target& target, const LevelRecord& record, const Configurations& rows,
-                                     const std::function<double(View)>& density) const {
-    if (!record.search.expands) return figure(target, Configurations(rows.dimension()), Held::anything, {});
-    return figure(target, rows, Held::anything, density);
+  /// The expansion's samples, of rows that stand for a level's proposals.
+  static Configurations expansion(const LevelRecord& record, const Configurations& rows) {
+    return record.search.expands ? rows : Configurations(rows.dimension());
   }
 
   static Held held(const LevelRecord& record) {
@@ -239,9 +264,9 @@ class ProblemScoring {
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansion;
     for (const auto& target : targets) {
-      Scores scores = score(*target);
-      tree.push_back(std::move(scores.tree));
-      expansion.push_back(std::move(scores.expansion));
+      Scores found = score(*target);
+      tree.push_back(std::move(found.tree));
+      expansion.push_back(std::move(found.expansion));
     }
     return Scores{mean(tree), mean(expansion)};
   }
@@ -267,30 +292,33 @@ class ProblemScoring {
   void score_paths(std::size_t index, RunResult& result) {
     const MadeTarget root = own_target(result, result.levels.front(), false);
     std::vector<TargetPointer> crossing;
-    for (const std::size_t donor : donors_[index % seeds_]) crossing.push_back(cross_roots_[donor]);
+    for (const std::size_t donor : donors_[index % seeds_]) {
+      if (cross_roots_[donor]) crossing.push_back(cross_roots_[donor]);
+    }
     if (root.target) keep(*root.target, result.target);
+    const Space& space = result.levels.front().record.space;
     for (LevelResult& level : result.levels) {
       const LevelRecord& record = level.record;
-      if (root.target) {
-        level.root = root_scores(*root.target, record);
-      } else if (result.run.solved) {
-        level.root = absent(record, root.reason);
+      if (root.target || !crossing.empty()) {
+        const Sets sets = root_sets(record, space);
+        if (root.target) level.root = scores(*root.target, sets);
+        level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets); });
       }
-      level.root_cross = mean_scores(crossing, [&](const Target& target) { return root_scores(target, record); });
+      if (!root.target && result.run.solved) level.root = absent(record, root.reason);
       if (record.level == 0) {
         level.own = level.root;
         level.own_cross = level.root_cross;
-      } else {
-        const MadeTarget own = own_target(result, level, false);
-        if (own.target) {
-          level.own = own_scores(*own.target, record);
-        } else if (record.solution.solved() && !std::holds_alternative<UserTarget>(measure_.target)) {
-          level.own = absent(record, own.reason);
-        }
-        if (crosses()) {
-          level.own_cross = mean_scores(level_targets(index, record),
-                                        [&](const Target& target) { return own_scores(target, record); });
-        }
+        continue;
+      }
+      const MadeTarget own = own_target(result, level, false);
+      const std::vector<TargetPointer> others = crosses() ? level_targets(index, record) : std::vector<TargetPointer>{};
+      if (own.target || !others.empty()) {
+        const Sets sets = own_sets(record);
+        if (own.target) level.own = scores(*own.target, sets);
+        level.own_cross = mean_scores(others, [&](const Target& target) { return scores(target, sets); });
+      }
+      if (!own.target && record.solution.solved() && !std::holds_alternative<UserTarget>(measure_.target)) {
+        level.own = absent(record, own.reason);
       }
     }
     // A target that is the same for every run has no other seeds' version.
@@ -313,19 +341,20 @@ class ProblemScoring {
 
   void score_progress(RunResult& result, const ProgressSettings& settings) const {
     for (LevelResult& level : result.levels) {
-      Scores scores;
+      Scores found;
       for (const bool tree : {true, false}) {
         const Ranks ranks = rank_motions(level.record, tree, settings, measure_seed + result.seed);
-        Efficiency& role = tree ? scores.tree : scores.expansion;
-        role = ranks.target.target ? figure(*ranks.target.target, ranks.samples, Held::anything, {})
+        Efficiency& role = tree ? found.tree : found.expansion;
+        role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
+                                            Held::anything, {}, level.record.level != 0)
                                    : none(ranks.samples.size(), ranks.target.reason, false);
       }
-      level.own = scores;
-      level.own_cross = scores;
+      level.own = found;
+      level.own_cross = found;
       // Motions are not lifted: only the root's own are in the root's space.
       if (level.record.level == 0) {
-        level.root = scores;
-        level.root_cross = scores;
+        level.root = found;
+        level.root_cross = found;
       }
     }
   }
@@ -388,14 +417,19 @@ class ProblemScoring {
     const LevelRecord& record = level.record;
     const Configurations nodes = thinned(record.search.tree_samples(record.root_nodes), equal_nodes_,
                                          Stream(measure_seed, record.key, "equal nodes"));
-    const Configurations proposals =
-        thinned(record.root_proposals, equal_proposals_, Stream(measure_seed, record.key, "equal proposals"));
+    const Configurations proposals = thinned(expansion(record, record.root_proposals), equal_proposals_,
+                                             Stream(measure_seed, record.key, "equal proposals"));
+    // The density is known whatever the number of samples: only estimates depend on it.
+    const Sets sets{.tree = {record.space, nodes},
+                    .expansion = {record.space, proposals},
+                    .held = held(record),
+                    .density = {},
+                    .brief = true};
     level.equal = mean_scores(targets, [&](const Target& target) {
-      Scores scores;
-      if (equal_nodes_ > 0) scores.tree = figure(target, nodes, held(record), {});
-      // The density is known whatever the number of samples: only estimates depend on it.
-      if (equal_proposals_ > 0) scores.expansion = expansion(target, record, proposals, {});
-      return scores;
+      Scores found;
+      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+      if (equal_proposals_ > 0) found.expansion = figure(target, sets.expansion, Held::anything, {}, sets.brief);
+      return found;
     });
   }
 

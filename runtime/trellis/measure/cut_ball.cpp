@@ -5,6 +5,7 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 
+#include <trellis/measure/clones.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 
 namespace trellis::measure {
@@ -12,6 +13,25 @@ namespace trellis::measure {
 namespace {
 
 constexpr double log_half = -0.6931471805599453;
+
+/// Adds `far` for each point, scaled by r, that falls outside of [begin, end].
+TRELLIS_CLONES void cut(const double* points, std::size_t count, double r, double begin, double end, double far,
+                        double* square) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double offset = r * points[i];
+    const double below = offset < begin ? far : 0.0;
+    const double above = offset > end ? far : 0.0;
+    square[i] += below + above;
+  }
+}
+
+/// Adds the squares of points of the unit interval brought to [begin, begin + width].
+TRELLIS_CLONES void add_squares(const double* points, std::size_t count, double begin, double width, double* square) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double offset = begin + width * points[i];
+    square[i] += offset * offset;
+  }
+}
 
 }  // namespace
 
@@ -111,11 +131,10 @@ double CutBall::log_volume(View y, double r) const {
     range(j, y, r, lo, width);
     const double begin = lo - y[j];
     const double end = begin + width;
-    const double* points = region.ball ? &ball_[j * points_] : &cube_[j * points_];
-    for (std::size_t i = 0; i < points_; ++i) {
-      const double offset = region.ball ? r * points[i] : begin + width * points[i];
-      const bool out = region.ball && (offset < begin || offset > end);
-      square[i] += out ? 2.0 * r * r : (region.ball ? 0.0 : offset * offset);
+    if (region.ball) {
+      cut(&ball_[j * points_], points_, r, begin, end, 2.0 * r * r, square.data());
+    } else {
+      add_squares(&cube_[j * points_], points_, begin, width, square.data());
     }
   }
   std::size_t found = 0;

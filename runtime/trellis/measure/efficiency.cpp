@@ -10,7 +10,7 @@
 #include <numeric>
 #include <optional>
 
-#include <trellis/measure/point_tree.hpp>
+#include <trellis/measure/evaluation.hpp>
 #include <trellis/measure/samples.hpp>
 
 namespace trellis {
@@ -46,7 +46,7 @@ Along profile(const Target& target, std::span<const double> arcs, std::size_t po
   const auto bin = [&](double arc) {
     return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, arc / along.length * bins)));
   };
-  for (std::size_t i = 0; i < points; ++i) along.target[bin(target.along(target.pool()[i]))] += 1.0;
+  for (std::size_t i = 0; i < points; ++i) along.target[bin(target.arc(i))] += 1.0;
   for (const double arc : arcs) along.samples[bin(arc)] += 1.0;
   const auto n = static_cast<double>(arcs.size());
   along.divergence = 0.0;
@@ -63,8 +63,9 @@ Along profile(const Target& target, std::span<const double> arcs, std::size_t po
 }
 
 /// Share of the evaluation points within a distance of a sample, beside what uniform sampling is expected to reach.
-void cover(const measure::Evaluation& evaluation, const measure::PointTree& atoms, Efficiency& result) {
+void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   const Target& target = evaluation.target;
+  const measure::PointTree& atoms = evaluation.samples.atom_tree();
   const double square = target.delta() * target.delta();
   const auto total = static_cast<double>(result.samples);
   double covered = 0.0;
@@ -81,8 +82,8 @@ void cover(const measure::Evaluation& evaluation, const measure::PointTree& atom
     }
     covered += nearest <= square ? 1.0 : 0.0;
     half_covered += nearest <= 0.25 * square ? 1.0 : 0.0;
-    expected -= std::expm1(total * std::log1p(-target.hit(i)));
-    half_expected -= std::expm1(total * std::log1p(-target.half_hit(i)));
+    expected -= std::expm1(total * target.log_miss(i));
+    half_expected -= std::expm1(total * target.log_half_miss(i));
     hits += target.hit(i);
   }
   const auto count = static_cast<double>(evaluation.points);
@@ -98,35 +99,48 @@ void cover(const measure::Evaluation& evaluation, const measure::PointTree& atom
   }
 }
 
+/// The figures on a target without any valid configuration.
+Efficiency on_nothing(const Target& target, std::size_t samples) {
+  Efficiency result;
+  result.samples = samples;
+  result.free_share = target.free_share();
+  result.flags.emplace_back("empty target");
+  result.reason = "the target is empty: no valid configuration lies in it";
+  return result;
+}
+
 void take(Efficiency& result, const Estimate& estimate) { static_cast<Estimate&>(result) = estimate; }
 
 }  // namespace
 
 Efficiency efficiency(const Target& target, const Configurations& samples, const Scoring& scoring) {
-  const measure::Frame frame(target.space());
-  Efficiency result;
-  result.samples = samples.size();
-  result.free_share = target.free_share();
-  if (target.empty()) {
-    result.flags.emplace_back("empty target");
-    result.reason = "the target is empty: no valid configuration lies in it";
-    return result;
+  if (target.empty()) return on_nothing(target, samples.size());
+  return efficiency(target, PreparedSamples(target.space(), samples), scoring);
+}
+
+Efficiency efficiency(const Target& target, const PreparedSamples& samples, const Scoring& scoring) {
+  if (target.empty()) return on_nothing(target, samples.total());
+  if (!(samples.space() == target.space())) {
+    throw Error(fmt::format("measure: the samples were made ready in the space {}, the target lies in {}",
+                            samples.space().name(), target.space().name()));
   }
+  Efficiency result;
+  result.samples = samples.total();
+  result.free_share = target.free_share();
   result.uniform = target.uniform();
-  const measure::SampleSet set = measure::prepare(target, frame, samples);
-  result.in_target = set.in_target;
-  result.repeated = std::accumulate(set.copies.begin(), set.copies.end(), std::size_t{0});
-  if (set.total == 0) {
+  const measure::InTarget inside = measure::in_target(target, samples);
+  result.in_target = inside.count;
+  result.repeated = std::accumulate(samples.copies().begin(), samples.copies().end(), std::size_t{0});
+  if (samples.total() == 0) {
     result.flags.emplace_back("too few samples");
     result.reason = "there are no samples";
     return result;
   }
-  if (static_cast<double>(set.total) * std::exp(-result.uniform) < expected_hits) {
+  if (static_cast<double>(samples.total()) * std::exp(-result.uniform) < expected_hits) {
     result.flags.emplace_back("underpowered");
   }
 
   constexpr std::size_t neighbours = measure::Evaluation::neighbour_count;
-  const measure::PointTree all(frame, set.all);
   const std::size_t points =
       scoring.points > 0 ? std::min(scoring.points, target.evaluation_points()) : target.evaluation_points();
   std::vector<double> squared(points * neighbours);
@@ -138,19 +152,20 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
     }
     if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
   }
-  const measure::Evaluation evaluation{target, frame, set, points, all, squared, scoring.density, unreachable};
+  const measure::Evaluation evaluation{target, samples, inside, points, squared, scoring.density, unreachable};
   for (std::size_t i = 0; i < points; ++i) {
-    all.nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
+    samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }
 
   bound_mass(result);
-  cover(evaluation, measure::PointTree(frame, set.atoms), result);
-  result.along = profile(target, set.arcs, points);
-  if (set.in_target == 0) result.flags.emplace_back("censored");
+  cover(evaluation, result);
+  result.along = profile(target, inside.arcs, points);
+  if (inside.count == 0) result.flags.emplace_back("censored");
 
   std::string reasons;
   bool found = false;
   for (const EstimatorSpec& spec : scoring.estimators) {
+    if (found && scoring.brief && spec.name() != "knn") continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
     if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
       if (spec.name() != "exact") reasons += (reasons.empty() ? "" : "; ") + reason;
@@ -158,7 +173,7 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
     // What smoothing puts where no sample lies is no evidence. (`legacy` is its floor and nothing else.)
-    if (set.in_target == 0 && spec.name() != "exact" && spec.name() != "legacy") {
+    if (inside.count == 0 && spec.name() != "exact" && spec.name() != "legacy") {
       estimate.undefended = std::numeric_limits<double>::infinity();
     }
     estimate.estimator = spec.text();

@@ -14,6 +14,8 @@
 
 namespace trellis {
 
+class PreparedSamples;
+
 /// Where along the path the samples in the target lie: J = min(L / delta, n / 5) bins of equal arc length.
 struct Along {
   /// D(T || Q) of arc length, Q by the mean of its posterior under a Dirichlet(1/2) prior, in nats.
@@ -66,6 +68,8 @@ struct Scoring {
   Held held = Held::anything;
   /// The first that has a figure gives the headline, the others stand beside it.
   std::vector<EstimatorSpec> estimators = default_estimators();
+  /// Whether, of those that stand beside the headline, `knn` alone is asked.
+  bool brief = false;
   /// The density of the samples where it is known (without atoms, per volume in metric coordinates), for `exact`.
   std::function<double(View)> density = {};
   std::size_t points = 0;  ///< evaluation points, at most the target's; 0: the target's
@@ -76,6 +80,10 @@ struct Scoring {
 ///                 N but can reach no point of A
 /// Throws Error for samples of another dimension or with coordinates that are not finite.
 Efficiency efficiency(const Target& target, const Configurations& samples, const Scoring& scoring = {});
+
+/// The same of samples that were made ready before, which spares most of that work where they are scored on several
+/// targets. Throws Error where they are of another space than the target.
+Efficiency efficiency(const Target& target, const PreparedSamples& samples, const Scoring& scoring = {});
 
 /// One figure for several targets: means over them, of `along` too (over the least number of bins that one has);
 /// infinite values give infinity, and figures that some targets lack are means over those that have them. Flags are

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <trellis/measure/evaluation.hpp>
+
 namespace trellis {
 
 namespace measure {

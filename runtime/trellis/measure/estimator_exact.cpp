@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
-#include <trellis/measure/estimator.hpp>
+#include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {
 

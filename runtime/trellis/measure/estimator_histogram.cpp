@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include <trellis/measure/estimator.hpp>
+#include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {
 
@@ -105,9 +105,9 @@ std::vector<std::size_t> all_axes(const Frame& frame) {
 
 Estimate estimate_histogram(const Options& options, const Evaluation& evaluation) {
   const HistogramSettings settings = histogram_settings().read(options);
-  Grid grid(evaluation.frame, all_axes(evaluation.frame), settings.bin, true);
-  grid.count_rows(evaluation.samples.all);
-  const auto total = static_cast<double>(evaluation.samples.total);
+  Grid grid(evaluation.frame(), all_axes(evaluation.frame()), settings.bin, true);
+  grid.count_rows(evaluation.samples.all());
+  const auto total = static_cast<double>(evaluation.samples.total());
   const double more = settings.smoothing == "kt" ? 0.5 : settings.smoothing == "laplace" ? 1.0 : 0.0;
   std::vector<double> log_density(evaluation.points);
   double mass = 0.0;
@@ -121,25 +121,25 @@ Estimate estimate_histogram(const Options& options, const Evaluation& evaluation
 }
 
 std::string unfit_histogram(const Options&, const Evaluation& evaluation) {
-  return evaluation.all.size() >= 1 ? "" : "too few samples: none that occurs once";
+  return evaluation.samples.tree().size() >= 1 ? "" : "too few samples: none that occurs once";
 }
 
 Estimate estimate_legacy(const Options& options, const Evaluation& evaluation) {
   const LegacySettings settings = legacy_settings().read(options);
   const Target& target = evaluation.target;
-  const std::size_t d = evaluation.frame.dimension();
-  Grid samples(evaluation.frame, target.axes(), settings.cell, false);
-  samples.count_rows(evaluation.samples.all);
-  for (std::size_t i = 0; i < evaluation.samples.copies.size(); ++i) {
-    samples.count(View(evaluation.samples.atoms).subspan(i * d, d), evaluation.samples.copies[i]);
+  const std::size_t d = evaluation.frame().dimension();
+  Grid samples(evaluation.frame(), target.axes(), settings.cell, false);
+  samples.count_rows(evaluation.samples.all());
+  for (std::size_t i = 0; i < evaluation.samples.copies().size(); ++i) {
+    samples.count(View(evaluation.samples.atoms()).subspan(i * d, d), evaluation.samples.copies()[i]);
   }
-  Grid tube(evaluation.frame, target.axes(), settings.cell, false);
+  Grid tube(evaluation.frame(), target.axes(), settings.cell, false);
   std::vector<double> y(d);
   for (std::size_t i = 0; i < target.whole_tube().size(); ++i) {
-    evaluation.frame.to_metric(target.whole_tube()[i], y);
+    evaluation.frame().to_metric(target.whole_tube()[i], y);
     tube.count(y);
   }
-  const auto total = static_cast<double>(evaluation.samples.total);
+  const auto total = static_cast<double>(evaluation.samples.total());
   const auto points = static_cast<double>(target.whole_tube().size());
   Estimate result;
   result.undefended = 0.0;
@@ -153,7 +153,7 @@ Estimate estimate_legacy(const Options& options, const Evaluation& evaluation) {
 
 std::string unfit_legacy(const Options&, const Evaluation& evaluation) {
   if (!evaluation.target.has_path()) return "only a tube has a legacy reading";
-  return evaluation.samples.total > 0 ? "" : "too few samples: none";
+  return evaluation.samples.total() > 0 ? "" : "too few samples: none";
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <trellis/measure/clones.hpp>
-#include <trellis/measure/estimator.hpp>
+#include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {
 
@@ -327,26 +327,29 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {
   const KdeSettings settings = kde_settings().read(options);
-  const auto& rows = evaluation.samples.all;
-  const double h = settings.bandwidth > 0.0   ? settings.bandwidth
-                   : settings.rule == "scott" ? scott(evaluation.frame, rows)
-                                              : most_likely(evaluation.frame, rows);
-  Kernels kernels(evaluation.frame, evaluation.all.size(), h, negligible);
+  const auto& rows = evaluation.samples.all();
+  const auto chosen = [&] {
+    return settings.rule == "scott" ? scott(evaluation.frame(), rows) : most_likely(evaluation.frame(), rows);
+  };
+  const double h =
+      settings.bandwidth > 0.0 ? settings.bandwidth : evaluation.samples.remembered("kde " + settings.rule, chosen);
+  Kernels kernels(evaluation.frame(), evaluation.samples.tree().size(), h, negligible);
   std::vector<PointTree::Leaf> leaves;
-  const double log_total = std::log(static_cast<double>(evaluation.samples.total));
-  std::vector<double> log_density(evaluation.points);
+  const double log_total = std::log(static_cast<double>(evaluation.samples.total()));
+  const std::size_t points = evaluation.points;
+  std::vector<double> log_density(points);
   double mass = 0.0;
-  for (std::size_t i = 0; i < evaluation.points; ++i) {
+  for (std::size_t i = 0; i < points; ++i) {
     const double nearest = evaluation.neighbours[i * Evaluation::neighbour_count];
-    evaluation.all.leaves_within(evaluation.at(i), kernels.horizon(nearest), leaves);
+    evaluation.samples.tree().leaves_within(evaluation.at(i), kernels.horizon(nearest), leaves);
     log_density[i] = kernels.log_sum(evaluation.at(i), nearest, leaves) - log_total;
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }
-  return estimate_from(evaluation, log_density, std::min(1.0, mass / static_cast<double>(evaluation.points)));
+  return estimate_from(evaluation, log_density, std::min(1.0, mass / static_cast<double>(points)));
 }
 
 std::string unfit(const Options&, const Evaluation& evaluation) {
-  return evaluation.all.size() >= 2 ? "" : "too few samples: a bandwidth needs two that occur once";
+  return evaluation.samples.tree().size() >= 2 ? "" : "too few samples: a bandwidth needs two that occur once";
 }
 
 }  // namespace

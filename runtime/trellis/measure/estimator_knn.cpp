@@ -7,7 +7,7 @@
 #include <memory>
 
 #include <trellis/measure/cut_ball.hpp>
-#include <trellis/measure/estimator.hpp>
+#include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {
 
@@ -55,16 +55,18 @@ class BlendedNeighbours {
   BlendedNeighbours(const KnnSettings& settings, const Evaluation& evaluation)
       : evaluation_(evaluation),
         target_(evaluation.target),
-        inside_(evaluation.frame, evaluation.samples.inside),
-        space_ball_(evaluation.frame, space_points),
-        target_ball_(evaluation.frame, target_points),
+        inside_(evaluation.frame(), evaluation.in_target.inside),
+        space_ball_(evaluation.frame(), space_points),
+        target_ball_(evaluation.frame(), target_points),
         boundary_(settings.boundary),
-        k_all_(std::min(static_cast<std::size_t>(settings.k_all), evaluation.all.size())),
+        k_all_(std::min(static_cast<std::size_t>(settings.k_all), evaluation.samples.tree().size())),
         k_inside_(settings.blend ? std::min(static_cast<std::size_t>(settings.k), inside_.size()) : 0),
         // Atoms raise N, and with it lower the density of the rest, but do not make the in-tube term any better.
-        share_(k_inside_ == 0 ? 0.0 : static_cast<double>(inside_.size()) / static_cast<double>(evaluation.all.size())),
-        log_mass_all_(digamma(k_all_) - digamma(evaluation.samples.total + 1)),
-        log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(evaluation.samples.total + 1) : 0.0),
+        share_(k_inside_ == 0
+                   ? 0.0
+                   : static_cast<double>(inside_.size()) / static_cast<double>(evaluation.samples.tree().size())),
+        log_mass_all_(digamma(k_all_) - digamma(evaluation.samples.total() + 1)),
+        log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(evaluation.samples.total() + 1) : 0.0),
         least_radius_(1e-9 * target_.space().diameter()),
         squared_(std::max(k_all_, k_inside_)) {
     // With few samples in A the balls are wide and hold a good part of the pool. 40 points a ball make 13 points of the
@@ -73,8 +75,8 @@ class BlendedNeighbours {
         std::max<std::size_t>(least_pool, pool_expected * inside_.size() / std::max<std::size_t>(k_inside_, 1));
     if (k_inside_ > 0 && target_.is_uniform() && 2 * wanted < target_.pool().size()) {
       part_size_ = wanted;
-      part_ = std::make_unique<PointTree>(evaluation.frame,
-                                          std::span(target_.pool_rows()).first(wanted * evaluation.frame.dimension()));
+      part_ = std::make_unique<PointTree>(
+          evaluation.frame(), std::span(target_.pool_rows()).first(wanted * evaluation.frame().dimension()));
     }
   }
 
@@ -85,7 +87,7 @@ class BlendedNeighbours {
     if (k_all_ <= Evaluation::neighbour_count) {
       kth = evaluation_.neighbours[i * Evaluation::neighbour_count + k_all_ - 1];
     } else {
-      evaluation_.all.nearest(y, std::span(squared_).first(k_all_));
+      evaluation_.samples.tree().nearest(y, std::span(squared_).first(k_all_));
       kth = squared_[k_all_ - 1];
     }
     const double r = std::max(std::sqrt(kth), least_radius_);
@@ -115,16 +117,16 @@ class BlendedNeighbours {
       const std::size_t self = i < part_size_ ? 0 : 1;
       return by_pool(part_->count_within(y, squared) + self, part_size_ + self);
     }
-    const std::size_t m = target_.pool_tree().count_within(y, squared);
     if (ball * static_cast<double>(target_.pool_tree().size()) < pool_enough) {
       std::vector<double> x(y.size());
       const double by_points = target_ball_.log_volume(y, r, [&](View at) {
-        evaluation_.frame.to_raw(at, x);
+        evaluation_.frame().to_raw(at, x);
         return target_.contains(x);
       });
       if (std::isfinite(by_points)) return by_points;
     }
-    return by_pool(std::max<std::size_t>(m, 1), target_.pool_tree().size());
+    const std::size_t found = target_.pool_tree().count_within(y, squared);
+    return by_pool(std::max<std::size_t>(found, 1), target_.pool_tree().size());
   }
 
   /// The same for a target that is a distribution with a support of its own: fixed points of the ball.
@@ -132,7 +134,7 @@ class BlendedNeighbours {
     std::vector<double> x(y.size());
     const double r = std::max(std::sqrt(squared), least_radius_);
     const double volume = target_ball_.log_volume(y, r, [&](View at) {
-      evaluation_.frame.to_raw(at, x);
+      evaluation_.frame().to_raw(at, x);
       return target_.contains(x);
     });
     return std::isfinite(volume) ? volume : space_ball_.log_volume(y, r);
@@ -156,12 +158,12 @@ class BlendedNeighbours {
 };
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {
-  const SampleSet& samples = evaluation.samples;
-  const auto total = static_cast<double>(samples.total);
-  const std::size_t d = evaluation.frame.dimension();
+  const std::vector<double>& inside = evaluation.in_target.inside;
+  const auto total = static_cast<double>(evaluation.samples.total());
+  const std::size_t d = evaluation.frame().dimension();
   const KnnSettings settings = knn_settings().read(options);
   std::vector<double> log_density(evaluation.points);
-  if (samples.inside.empty()) {
+  if (inside.empty()) {
     // Half a sample, spread over A: what N samples without a hit leave possible.
     for (std::size_t i = 0; i < evaluation.points; ++i) {
       log_density[i] = std::log(0.5 / (total + 1.0)) + evaluation.target.log_density(i);
@@ -172,16 +174,15 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   }
   BlendedNeighbours density(settings, evaluation);
   for (std::size_t i = 0; i < evaluation.points; ++i) log_density[i] = density.log_density(i);
-  const std::size_t inside = samples.inside.size() / d;
-  return estimate_from(evaluation, log_density, static_cast<double>(inside) / total);
+  return estimate_from(evaluation, log_density, static_cast<double>(inside.size() / d) / total);
 }
 
 std::string unfit(const Options& options, const Evaluation& evaluation) {
-  const SampleSet& samples = evaluation.samples;
+  const PreparedSamples& samples = evaluation.samples;
   const auto k = static_cast<std::size_t>(knn_settings().read(options).k);
-  const std::size_t distinct = samples.all.size() / evaluation.frame.dimension();
+  const std::size_t distinct = samples.tree().size();
   if (distinct >= k) return "";
-  if (samples.total >= k && distinct == 0 && !samples.atoms.empty()) {
+  if (samples.total() >= k && distinct == 0 && !samples.atoms().empty()) {
     return "all samples occur more than once: they have no density";
   }
   return fmt::format("too few samples: {} that occur once, k = {} are needed", distinct, k);

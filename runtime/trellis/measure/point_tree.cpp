@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
+
+#include <trellis/measure/clones.hpp>
 
 namespace trellis::measure {
 
@@ -16,6 +19,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t deepest = 64;
 // Coordinate of the empty places of a leaf. Its squared distance to anything is infinite, and never NaN.
 constexpr double nowhere = 1e300;
+
+// Four numbers that are worked on at a time; written out, as the compiler takes a leaf's loop apart otherwise.
+using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+constexpr std::size_t width = 4;
 
 }  // namespace
 
@@ -77,7 +84,7 @@ std::uint32_t PointTree::build(std::span<const double> rows, std::span<std::uint
 // monotone, so a bound never cuts off a point that a plain search would have counted.
 
 template <std::size_t D>
-inline double PointTree::least(std::uint32_t node, const double* y) const {
+TRELLIS_ALONG double PointTree::least(std::uint32_t node, const double* y) const {
   const std::size_t dimension = D > 0 ? D : dimension_;
   const double* box = &boxes_[2 * dimension * node];
   double sum = 0.0;
@@ -85,7 +92,6 @@ inline double PointTree::least(std::uint32_t node, const double* y) const {
     const double below = box[2 * j] - y[j];
     const double above = y[j] - box[2 * j + 1];
     const double outside = std::max(below, above);
-    if (outside <= 0.0) continue;
     // Outside of the box the nearest point of an axis is one of its ends, the one or the other way round.
     const double other = period_[j] - std::max(std::abs(below), std::abs(above));
     const double u = std::max(0.0, std::min(outside, other));
@@ -95,47 +101,47 @@ inline double PointTree::least(std::uint32_t node, const double* y) const {
 }
 
 template <std::size_t D>
-inline double PointTree::greatest(std::uint32_t node, const double* y) const {
+TRELLIS_ALONG double PointTree::greatest(std::uint32_t node, const double* y) const {
   const std::size_t dimension = D > 0 ? D : dimension_;
   const double* box = &boxes_[2 * dimension * node];
   double sum = 0.0;
   for (std::size_t j = 0; j < dimension; ++j) {
     const double a = box[2 * j] - y[j];
     const double b = box[2 * j + 1] - y[j];
-    double u = std::max(std::abs(a), std::abs(b));
     const double half = 0.5 * period_[j];
-    if (u > half) {
-      if ((a <= half && b >= half) || (a <= -half && b >= -half)) {
-        u = half;
-      } else {
-        u = std::max(std::abs(std::min(std::abs(a), period_[j] - std::abs(a))),
-                     std::abs(std::min(std::abs(b), period_[j] - std::abs(b))));
-      }
-    }
+    const bool across = (a <= half && b >= half) || (a <= -half && b >= -half);
+    const double ends = std::max(std::min(std::abs(a), period_[j] - std::abs(a)),  //
+                                 std::min(std::abs(b), period_[j] - std::abs(b)));
+    const double u = across ? half : ends;
     sum += u * u;
   }
   return sum;
 }
 
 template <std::size_t D>
-inline void PointTree::scan(std::uint32_t leaf, const double* y, double* squared) const {
+TRELLIS_ALONG const double* PointTree::leaf_of(std::uint32_t node) const {
+  return &blocks_[block * (D > 0 ? D : dimension_) * nodes_[node].leaf];
+}
+
+/// The squared distances from y to four places of a leaf.
+template <std::size_t D>
+TRELLIS_ALONG void PointTree::scan(const double* data, const double* y, void* squared) const {
   const std::size_t dimension = D > 0 ? D : dimension_;
-  const double* data = &blocks_[block * dimension * leaf];
-  for (std::size_t i = 0; i < block; ++i) squared[i] = 0.0;
+  Four sum{};
   for (std::size_t j = 0; j < dimension; ++j, data += block) {
-    const double at = y[j];
-    const double period = period_[j];
-    for (std::size_t i = 0; i < block; ++i) {
-      const double u = std::abs(data[i] - at);
-      const double v = period - u;
-      const double w = v < u ? v : u;
-      squared[i] += w * w;
-    }
+    Four at;
+    std::memcpy(&at, data, sizeof at);
+    const Four offset = at - y[j];
+    const Four u = offset < 0.0 ? -offset : offset;
+    const Four v = period_[j] - u;
+    const Four w = v < u ? v : u;
+    sum += w * w;
   }
+  std::memcpy(squared, &sum, sizeof sum);
 }
 
 template <std::size_t D>
-void PointTree::find_nearest(const double* y, std::span<double> squared) const {
+TRELLIS_ALONG void PointTree::find_nearest(const double* y, std::span<double> squared) const {
   std::fill(squared.begin(), squared.end(), infinity);
   if (size_ == 0 || squared.empty()) return;
   struct Waiting {
@@ -145,7 +151,6 @@ void PointTree::find_nearest(const double* y, std::span<double> squared) const {
   std::array<Waiting, deepest> stack;
   std::size_t depth = 0;
   stack[depth++] = {0, 0.0};
-  std::array<double, block> distances;
   double& worst = squared.back();
   while (depth > 0) {
     const Waiting top = stack[--depth];
@@ -161,41 +166,52 @@ void PointTree::find_nearest(const double* y, std::span<double> squared) const {
       if (far < worst) stack[depth++] = {swap ? first : second, far};
       node = swap ? second : first;
     }
-    scan<D>(nodes_[node].leaf, y, distances.data());
-    for (const double d : distances) {
-      if (!(d < worst)) continue;
-      std::size_t i = squared.size() - 1;
-      for (; i > 0 && squared[i - 1] > d; --i) squared[i] = squared[i - 1];
-      squared[i] = d;
+    const double* data = leaf_of<D>(node);
+    for (std::size_t begin = 0; begin < block; begin += width) {
+      Four distances;
+      scan<D>(data + begin, y, &distances);
+      const auto closer = distances < worst;
+      if ((closer[0] | closer[1] | closer[2] | closer[3]) == 0) continue;
+      for (std::size_t place = 0; place < width; ++place) {
+        const double d = distances[place];
+        if (!(d < worst)) continue;
+        std::size_t i = squared.size() - 1;
+        for (; i > 0 && squared[i - 1] > d; --i) squared[i] = squared[i - 1];
+        squared[i] = d;
+      }
     }
   }
 }
 
 template <std::size_t D>
-std::size_t PointTree::count(const double* y, double squared) const {
+TRELLIS_ALONG std::size_t PointTree::count(const double* y, double squared) const {
   if (size_ == 0 || least<D>(0, y) > squared) return 0;
   std::array<std::uint32_t, deepest> stack;
   std::size_t depth = 0;
   stack[depth++] = 0;
-  std::array<double, block> distances;
+  decltype(Four{} <= Four{}) within{};
   std::size_t found = 0;
   while (depth > 0) {
     const std::uint32_t node = stack[--depth];
-    if (greatest<D>(node, y) <= squared) {
+    if (nodes_[node].second == 0) {
+      const double* data = leaf_of<D>(node);
+      for (std::size_t begin = 0; begin < block; begin += width) {
+        Four distances;
+        scan<D>(data + begin, y, &distances);
+        within -= distances <= squared;  // true is -1
+      }
+    } else if (greatest<D>(node, y) <= squared) {
       found += nodes_[node].count;
-    } else if (nodes_[node].second == 0) {
-      scan<D>(nodes_[node].leaf, y, distances.data());
-      for (const double d : distances) found += d <= squared ? 1 : 0;
     } else {
       for (const std::uint32_t child : {node + 1, nodes_[node].second}) {
         if (least<D>(child, y) <= squared) stack[depth++] = child;
       }
     }
   }
-  return found;
+  return found + static_cast<std::size_t>(within[0] + within[1] + within[2] + within[3]);
 }
 
-void PointTree::nearest(View y, std::span<double> squared) const {
+TRELLIS_CLONES void PointTree::nearest(View y, std::span<double> squared) const {
   switch (dimension_) {
     case 2: return find_nearest<2>(y.data(), squared);
     case 3: return find_nearest<3>(y.data(), squared);
@@ -203,7 +219,7 @@ void PointTree::nearest(View y, std::span<double> squared) const {
   }
 }
 
-std::size_t PointTree::count_within(View y, double squared) const {
+TRELLIS_CLONES std::size_t PointTree::count_within(View y, double squared) const {
   switch (dimension_) {
     case 2: return count<2>(y.data(), squared);
     case 3: return count<3>(y.data(), squared);

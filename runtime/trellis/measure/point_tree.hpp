@@ -55,7 +55,9 @@ class PointTree {
   template <std::size_t D>
   [[nodiscard]] double greatest(std::uint32_t node, const double* y) const;
   template <std::size_t D>
-  void scan(std::uint32_t leaf, const double* y, double* squared) const;
+  [[nodiscard]] const double* leaf_of(std::uint32_t node) const;
+  template <std::size_t D>
+  void scan(const double* data, const double* y, void* squared) const;
   template <std::size_t D>
   void find_nearest(const double* y, std::span<double> squared) const;
   template <std::size_t D>

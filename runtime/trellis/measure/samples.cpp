@@ -6,29 +6,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
-namespace trellis::measure {
+namespace trellis {
 
-SampleSet prepare(const Target& target, const Frame& frame, const Configurations& samples) {
-  const Space& space = target.space();
+PreparedSamples::PreparedSamples(const Space& space, const Configurations& samples)
+    : space_(space), frame_(space), total_(samples.size()), tree_(frame_, {}), atom_tree_(frame_, {}) {
   const std::size_t d = space.dimension();
   if (!samples.empty() && samples.dimension() != d) {
     throw Error(fmt::format("measure: the samples have {} coordinates, the target's space {} has {}",
                             samples.dimension(), space.name(), d));
   }
-  SampleSet set;
-  set.total = samples.size();
-  std::vector<double> rows(set.total * d);
+  std::vector<double> rows(total_ * d);
   std::vector<std::uint32_t> order;
-  order.reserve(set.total);
-  for (std::size_t i = 0; i < set.total; ++i) {
+  order.reserve(total_);
+  for (std::size_t i = 0; i < total_; ++i) {
     const View x = samples[i];
     if (!std::all_of(x.begin(), x.end(), [](double c) { return std::isfinite(c); })) {
       throw Error(fmt::format("measure: sample {} has a coordinate that is not finite", i + 1));
     }
     if (!space.contains(x)) continue;
-    frame.to_metric(x, MutableView(rows).subspan(i * d, d));
+    frame_.to_metric(x, MutableView(rows).subspan(i * d, d));
     order.push_back(static_cast<std::uint32_t>(i));
   }
   // Copies meet in the order of the coordinates; the order of equal rows does not matter to anything below.
@@ -37,25 +34,54 @@ SampleSet prepare(const Target& target, const Frame& frame, const Configurations
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::lexicographical_compare(row(a), row(a) + length, row(b), row(b) + length);
   });
+  all_.reserve(rows.size());
+  distinct_ = Configurations(d);
+  distinct_.reserve(order.size());
+  Configurations repeated(d);
   for (std::size_t i = 0; i < order.size();) {
     std::size_t end = i + 1;
     while (end < order.size() && std::equal(row(order[i]), row(order[i]) + length, row(order[end]))) ++end;
     const auto first = row(order[i]);
-    const bool inside = target.contains(samples[order[i]]);
-    if (inside) {
-      set.in_target += end - i;
-      if (target.has_path()) set.arcs.insert(set.arcs.end(), end - i, target.along(samples[order[i]]));
-    }
     if (end - i > 1) {
-      set.atoms.insert(set.atoms.end(), first, first + length);
-      set.copies.push_back(end - i);
+      atoms_.insert(atoms_.end(), first, first + length);
+      copies_.push_back(end - i);
+      repeated.push(samples[order[i]]);
     } else {
-      set.all.insert(set.all.end(), first, first + length);
-      if (inside) set.inside.insert(set.inside.end(), first, first + length);
+      all_.insert(all_.end(), first, first + length);
+      distinct_.push(samples[order[i]]);
     }
     i = end;
   }
-  return set;
+  for (std::size_t i = 0; i < repeated.size(); ++i) distinct_.push(std::as_const(repeated)[i]);
+  tree_ = measure::PointTree(frame_, all_);
+  atom_tree_ = measure::PointTree(frame_, atoms_);
 }
 
-}  // namespace trellis::measure
+double PreparedSamples::remembered(const std::string& name, const std::function<double()>& make) const {
+  const auto found = numbers_.find(name);
+  if (found != numbers_.end()) return found->second;
+  return numbers_.emplace(name, make()).first->second;
+}
+
+namespace measure {
+
+InTarget in_target(const Target& target, const PreparedSamples& samples) {
+  const std::size_t d = samples.frame().dimension();
+  const std::size_t once = samples.tree().size();
+  InTarget result;
+  for (std::size_t i = 0; i < samples.distinct().size(); ++i) {
+    const View x = samples.distinct()[i];
+    if (!target.contains(x)) continue;
+    const std::size_t copies = i < once ? 1 : samples.copies()[i - once];
+    result.count += copies;
+    if (target.has_path()) result.arcs.insert(result.arcs.end(), copies, target.along(x));
+    if (i >= once) continue;
+    const View y = View(samples.all()).subspan(i * d, d);
+    result.inside.insert(result.inside.end(), y.begin(), y.end());
+  }
+  return result;
+}
+
+}  // namespace measure
+
+}  // namespace trellis

@@ -280,12 +280,19 @@ void Target::finish() {
                                          static_cast<double>(log_weights_.size());
   }
   const measure::CutBall ball(frame, ball_points);
-  hits_.resize(evaluated);
-  half_hits_.resize(evaluated);
+  const auto chance = [&](View y, double radius) {
+    return std::min(1.0, std::exp(ball.log_volume(y, radius) - space_.log_volume()));
+  };
+  hits_.reserve(evaluated);
+  log_misses_.reserve(evaluated);
+  log_half_misses_.reserve(evaluated);
+  if (tube_) arcs_.reserve(evaluated);
   for (std::size_t i = 0; i < evaluated; ++i) {
     const View y = View(pool_rows_).subspan(i * d, d);
-    hits_[i] = std::min(1.0, std::exp(ball.log_volume(y, settings_.delta) - space_.log_volume()));
-    half_hits_[i] = std::min(1.0, std::exp(ball.log_volume(y, 0.5 * settings_.delta) - space_.log_volume()));
+    hits_.push_back(chance(y, settings_.delta));
+    log_misses_.push_back(std::log1p(-hits_.back()));
+    log_half_misses_.push_back(std::log1p(-chance(y, 0.5 * settings_.delta)));
+    if (tube_) arcs_.push_back(tube_->along(y));
   }
 }
 

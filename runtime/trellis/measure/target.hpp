@@ -124,9 +124,13 @@ class Target {
   /// The pool in metric coordinates, row by row, and its tree for counting points in balls.
   [[nodiscard]] const std::vector<double>& pool_rows() const { return pool_rows_; }
   [[nodiscard]] const measure::PointTree& pool_tree() const { return *pool_tree_; }
-  /// The chance that one uniform sample falls within delta (delta / 2) of an evaluation point.
+  /// The chance that one uniform sample falls within delta of an evaluation point, and the logs of the chances that it
+  /// does not, nor within delta / 2.
   [[nodiscard]] double hit(std::size_t i) const { return hits_[i]; }
-  [[nodiscard]] double half_hit(std::size_t i) const { return half_hits_[i]; }
+  [[nodiscard]] double log_miss(std::size_t i) const { return log_misses_[i]; }
+  [[nodiscard]] double log_half_miss(std::size_t i) const { return log_half_misses_[i]; }
+  /// Where along the path an evaluation point lies, of a target that has a path.
+  [[nodiscard]] double arc(std::size_t i) const { return arcs_[i]; }
 
  private:
   Target(const Space& space, const TargetSettings& settings);
@@ -146,7 +150,8 @@ class Target {
   Configurations whole_tube_;
   std::vector<double> log_weights_;  // log T at the pool; empty where T is uniform
   std::vector<double> pool_rows_;
-  std::vector<double> hits_, half_hits_;
+  std::vector<double> hits_, log_misses_, log_half_misses_;
+  std::vector<double> arcs_;  // of tubes
   std::shared_ptr<const measure::PointTree> pool_tree_;
 };
 

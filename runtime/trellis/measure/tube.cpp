@@ -11,10 +11,12 @@ namespace trellis::measure {
 
 namespace {
 
-constexpr std::size_t grid_limit = 3;            // axes of the grid
-constexpr std::uint64_t axis_limit = 1U << 20U;  // cells of one axis, so that three fit a key
-constexpr double cell_budget = 30000.0;          // cells of the cover, about
-constexpr double thinning = 1e-3;                // of the radius
+constexpr std::size_t grid_limit = 3;             // axes of the grid
+constexpr std::uint64_t axis_limit = 1U << 20U;   // cells of one axis, so that three fit a key
+constexpr double cell_budget = 30000.0;           // cells of the cover, about
+constexpr double thinning = 1e-3;                 // of the radius
+constexpr std::uint64_t table_limit = 1U << 18U;  // cells of a grid that has a table of them
+constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
 /// Coordinates of a point over the tube's axes; on the stack but for spaces of very many axes.
 class Gathered {
@@ -287,6 +289,12 @@ void Tube::fill_cells() {
     if (entry.inside) inside_.back() = 1;
   }
   first_.push_back(static_cast<std::uint32_t>(near_.size()));
+
+  std::uint64_t all = 1;
+  for (const std::uint64_t n : cells_) all = all > table_limit ? all : all * n;
+  if (all > table_limit) return;
+  cell_of_key_.assign(all, no_cell);
+  for (std::size_t cell = 0; cell < keys_.size(); ++cell) cell_of_key_[keys_[cell]] = static_cast<std::uint32_t>(cell);
 }
 
 void Tube::bound_rest() {
@@ -349,6 +357,11 @@ std::optional<std::size_t> Tube::cell_of(View y) const {
     if (!(at >= 0.0)) return std::nullopt;
     key = key * cells_[g] + std::min(static_cast<std::uint64_t>(at), cells_[g] - 1);
   }
+  if (!cell_of_key_.empty()) {
+    const std::uint32_t cell = cell_of_key_[key];
+    if (cell == no_cell) return std::nullopt;
+    return cell;
+  }
   const auto found = std::lower_bound(keys_.begin(), keys_.end(), key);
   if (found == keys_.end() || *found != key) return std::nullopt;
   return static_cast<std::size_t>(found - keys_.begin());
@@ -361,10 +374,22 @@ bool Tube::contains(View y) const {
   return near(*cell, z.data());
 }
 
+std::size_t Tube::cell_at(double volume) const {
+  const std::size_t last = cumulative_.size() - 1;
+  if (rest_.empty()) {
+    // Cells of one volume: there but for rounding.
+    auto cell = std::min(last, static_cast<std::size_t>(volume / cumulative_.front()));
+    while (cell < last && cumulative_[cell] <= volume) ++cell;
+    while (cell > 0 && cumulative_[cell - 1] > volume) --cell;
+    return cell;
+  }
+  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, volume);
+  return static_cast<std::size_t>(found - cumulative_.begin());
+}
+
 bool Tube::draw(View unit, MutableView y) const {
   const double at = unit[0] * cover_volume_;
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at);
-  const auto cell = static_cast<std::size_t>(found - cumulative_.begin());
+  const std::size_t cell = cell_at(at);
   for (std::size_t j = 0; j < frame_.dimension(); ++j) y[j] = frame_.lo(j) + unit[j + 1] * frame_.extent(j);
   std::uint64_t key = keys_[cell];
   for (std::size_t g = 0; g < grid_axes_; ++g) {

@@ -53,6 +53,8 @@ class Tube {
   [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count, double* at = nullptr) const;
   /// The cell that holds y; none outside of the cover.
   [[nodiscard]] std::optional<std::size_t> cell_of(View y) const;
+  /// The cell at which the volumes of all before it and its own go beyond a volume.
+  [[nodiscard]] std::size_t cell_at(double volume) const;
   [[nodiscard]] bool near(std::size_t cell, const double* z) const;
 
   Frame frame_;
@@ -70,7 +72,8 @@ class Tube {
   std::vector<std::uint64_t> cells_;
   std::vector<double> side_;
   std::vector<std::uint64_t> keys_;
-  std::vector<std::uint32_t> first_;  // of each cell's pieces in near_, one more than cells
+  std::vector<std::uint32_t> cell_of_key_;  // of all cells of the grid, where they are not too many
+  std::vector<std::uint32_t> first_;        // of each cell's pieces in near_, one more than cells
   std::vector<std::uint32_t> near_;
   std::vector<char> inside_;        // the whole cell lies in the tube
   std::vector<double> rest_;        // per cell: lo and width of each axis of the tube beyond the grid
