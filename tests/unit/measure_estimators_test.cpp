@@ -215,6 +215,36 @@ TEST_CASE("Blended nearest neighbours are the formula of the specification, ball
   check_same(by(EstimatorSpec::make("knn"), target, samples, points), figures_of(target, points, log_q), 0.02);
 }
 
+TEST_CASE("Kernels at walls and across wraps of several axes, at the samples themselves and far from them") {
+  const Space space("mixed", {{.name = "a", .lo = 0, .hi = 3},
+                              {.name = "b", .lo = -1, .hi = 1, .weight = 0.7, .periodic = true},
+                              {.name = "c", .lo = 2, .hi = 2.5, .weight = 2.0},
+                              {.name = "d", .lo = 0, .hi = 1}});
+  TargetSettings settings;
+  settings.points = 150;
+  settings.pool = 1024;
+  // By a corner, and by the opposite one.
+  const auto corner = [&](View x, bool upper) {
+    return upper ? x[0] > 2.7 && x[2] > 2.4 && x[3] > 0.8 : x[0] < 0.3 && x[2] < 2.1 && x[3] < 0.2;
+  };
+  Stream stream(7, "", "corner");
+  Configurations samples(4);
+  Configuration x(4);
+  while (samples.size() < 300) {
+    space.sample_uniform(stream, x);
+    if (samples.size() % 3 != 0 || corner(x, false)) samples.push(x);
+  }
+  for (const bool upper : {false, true}) {
+    const Target target = Target::region(
+        space, settings, [&](View y) { return corner(y, upper); }, 3);
+    for (const double h : {0.03, 0.1, 0.4, 0.9}) {
+      INFO("h = " << h);
+      check_same(by(kde(h), target, samples, 100),
+                 figures_of(target, 100, [&](View y) { return log_kernels(space, samples, h, y) - std::log(300.0); }));
+    }
+  }
+}
+
 TEST_CASE("Kernels are a sum of Gaussians, reflected and wrapped") {
   for (const Space& space : spaces()) {
     const Target target = bent(space);
@@ -225,6 +255,16 @@ TEST_CASE("Kernels are a sum of Gaussians, reflected and wrapped") {
     for (const double h : {0.15, 0.6, 2.5}) {
       INFO(space.name() << ", h = " << h);
       check_same(by(kde(h), target, samples, 100), expected(h));
+    }
+
+    // Narrow ones, of which few count at a point, by the walls and across the wrap, and wide ones with many images. One
+    // kernel in a period is uniform within 1e-8, and wider ones are as wide.
+    const Configurations many = crowded(space, 1500, 4);
+    for (const double h : {0.02, 0.1, 0.3, 1.0, 4.0, 6.0}) {
+      INFO(space.name() << ", h = " << h);
+      check_same(by(kde(h), target, many, 200),
+                 figures_of(target, 200, [&](View x) { return log_kernels(space, many, h, x) - std::log(1500.0); }),
+                 h > 3.0 ? 3e-8 : 1e-9);
     }
 
     // Scott's: the standard deviation over all axes, of headings about their mean direction, by n to the power of -1 /

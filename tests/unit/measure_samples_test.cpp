@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <trellis/measure/efficiency.hpp>
+#include <trellis/measure/samples.hpp>
 
 #include "support/catch.hpp"
 #include "verify/measure_cases.hpp"
@@ -146,6 +147,31 @@ TEST_CASE("The order of the samples does not matter, to the last bit") {
   }
   const Efficiency after = efficiency(capsule(), samples, scoring);
   check_same(before, after, 0.0);
+}
+
+TEST_CASE("Samples that were made ready are scored as they are, on one target after the other") {
+  Configurations samples = cloud(400, 5);
+  for (int i = 0; i < 3; ++i) samples.push(std::vector{9.0, 5.0});
+  const Target near = capsule();
+  const PreparedSamples ready(near.space(), samples);
+  CHECK(ready.total() == 403);
+  CHECK(ready.tree().size() == 400);
+  CHECK(ready.copies() == std::vector<std::size_t>{3});
+  const Target everywhere = Target::region(
+      near.space(), TargetSettings{}, [](View) { return true; }, 1);
+  const Scoring scoring{.estimators = all_kinds(), .density = [](View) { return 0.01; }, .points = 256};
+  for (const Target* target : {&near, &everywhere, &near}) {
+    check_same(efficiency(*target, ready, scoring), efficiency(*target, samples, scoring), 0.0);
+  }
+
+  Scoring brief = scoring;
+  brief.brief = true;
+  const Efficiency few = efficiency(near, ready, brief);
+  CHECK(few.value == efficiency(near, ready, scoring).value);
+  for (const Estimate& other : few.others) CHECK(other.estimator == "knn");
+
+  const PreparedSamples elsewhere(Space::euclidean({{0, 1}, {0, 1}}), Configurations(2));
+  CHECK_THROWS_AS(efficiency(near, elsewhere), Error);
 }
 
 TEST_CASE("A configuration that occurs more than once carries mass and no density, whatever the estimator") {

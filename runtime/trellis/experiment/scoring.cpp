@@ -16,9 +16,11 @@ namespace trellis {
 namespace {
 
 // A run is scored on several paths of others: with fewer points each, as their errors average out.
-constexpr std::int64_t cross_points = 1024;
+constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
 constexpr std::size_t kept_points = 2048;  // of each run's target, for who draws it
+// Kernels cost more than all other estimators together, and are for comparison.
+constexpr std::size_t kernel_points = 512;
 // Numbers of samples within this factor of each other are compared as they are.
 constexpr double much_different = 2.0;
 
@@ -136,7 +138,9 @@ class ProblemScoring {
             std::holds_alternative<UserTarget>(measure_.target));
   }
 
-  [[nodiscard]] static bool has_path(const RunResult& run) { return run.run.solved && !run.run.path.empty(); }
+  [[nodiscard]] static bool has_path(const RunResult& run) {
+    return !run.levels.empty() && run.run.solved && !run.run.path.empty();
+  }
 
   /// For each seed the runs whose paths all strategies are scored on: those of the next seeds, the strategies taking
   /// turns.
@@ -239,9 +243,13 @@ class ProblemScoring {
       result.free_share = target.free_share();
       return result;
     }
-    return efficiency(
-        target, samples,
-        {.held = held, .estimators = measure_.estimators, .brief = brief, .density = density, .points = 0});
+    return efficiency(target, samples,
+                      {.held = held,
+                       .estimators = measure_.estimators,
+                       .brief = brief,
+                       .density = density,
+                       .points = 0,
+                       .kernel_points = kernel_points});
   }
 
   [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {

@@ -152,7 +152,8 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     }
     if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
   }
-  const measure::Evaluation evaluation{target, samples, inside, points, squared, scoring.density, unreachable};
+  const measure::Evaluation evaluation{target,  samples,         inside,      points,
+                                       squared, scoring.density, unreachable, scoring.kernel_points};
   for (std::size_t i = 0; i < points; ++i) {
     samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }

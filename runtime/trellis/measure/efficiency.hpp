@@ -72,7 +72,8 @@ struct Scoring {
   bool brief = false;
   /// The density of the samples where it is known (without atoms, per volume in metric coordinates), for `exact`.
   std::function<double(View)> density = {};
-  std::size_t points = 0;  ///< evaluation points, at most the target's; 0: the target's
+  std::size_t points = 0;         ///< evaluation points, at most the target's; 0: the target's
+  std::size_t kernel_points = 0;  ///< the first of them, which `kde` is averaged over; 0: all
 };
 
 /// Scores samples.

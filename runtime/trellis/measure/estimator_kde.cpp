@@ -336,7 +336,8 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   Kernels kernels(evaluation.frame(), evaluation.samples.tree().size(), h, negligible);
   std::vector<PointTree::Leaf> leaves;
   const double log_total = std::log(static_cast<double>(evaluation.samples.total()));
-  const std::size_t points = evaluation.points;
+  const std::size_t points =
+      evaluation.kernel_points > 0 ? std::min(evaluation.points, evaluation.kernel_points) : evaluation.points;
   std::vector<double> log_density(points);
   double mass = 0.0;
   for (std::size_t i = 0; i < points; ++i) {

@@ -19,6 +19,7 @@ struct Evaluation {
   std::span<const double> neighbours;                ///< squared distances to the `neighbour_count` nearest of all
   const std::function<double(View)>& known_density;  ///< of Q where it is known, raw coordinates; else empty
   std::span<const char> unreachable;                 ///< points of the pool where Q is known to be 0; empty: none
+  std::size_t kernel_points = 0;                     ///< of them, those that `kde` looks at; 0: all
 
   static constexpr std::size_t neighbour_count = 8;
   [[nodiscard]] const Frame& frame() const { return samples.frame(); }
