@@ -20,7 +20,7 @@ constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
 constexpr std::size_t kept_points = 2048;  // of each run's target, for who draws it
 // Kernels cost more than all other estimators together, and are for comparison.
-constexpr std::size_t kernel_points = 512;
+constexpr std::size_t kernel_points = 256;
 // Numbers of samples within this factor of each other are compared as they are.
 constexpr double much_different = 2.0;
 

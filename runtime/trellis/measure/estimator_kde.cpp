@@ -20,6 +20,7 @@ constexpr double negligible_choice = 14.0;       // the same, e^-14 = 1e-6, wher
 constexpr double faintest = 60.0;                // a term e^-60 of the largest stands for all smaller ones
 constexpr std::size_t likelihood_samples = 500;  // that the leave-one-out likelihood is taken over
 constexpr int likelihood_steps = 24;             // bandwidths tried, from twice Scott's down to a 64th of it
+constexpr int likelihood_stride = 3;
 
 struct KdeSettings {
   double bandwidth = 0.0;
@@ -298,13 +299,13 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
     }
   }
   const double largest = 2.0 * scott(frame, few);
-  double best = largest;
-  double best_likelihood = -std::numeric_limits<double>::infinity();
+  const auto bandwidth = [&](int step) { return largest * std::pow(2.0, -7.0 * step / (likelihood_steps - 1)); };
   std::vector<PointTree::Leaf> near;
   near.reserve(leaves.size());
-  for (int step = 0; step < likelihood_steps; ++step) {
-    const double h = largest * std::pow(2.0, -7.0 * step / (likelihood_steps - 1));
-    Kernels kernels(frame, m, h, negligible_choice);
+  int best = 0;
+  double best_likelihood = -std::numeric_limits<double>::infinity();
+  const auto offer = [&](int step) {
+    Kernels kernels(frame, m, bandwidth(step), negligible_choice);
     double likelihood = 0.0;
     for (std::size_t i = 0; i < m; ++i) {
       near.clear();
@@ -319,10 +320,18 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
     }
     if (likelihood > best_likelihood) {
       best_likelihood = likelihood;
-      best = h;
+      best = step;
     }
+  };
+  // The likelihood rises and falls once: the best step lies within a stride of the best of every few.
+  for (int step = 0; step < likelihood_steps; step += likelihood_stride) offer(step);
+  const int middle = best;
+  for (int step = std::max(0, middle - likelihood_stride + 1);
+       step < std::min(likelihood_steps, middle + likelihood_stride); ++step) {
+    if (step != middle) offer(step);
   }
-  return best * std::pow(static_cast<double>(n) / static_cast<double>(m), -1.0 / (static_cast<double>(d) + 4.0));
+  return bandwidth(best) *
+         std::pow(static_cast<double>(n) / static_cast<double>(m), -1.0 / (static_cast<double>(d) + 4.0));
 }
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {

@@ -438,29 +438,38 @@ class Tables {
         "interval. Lower: yes where the interval lies below 0, **no** where above, open where it holds 0. Not lower "
         "(similar or worse): **no** where the interval lies below 0, else yes.");
     for (const Publication::Claim& claim : experiment_.published->claims) {
-      page_.paragraph(fmt::format("**{}** ({})", escaped(claim.text), escaped(claim.problem)));
-      std::vector<std::string> header = {"SE of", claim.lower ? "lower than" : "not lower than", "samples",
-                                         "published"};
-      for (const std::string& estimator : estimators_) {
-        for (const NamedPath& path : paths()) header.push_back(escaped(estimator) + ", " + path.name);
-      }
-      page_.header(header);
+      page_.paragraph(
+          fmt::format("**{}** ({}, SE of {})", escaped(claim.text), escaped(claim.problem), escaped(claim.strategy)));
+      struct Comparison {
+        std::string other;
+        NamedRole role;
+      };
+      std::vector<Comparison> comparisons;
+      std::vector<std::string> header = {"by", "path"};
       for (const std::string& other : claim.than) {
         for (const Publication::Claim::Role asked : claim.roles) {
-          const NamedRole& role = roles()[asked == Publication::Claim::Role::tree ? 0 : 1];
-          std::vector<std::string> cells = {escaped(claim.strategy), escaped(other), role.name,
-                                            published_verdict(claim, other, role)};
-          for (const std::string& estimator : estimators_) {
-            for (const NamedPath& path : paths()) {
-              const auto values = [&](const std::string& strategy) {
-                return per_run(select_runs(result_, claim.problem, strategy), path.where, role.role,
-                               [&](const Efficiency& e) { return value_by(e, estimator); });
-              };
-              const Paired difference = paired(values(other), values(claim.strategy));
-              cells.push_back(verdict(difference.difference, claim.lower));
-            }
+          comparisons.push_back({other, roles()[asked == Publication::Claim::Role::tree ? 0 : 1]});
+          header.push_back(fmt::format("{}, {} {}", comparisons.back().role.name,
+                                       claim.lower ? "lower than" : "not lower than", escaped(other)));
+        }
+      }
+      page_.header(header);
+      std::vector<std::string> cells = {"published", ""};
+      for (const Comparison& c : comparisons) cells.push_back(published_verdict(claim, c.other, c.role));
+      page_.row(cells);
+      for (const std::string& estimator : estimators_) {
+        for (const NamedPath& path : paths()) {
+          cells = {escaped(estimator), path.title};
+          bool any = false;
+          for (const Comparison& c : comparisons) {
+            const auto values = [&](const std::string& strategy) {
+              return per_run(select_runs(result_, claim.problem, strategy), path.where, c.role.role,
+                             [&](const Efficiency& e) { return value_by(e, estimator); });
+            };
+            cells.push_back(verdict(paired(values(c.other), values(claim.strategy)).difference, claim.lower));
+            any = any || cells.back() != "NA";
           }
-          page_.row(cells);
+          if (any) page_.row(cells);
         }
       }
       page_.text() += '\n';
