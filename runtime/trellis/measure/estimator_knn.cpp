@@ -174,7 +174,8 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   }
   BlendedNeighbours density(settings, evaluation);
   for (std::size_t i = 0; i < evaluation.points; ++i) log_density[i] = density.log_density(i);
-  return estimate_from(evaluation, log_density, static_cast<double>(inside.size() / d) / total);
+  const std::size_t found = inside.size() / d;
+  return estimate_from(evaluation, log_density, static_cast<double>(found) / total);
 }
 
 std::string unfit(const Options& options, const Evaluation& evaluation) {
