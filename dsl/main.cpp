@@ -56,6 +56,11 @@ int dispatch(int argc, char** argv) {
   auto* help = app.add_subcommand("help", "print what is known about a word of the language");
   help->add_option("TOPIC", topic, "a planner, guide, constructor or module");
 
+  std::string form;
+  auto* reference =
+      app.add_subcommand("reference", "print all words of the language, for reading or for other programs");
+  reference->add_option("FORM", form, "markdown (the default), stubs for lua-language-server, or luacheck");
+
   const std::string usage = app.help();  // once parsed, it is the command's
   const auto unknown_option = [&](const std::string& word) {
     std::vector<std::string> known;
@@ -86,6 +91,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
+  if (reference->parsed()) return command::reference(form);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

@@ -41,6 +41,8 @@ int measure(const MeasureOptions& options);
 int check(const std::vector<std::string>& scripts);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
+/// Prints all words in a form for other programs: "markdown", "stubs" or "luacheck"; "" is markdown.
+int reference(const std::string& form);
 int version();
 
 }  // namespace trellis::command

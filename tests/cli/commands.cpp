@@ -286,6 +286,19 @@ TEST_CASE("the program tells its version and its words") {
   CHECK(all.out.find("measure ") != std::string::npos);
   CHECK(place.run({"measure", "--help"}).out.find("--estimator") != std::string::npos);
   CHECK(place.run({"help", "near_optimal"}).out.starts_with("near_optimal (target): "));
+  CHECK(place.run({"help", "strategies.irc"}).out.starts_with("strategies.irc: "));
+  place.script("ask.lua", "help 'shrink'\nreturn rrt { step = 0.5 }, scenes.cup()\n");
+  CHECK(place.run({"run", "ask.lua", "--quiet"}).out == place.run({"help", "shrink"}).out);
+}
+
+TEST_CASE("the program writes its words out for other programs") {
+  const Place place;
+  CHECK(place.run({"reference"}).out.find("\n### shrink\n") != std::string::npos);
+  CHECK(place.run({"reference", "markdown"}).out == place.run({"reference"}).out);
+  CHECK(place.run({"reference", "stubs"}).out.starts_with("---@meta\n"));
+  CHECK(place.run({"reference", "luacheck"}).out.find("stds.trellis = {") != std::string::npos);
+  CHECK(place.run({"reference", "stub"}).err ==
+        "trellis: reference: no form 'stub' (did you mean 'stubs'?); there are: markdown, stubs, luacheck\n");
 }
 
 TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
