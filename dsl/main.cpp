@@ -50,6 +50,10 @@ int dispatch(int argc, char** argv) {
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
 
+  std::string fresh;
+  auto* create = app.add_subcommand("new", "write a small script to begin with");
+  create->add_option("NAME", fresh, "the script is NAME.lua; a file that exists is left as it is")->required();
+
   const auto* version = app.add_subcommand("version", "print the version");
 
   std::string topic;
@@ -91,6 +95,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
+  if (create->parsed()) return command::create(fresh);
   if (reference->parsed()) return command::reference(form);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);

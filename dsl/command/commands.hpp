@@ -39,6 +39,8 @@ int run(const RunOptions& options);
 int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts);
+/// Writes NAME.lua, a small script to begin with, where there is no such file.
+int create(const std::string& name);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
 /// Prints all words in a form for other programs: "markdown", "stubs" or "luacheck"; "" is markdown.

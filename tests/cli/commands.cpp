@@ -291,6 +291,38 @@ TEST_CASE("the program tells its version and its words") {
   CHECK(place.run({"run", "ask.lua", "--quiet"}).out == place.run({"help", "shrink"}).out);
 }
 
+TEST_CASE("new writes a script that runs, and never over another") {
+  const Place place;
+  const auto made = place.run({"new", "mine"});
+  INFO(made.err);
+  CHECK(made.status == 0);
+  CHECK(made.out == "mine.lua: a strategy and an experiment to change; run it with: trellis run mine.lua\n");
+  const std::string text = content(place / "mine.lua");
+  CHECK(text.starts_with("-- mine: "));
+  CHECK(text.find("trellis run mine.lua --html") != std::string::npos);
+  CHECK(text.find('@') == std::string::npos);
+  const auto report = place.run({"run", "mine.lua", "--seeds", "1"});
+  INFO(report.err);
+  CHECK(report.status == 0);
+  CHECK(report.out.find("guided") != std::string::npos);
+  place.script("mine.lua", "mine");
+  const auto again = place.run({"new", "mine"});
+  CHECK(again.status == 2);
+  CHECK(again.err == "trellis: new: 'mine.lua' exists already, and is left as it is; choose another name\n");
+  CHECK(content(place / "mine.lua") == "mine");
+
+  fs::create_directories(place / "deep");
+  CHECK(place.run({"new", "deep/other.lua"}).status == 0);
+  CHECK(content(place / "deep/other.lua").starts_with("-- other: "));
+  CHECK(place.run({"new", "no/folder"}).err == "trellis: new: there is no folder 'no'\n");
+  CHECK(place.run({"new", "my strategy"}).err ==
+        "trellis: new: 'my strategy' is no name for a script: expected letters, digits and '_', a letter first, as "
+        "my_strategy\n");
+  CHECK(place.run({"new", "3d"}).err.find("a letter first, as _3d") != std::string::npos);
+  CHECK(place.run({"new", ""}).status == 2);
+  CHECK_FALSE(fs::exists(place / "my strategy.lua"));
+}
+
 TEST_CASE("the program writes its words out for other programs") {
   const Place place;
   CHECK(place.run({"reference"}).out.find("\n### shrink\n") != std::string::npos);
