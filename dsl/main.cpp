@@ -10,6 +10,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
+#include <dsl/command/manual.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 
@@ -63,8 +64,12 @@ int dispatch(int argc, char** argv) {
   std::string form;
   auto* reference =
       app.add_subcommand("reference", "print all words of the language, for reading or for other programs");
-  reference->add_option("FORM", form, "markdown (the default), stubs for lua-language-server, or luacheck");
+  reference->add_option(
+      "FORM", form,
+      "markdown (the default), stubs for lua-language-server, luacheck's configuration, words, one a line; "
+      "of the command line: man, the manual page, or the completion for bash, fish or zsh");
 
+  command::name_values(app);
   const std::string usage = app.help();  // once parsed, it is the command's
   const auto unknown_option = [&](const std::string& word) {
     std::vector<std::string> known;
@@ -96,7 +101,7 @@ int dispatch(int argc, char** argv) {
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
   if (create->parsed()) return command::create(fresh);
-  if (reference->parsed()) return command::reference(form);
+  if (reference->parsed()) return command::reference(form, app);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

@@ -4,6 +4,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace trellis::command {
 
 /// What the command line answers with. The last one is the shell's convention for a Ctrl-C.
@@ -43,8 +47,9 @@ int check(const std::vector<std::string>& scripts);
 int create(const std::string& name);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
-/// Prints all words in a form for other programs: "markdown", "stubs" or "luacheck"; "" is markdown.
-int reference(const std::string& form);
+/// Prints all words, or the command line, in a form for other programs: one of `reference_forms`, "" is the first.
+int reference(const std::string& form, const CLI::App& app);
+const std::vector<std::string>& reference_forms();
 int version();
 
 }  // namespace trellis::command

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <string>
-#include <vector>
-
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
-#include <dsl/language/reference.hpp>
 #include <dsl/language/vocabulary.hpp>
-#include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -21,21 +16,6 @@ int help(const std::string& topic, const std::string& usage) {
                     usage, dsl::vocabulary_text()));
   } else {
     print_all(dsl::help_text(topic));
-  }
-  return success;
-}
-
-int reference(const std::string& form) {
-  static const std::vector<std::string> forms = {"markdown", "stubs", "luacheck"};
-  if (form.empty() || form == "markdown") {
-    print_all(dsl::reference_markdown());
-  } else if (form == "stubs") {
-    print_all(dsl::reference_stubs());
-  } else if (form == "luacheck") {
-    print_all(dsl::reference_luacheck());
-  } else {
-    throw Error(fmt::format("reference: no form '{}'{}; there are: {}", form, did_you_mean(form, forms),
-                            fmt::join(forms, ", ")));
   }
   return success;
 }

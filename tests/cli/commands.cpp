@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -291,6 +292,41 @@ TEST_CASE("the program tells its version and its words") {
   CHECK(place.run({"run", "ask.lua", "--quiet"}).out == place.run({"help", "shrink"}).out);
 }
 
+TEST_CASE("the manual page and the completions have every verb and option of --help") {
+  const Place place;
+  const std::string page = place.run({"reference", "man"}).out;
+  const std::string bash = place.run({"reference", "bash"}).out;
+  const std::string fish = place.run({"reference", "fish"}).out;
+  const std::string zsh = place.run({"reference", "zsh"}).out;
+  CHECK(page.find(".TH TRELLIS 1 \"\" \"Trellis " TRELLIS_VERSION "\"") != std::string::npos);
+  const std::string words = place.run({"reference", "words"}).out;
+  CHECK(words.find("\nstrategies.irc\n") != std::string::npos);
+  const std::string help = place.run({"--help"}).out;
+  std::istringstream verbs(help.substr(help.find("Subcommands:\n") + 13));
+  std::size_t count = 0;
+  for (std::string verb, rest; verbs >> verb && std::getline(verbs, rest); ++count) {
+    INFO(verb);
+    CHECK(page.find(".SS \\fBtrellis " + verb + "\\fR") != std::string::npos);
+    CHECK(bash.find("    " + verb + ")\n") != std::string::npos);
+    CHECK(fish.find("__fish_use_subcommand -a " + verb + " ") != std::string::npos);
+    CHECK(zsh.find("    " + verb + ")\n") != std::string::npos);
+    std::istringstream options(place.run({verb, "--help"}).out);
+    for (std::string option; options >> option;) {
+      if (!option.starts_with("--") || option == "--") continue;
+      const std::string name =
+          option.substr(2, option.find(',') == std::string::npos ? option.npos : option.find(',') - 2);
+      INFO(option);
+      CHECK(page.find("\\fB\\-\\-" + name + "\\fR") != std::string::npos);
+      CHECK(bash.find("--" + name) != std::string::npos);
+      CHECK(fish.find(" -l " + name + " ") != std::string::npos);
+      CHECK(zsh.find("'--" + name + "[") != std::string::npos);
+    }
+    // Every value has a name of its own.
+    CHECK(place.run({verb, "--help"}).out.find(" TEXT ") == std::string::npos);
+  }
+  CHECK(count >= 7);
+}
+
 TEST_CASE("new writes a script that runs, and never over another") {
   const Place place;
   const auto made = place.run({"new", "mine"});
@@ -330,7 +366,8 @@ TEST_CASE("the program writes its words out for other programs") {
   CHECK(place.run({"reference", "stubs"}).out.starts_with("---@meta\n"));
   CHECK(place.run({"reference", "luacheck"}).out.find("stds.trellis = {") != std::string::npos);
   CHECK(place.run({"reference", "stub"}).err ==
-        "trellis: reference: no form 'stub' (did you mean 'stubs'?); there are: markdown, stubs, luacheck\n");
+        "trellis: reference: no form 'stub' (did you mean 'stubs'?); there are: markdown, stubs, luacheck, words, man, "
+        "bash, fish, zsh\n");
 }
 
 TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
