@@ -64,13 +64,11 @@ std::string joined(const std::vector<std::string>& words, std::string_view separ
 std::string roff(std::string_view text) {
   std::string all;
   for (const char c : text) {
-    if (c == '\\') all += '\\';
-    if (c == '-') all += '\\';
-    all += c;
-    if (c == '\\') all += 'e';
+    if (c == '\\' || c == '-') all += '\\';
+    all += c == '\\' ? 'e' : c;
   }
   for (const char first : {'.', '\''}) {
-    if (all.starts_with(first)) all = "\\&" + all;
+    if (all.starts_with(first)) all.insert(0, R"(\&)");
   }
   return all;
 }
@@ -331,7 +329,7 @@ std::string manual(const CLI::App& app) {
     for (const Switch& one : switches_of(*verb)) {
       const std::string value = one.argument || one.type.empty() ? "" : fmt::format(" \\fI{}\\fR", roff(one.type));
       const std::string name =
-          one.argument ? fmt::format("\\fI{}\\fR", roff(one.name)) : fmt::format("\\fB\\-\\-{}\\fR", roff(one.name));
+          one.argument ? fmt::format("\\fI{}\\fR", roff(one.name)) : fmt::format(R"(\fB\-\-{}\fR)", roff(one.name));
       text += fmt::format(".TP\n{}{}\n{}\n", name, value, roff(one.description));
     }
   }

@@ -145,7 +145,8 @@ class DescriptionReader {
     const Value values = entry.field("default");
     for (Field field : (*found)->fields) {
       field.required = false;
-      add(std::move(field), values.field(field.name));
+      const Value value = values.field(field.name);
+      add(std::move(field), value);
     }
     for (const Option& option : (*found)->options.options) add(option, values.field(option.name));
   }

@@ -172,7 +172,7 @@ std::vector<Construct> module_functions() {
       stack.call(1);
       if (stack.top().type() != Type::table) continue;
       for (const auto& field : stack.top().keys().names) {
-        const std::string full = name + '.' + field;
+        const std::string full = fmt::format("{}.{}", name, field);
         const bool described =
             std::any_of(functions.begin(), functions.end(), [&](const Construct& c) { return c.name == full; });
         if (!described) functions.push_back({full, full + "()", "", "", "", {}, {}, ""});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dsl/language/words.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -149,7 +151,7 @@ std::vector<std::string> make_lua_names() {
       names.push_back(name);
       const lua::Value value = globals.field(name);
       if (value.type() != lua::Type::table || name == "_G") continue;
-      for (const auto& field : value.keys().names) names.push_back(name + '.' + field);
+      for (const auto& field : value.keys().names) names.push_back(fmt::format("{}.{}", name, field));
     }
   });
   std::sort(names.begin(), names.end());
