@@ -10,6 +10,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
+#include <dsl/command/manual.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 
@@ -50,12 +51,25 @@ int dispatch(int argc, char** argv) {
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
 
+  std::string fresh;
+  auto* create = app.add_subcommand("new", "write a small script to begin with");
+  create->add_option("NAME", fresh, "the script is NAME.lua; a file that exists is left as it is")->required();
+
   const auto* version = app.add_subcommand("version", "print the version");
 
   std::string topic;
   auto* help = app.add_subcommand("help", "print what is known about a word of the language");
   help->add_option("TOPIC", topic, "a planner, guide, constructor or module");
 
+  std::string form;
+  auto* reference =
+      app.add_subcommand("reference", "print all words of the language, for reading or for other programs");
+  reference->add_option(
+      "FORM", form,
+      "markdown (the default), stubs for lua-language-server, luacheck's configuration, words, one a line; "
+      "of the command line: man, the manual page, or the completion for bash, fish or zsh");
+
+  command::name_values(app);
   const std::string usage = app.help();  // once parsed, it is the command's
   const auto unknown_option = [&](const std::string& word) {
     std::vector<std::string> known;
@@ -86,6 +100,8 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
+  if (create->parsed()) return command::create(fresh);
+  if (reference->parsed()) return command::reference(form, app);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

@@ -1,12 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them.
+-- The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them
 --
---   paper.scenes()            simple_passage, trap and cup
---   paper.methods()           every method under its name, as experiment's 'strategies' takes them
---   paper.parasol()           the paper's own as the library that the authors used does them
---   paper.published()         the figures and the sentences of the paper, for experiment's field 'published'
---
--- The last two take what shall differ for each method, by its name: paper.methods { irc = { scales = {0.5} } }.
+-- The lists of methods take what shall differ for each one, by its name: paper.methods { irc = { scales = {0.5} } }.
 -- The methods are those of the module strategies; docs/methods.md tells what was published and what differs.
 
 local _, native = ...
@@ -14,38 +9,41 @@ local strategies = require "strategies"
 
 local paper = {}
 
-function paper.scenes()
-  return { scenes.simple_passage(), scenes.trap(), scenes.cup() }
-end
+local attali = "Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning"
 
--- The named methods as a list of pairs.
-local function listed(what, prefix, names, given)
-  if given ~= nil and type(given) ~= "table" then
-    native.fail(what .. ": takes a table of what shall differ for each method, got " .. tostring(given))
+paper.scenes = native.define({
+  "paper.scenes", "simple_passage, trap and cup", source = attali, returns = "trellis.Problem[]",
+}, function() return { scenes.simple_passage(), scenes.trap(), scenes.cup() } end)
+
+-- The methods of these names, and the functions of the module strategies that they are, as a list of pairs.
+local function listed(name, summary, prefix, names)
+  local options = {}
+  for i, method in ipairs(names) do
+    local full = "strategies." .. prefix .. method
+    options[i] = {
+      name = method, type = "table", expects = "a table of what shall differ", doc = "as " .. full .. " takes it",
+    }
   end
-  local list, known = {}, {}
-  for i, name in ipairs(names) do
-    list[i] = { prefix .. name, strategies[prefix .. name](given and given[name]) }
-    known[name] = true
-  end
-  for name in pairs(given or {}) do
-    if not known[name] then
-      native.fail(what .. ": unknown method '" .. tostring(name) .. "'; there are: " .. table.concat(names, ", "))
-    end
-  end
-  return list
+  return native.define({
+    "paper." .. name, summary, source = attali, returns = "{ [1]: string, [2]: trellis.Strategy }[]",
+    usage = "paper." .. name .. " { irc = { scales = {0.5} } }", options = options,
+  }, function(given)
+    local list = {}
+    for i, method in ipairs(names) do list[i] = { prefix .. method, strategies[prefix .. method](given[method]) } end
+    return list
+  end)
 end
 
-function paper.methods(given)
-  return listed("paper.methods", "",
-    { "rrt", "lazy_prm", "dr_rrt", "irc", "vonasek", "rrt_connect", "nested", "hybrid", "blend" }, given)
-end
+paper.methods = listed("methods", "every method under its name, as experiment's 'strategies' takes them", "",
+  { "rrt", "lazy_prm", "dr_rrt", "irc", "vonasek", "rrt_connect", "nested", "hybrid", "blend" })
 
-function paper.parasol(given)
-  return listed("paper.parasol", "parasol_", { "rrt", "lazy_prm", "dr_rrt", "irc" }, given)
-end
+paper.parasol = listed("parasol", "the paper's own methods as the library that the authors used does them", "parasol_",
+  { "rrt", "lazy_prm", "dr_rrt", "irc" })
 
-function paper.published()
+paper.published = native.define({
+  "paper.published", "the figures and the sentences of the paper, for experiment's field 'published'",
+  source = attali, returns = "trellis.Publication",
+}, function()
   return published {
     source = "Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning, table 1",
     figures = {
@@ -78,6 +76,6 @@ function paper.published()
       },
     },
   }
-end
+end)
 
 return paper

@@ -1,47 +1,38 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Named problems, and problems from files.
+-- Named problems, and problems from files
 --
---   scenes.simple_passage()   a corridor 0.5 wide and 2 long
---   scenes.trap()             four false passages, two dead ends, and one true passage far off the direct way
---   scenes.cup()              a U-shaped wall, open towards the start, with the goal behind it
---   scenes.load(FILE)         the problems of a scene file made by others
---   scenes.exists(FILE)       whether there is such a file
---
--- The first three are those of Attali et al. 2022: a robot of 0.6 x 0.2 metres in a world of 10 x 10. Each is a
--- problem, and takes a table of what shall differ from the paper:
+-- Each function that is named after a scene makes a problem, and takes a table of what shall differ:
 --
 --   scenes.trap { collision = "fcl", resolution = 0.02, start = {1, 5, 0} }
 --
--- FILE is looked for in the script's folder and then in the folder of scenes (TRELLIS_SCENES).
+-- simple_passage, trap and cup are those of Attali et al. 2022: a robot of 0.6 x 0.2 metres in a world of 10 x 10.
 
 local _, native = ...
 
 local scenes = {}
 
+local attali = "Attali et al. 2022, Evaluating Guiding Spaces for Motion Planning"
+
 -- A function that makes the problem `default`, with fields replaced by those of its argument.
-local function scene(default)
-  return function(changes)
-    if changes ~= nil and type(changes) ~= "table" then
-      native.fail("scenes." .. default.name .. ": takes a table of what shall differ, got " .. tostring(changes))
-    end
-    local fields = {}
-    for name, value in pairs(default) do fields[name] = value end
-    for name, value in pairs(changes or {}) do fields[name] = value end
-    return problem(fields)
-  end
+local function scene(summary, default)
+  return native.define({
+    "scenes." .. default.name, summary,
+    source = attali, returns = "problem", usage = "scenes." .. default.name .. " { resolution = 0.02 }",
+    options = { like = "problem", default = default },
+  }, problem)
 end
 
-scenes.simple_passage = scene {
+scenes.simple_passage = scene("a corridor 0.5 wide and 2 long", {
   name = "simple_passage",
   robot = robot.rectangle(0.6, 0.2),
   world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.75}, box {4, 5.25, 6, 10} },
   start = {1, 8.5, 0},
   goal = {9, 1.5, 0},
-}
+})
 
 -- Four gaps are 0.15 wide, too narrow for the robot; two of 0.5 are closed after 0.8 by the boxes at x = 5.3. The gap
 -- at y = 8.75 is the way.
-scenes.trap = scene {
+scenes.trap = scene("four false passages, two dead ends, and one true passage far off the direct way", {
   name = "trap",
   robot = robot.rectangle(0.6, 0.2),
   world = world {
@@ -59,9 +50,9 @@ scenes.trap = scene {
   },
   start = {1, 4, 0},
   goal = {9, 4, 0},
-}
+})
 
-scenes.cup = scene {
+scenes.cup = scene("a U-shaped wall, open towards the start, with the goal behind it", {
   name = "cup",
   robot = robot.rectangle(0.6, 0.2),
   world = world {
@@ -72,7 +63,7 @@ scenes.cup = scene {
   },
   start = {1, 5, 0},
   goal = {9, 5, 0},
-}
+})
 
 scenes.load = native.load_scene
 scenes.exists = native.scene_exists

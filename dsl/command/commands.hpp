@@ -4,6 +4,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace trellis::command {
 
 /// What the command line answers with. The last one is the shell's convention for a Ctrl-C.
@@ -39,8 +43,13 @@ int run(const RunOptions& options);
 int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts);
+/// Writes NAME.lua, a small script to begin with, where there is no such file.
+int create(const std::string& name);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
+/// Prints all words, or the command line, in a form for other programs: one of `reference_forms`, "" is the first.
+int reference(const std::string& form, const CLI::App& app);
+const std::vector<std::string>& reference_forms();
 int version();
 
 }  // namespace trellis::command

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <dsl/language/measure.hpp>
+#include <dsl/language/words.hpp>
 #include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/registry.hpp>
 
@@ -180,9 +181,18 @@ int construct(Stack& call) {
   return call.result(GuideSpec::make(component.name, given.options, std::move(given.planner), origin));
 }
 
+const std::vector<Field>& strategy_methods() {
+  static const std::vector<Field> methods = {
+      {"tree", "fun(self: trellis.Strategy): string", "", "the hierarchy as a tree of text, a line for each level"},
+      {"json", "fun(self: trellis.Strategy): string", "", "the hierarchy as JSON, with every option"},
+      {"hash", "fun(self: trellis.Strategy): string", "", "16 hexadecimal digits, equal for equal strategies"}};
+  return methods;
+}
+
 /// What can be asked of a spec that can be executed.
 int inspect(Stack& call) {
-  const std::vector<std::string> known = {"tree", "json", "hash"};
+  std::vector<std::string> known;
+  for (const Field& method : strategy_methods()) known.push_back(method.name);
   const auto asked = call[2].string();
   const auto found = asked ? std::find(known.begin(), known.end(), *asked) : known.end();
   if (found == known.end()) {
@@ -335,8 +345,10 @@ const Construct& sequence_construct() {
       .usage = "sequence { a, b, turn = 200 }",
       .summary = "guides that take turns, each informing the next; a .. b is sequence { a, b }",
       .list = "guides",
+      .element = "trellis.Guide",
       .fields = {},
-      .options = sequence_settings().component()};
+      .options = sequence_settings().component(),
+      .returns = "trellis.Guide"};
   return construct;
 }
 
@@ -345,8 +357,10 @@ const Construct& blend_construct() {
                                       .usage = "blend { skeleton(), shrink(0.5), floor = 0.2 }",
                                       .summary = blend_settings().component().summary,
                                       .list = "guides",
+                                      .element = "trellis.Guide",
                                       .fields = {},
-                                      .options = blend_settings().component()};
+                                      .options = blend_settings().component(),
+                                      .returns = "trellis.Guide"};
   return construct;
 }
 
@@ -358,9 +372,24 @@ const Construct& ablations_construct() {
       .list =
           "one strategy; what comes back is a list of pairs {\"name\", strategy}, as experiment's 'strategies' takes "
           "it, the strategy itself first as \"whole\"",
+      .element = "trellis.Strategy",
       .fields = {},
-      .options = {}};
+      .options = {},
+      .returns = "{ [1]: string, [2]: trellis.Strategy }[]"};
   return construct;
+}
+
+std::vector<ObjectType> algebra_types() {
+  const std::string guide = "trellis.Guide", planner = "trellis.Planner", strategy = "trellis.Strategy";
+  std::vector<ObjectType> types;
+  types.push_back({guide, "a guiding space with its heuristic, or a composition of guides", "", {}, {}});
+  types.back().operations = {{"shr", ">>", guide, guide},       {"shr", ">>", planner, strategy},
+                             {"shr", ">>", strategy, strategy}, {"add", "+", guide, guide},
+                             {"mul", "*", "number", guide},     {"concat", "..", guide, guide}};
+  types.push_back({strategy, "a hierarchy that can be executed: guides, closed by a planner", "", {}, {}});
+  types.back().members = strategy_methods();
+  types.push_back({planner, "a planner with its options; by itself a strategy that nothing guides", strategy, {}, {}});
+  return types;
 }
 
 void open_algebra(Stack& stack) {

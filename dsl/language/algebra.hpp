@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <dsl/language/construct.hpp>
 #include <dsl/lua/stack.hpp>
@@ -19,6 +20,10 @@ const Construct& sequence_construct();
 const Construct& blend_construct();
 /// ablations(strategy).
 const Construct& ablations_construct();
+
+/// Planners, guides and strategies, and what the operators make of them.
+struct ObjectType;
+std::vector<ObjectType> algebra_types();
 
 /// A planner or strategy as a strategy, none for anything else.
 std::optional<StrategySpec> as_strategy(lua::Value value);

@@ -14,23 +14,30 @@ namespace trellis::dsl {
 /// Lists in lists are opened down to this depth.
 inline constexpr std::size_t deepest_list = 50;
 
-/// A named field of a constructor that holds more than an option can: a list, a world, a planner.
+/// A named field of a constructor that holds more than an option can: a list, a world, a planner. Also an argument that
+/// a function takes by its place, and a member that scripts read of a value.
 struct Field {
   std::string name;
+  std::string type;     ///< as LuaCATS has it: "number[]", "trellis.World"
   std::string expects;  ///< "a list of numbers"
   std::string doc;
   bool required = false;
+  std::string default_text = {};  ///< as a script would write it, "" where there is none or `doc` tells it
 };
 
-/// A constructor that is no component: world, problem, experiment, ... Described once; unknown and missing fields,
-/// messages and help come from here.
+/// A constructor or function that is no component: world, problem, scenes.load, ... Described once; unknown and missing
+/// fields, messages, help, stubs and the reference come from here.
 struct Construct {
   std::string name;
   std::string usage;  ///< an example in the language
   std::string summary;
-  std::string list;  ///< what its unnamed elements are, "" where it takes none
+  std::string list;     ///< what its unnamed elements are, "" where it takes none
+  std::string element;  ///< the type of an unnamed element, "" where it takes none
   std::vector<Field> fields;
-  Component options;  ///< the fields that are plain options; none where it has no name
+  Component options;                  ///< the fields that are plain options; none where it has no name
+  std::string returns;                ///< the type of what it makes, "" where it returns nothing
+  std::vector<Field> arguments = {};  ///< what a function takes by place, before the table
+  std::string source = {};            ///< the publication the idea comes from, where it is not in `options`
 };
 
 /// What a call of a construct was given: one table, or only unnamed elements.

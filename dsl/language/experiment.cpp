@@ -286,24 +286,30 @@ const Construct& experiment_construct() {
       .usage = "experiment { problems = {p}, strategies = { plain = rrt {} }, seeds = 15, measure = tube {} }",
       .summary = "problems x strategies x seeds, and how they are scored",
       .list = "",
-      .fields = {{"problems", "a problem or a list of problems", "lists in the list are opened", true},
-                 {"strategies", "a table of strategies",
-                  "{ name = strategy }, reported in the order of the names, or a list of strategies or of pairs "
-                  "{\"name\", strategy}, reported in its order",
-                  true},
-                 {"seeds", fmt::format("an integer in [1, {}], or a list of seeds", most_seeds),
-                  "how many consecutive seeds, or which ones; 1 by default"},
-                 {"measure", "a target, as tube { delta = 0.5 }, or false",
-                  "what samples are measured against; tube {} by default; false computes no efficiency"},
-                 {"estimators", "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
-                  "the first that has a figure gives the headline, the others stand beside it; exact and knn by "
-                  "default"},
-                 {"baseline", "the name of a strategy", "what the others are compared with; the first by default"},
-                 {"published", "published { ... }",
-                  "figures and sentences of somebody else, to set the results beside"},
-                 {"ablate", "true, or a list of names of strategies",
-                  "adds each strategy that has a guide, or each that is named, with every guide taken out in turn"}},
-      .options = experiment_settings().component()};
+      .element = "",
+      .fields =
+          {{"problems", "trellis.Problem|(trellis.Problem|trellis.Problem[])[]", "a problem or a list of problems",
+            "lists in the list are opened", true},
+           {"strategies", "table<string, trellis.Strategy>|(trellis.Strategy|{ [1]: string, [2]: trellis.Strategy })[]",
+            "a table of strategies",
+            "{ name = strategy }, reported in the order of the names, or a list of strategies or of pairs "
+            "{\"name\", strategy}, reported in its order",
+            true},
+           {"seeds", "integer|integer[]", fmt::format("an integer in [1, {}], or a list of seeds", most_seeds),
+            "how many consecutive seeds, or which ones", false, "1"},
+           {"measure", "trellis.Target|false", "a target, as tube { delta = 0.5 }, or false",
+            "what samples are measured against; false computes no efficiency", false, "tube {}"},
+           {"estimators", "trellis.Estimator|trellis.Estimator[]",
+            "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
+            "the first that has a figure gives the headline, the others stand beside it", false, "{ exact(), knn() }"},
+           {"baseline", "string", "the name of a strategy", "what the others are compared with; the first by default"},
+           {"published", "trellis.Publication", "published { ... }",
+            "figures and sentences of somebody else, to set the results beside"},
+           {"ablate", "boolean|string[]", "true, or a list of names of strategies",
+            "adds each strategy that has a guide, or each that is named, with every guide taken out in turn", false,
+            "false"}},
+      .options = experiment_settings().component(),
+      .returns = "trellis.Experiment"};
   return construct;
 }
 

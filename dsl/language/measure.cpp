@@ -13,6 +13,7 @@
 #include <variant>
 
 #include <dsl/language/random.hpp>
+#include <dsl/language/words.hpp>
 #include <dsl/lua/state.hpp>
 #include <trellis/instance/instance.hpp>
 
@@ -304,19 +305,45 @@ const Construct& target_construct() {
       .usage = "target { sample = function(context) ... end, log_density = function(q, context) ... end }",
       .summary = "a target of one's own: a distribution over the space of the strategy's root",
       .list = "",
-      .fields = {{"sample", "a function",
+      .element = "",
+      .fields = {{"sample", "fun(context: trellis.TargetContext): number[]", "a function",
                   "called with a context, returns one configuration of the root's space, drawn from the target; it has "
                   "context.path (a list of configurations), context.problem, context.space (name, dimension, and the "
                   "lists names, lower, upper, weights, periodic), context.random() as math.random, context.normal(), "
                   "and context.valid(q)",
                   true},
-                 {"log_density", "a function",
+                 {"log_density", "fun(q: number[], context: trellis.TargetContext): number", "a function",
                   "called with a configuration and the context, returns the logarithm of the target's density with "
                   "respect to volume in metric coordinates (each coordinate times its weight), -math.huge outside of "
                   "the support",
                   true}},
-      .options = user_settings().component()};
+      .options = user_settings().component(),
+      .returns = "trellis.Target"};
   return construct;
+}
+
+std::vector<ObjectType> measure_types() {
+  std::vector<ObjectType> types;
+  types.push_back({"trellis.Target", "what samples are measured against", "", {}, {}});
+  types.push_back({"trellis.Estimator", "how a density is estimated from samples", "", {}, {}});
+  types.push_back({"trellis.Space", "the space of a strategy's root, as a target's functions see it", "", {}, {}});
+  types.back().members = {{"name", "string", "", "SE(2), R^2, ..."},
+                          {"dimension", "integer", "", "the number of axes"},
+                          {"names", "string[]", "", "of the axes"},
+                          {"lower", "number[]", "", "lower bounds, in metres or radians"},
+                          {"upper", "number[]", "", "upper bounds, in metres or radians"},
+                          {"weights", "number[]", "", "metres of the metric per unit of the axis"},
+                          {"periodic", "boolean[]", "", "whether an axis wraps around"}};
+  types.push_back({"trellis.TargetContext", "what the functions of a target are told", "", {}, {}});
+  types.back().members = {{"path", "number[][]", "", "the configurations of the run's path, in order"},
+                          {"problem", "trellis.Problem", "", "the problem that was solved"},
+                          {"space", "trellis.Space", "", "the space of the strategy's root"},
+                          {"random", "fun(m?: integer, n?: integer): number", "",
+                           "as math.random, on a stream of the "
+                           "target's own"},
+                          {"normal", "fun(): number", "", "a standard normal number"},
+                          {"valid", "fun(q: number[]): boolean", "", "whether a configuration is valid"}};
+  return types;
 }
 
 int make_target(const Component& component, Stack& call) {

@@ -20,6 +20,10 @@ std::vector<const Component*> estimator_components();
 /// target { sample = function, log_density = function }.
 const Construct& target_construct();
 
+/// Targets and estimators, and what the functions of a user's target are told.
+struct ObjectType;
+std::vector<ObjectType> measure_types();
+
 /// What a call of a target's or an estimator's constructor makes.
 int make_target(const Component& component, lua::Stack& call);
 int make_estimator(const Component& component, lua::Stack& call);

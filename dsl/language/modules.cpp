@@ -4,17 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <dsl/language/construct.hpp>
+#include <dsl/language/functions.hpp>
 #include <dsl/language/problem.hpp>
+#include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/lua/state.hpp>
 
 namespace trellis::dsl {
 
@@ -49,7 +51,8 @@ struct Source {
 /// Finds and runs modules, each once.
 class Modules {
  public:
-  explicit Modules(std::string script_folder) : folder_(std::move(script_folder)) {}
+  Modules(std::string script_folder, std::function<void(const Construct&)> described)
+      : folder_(std::move(script_folder)), described_(std::move(described)) {}
 
   /// Pushes the module's value. `loaded` is the table of those that are there already.
   void require(Stack& stack, const std::string& name) {
@@ -121,6 +124,8 @@ class Modules {
     stack.set_field(natives, "load_scene");
     stack.push_function(scene_finder(folder_));
     stack.set_field(natives, "scene_exists");
+    stack.push_function(definer(described_));
+    stack.set_field(natives, "define");
     stack.push_function([](Stack& call) -> int { throw Error(call[1].text()); });
     stack.set_field(natives, "fail");
   }
@@ -129,31 +134,73 @@ class Modules {
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
   std::string folder_;
+  std::function<void(const Construct&)> described_;
   std::vector<std::string> loading_;
 };
 
 }  // namespace
+
+const std::vector<std::string>& left_out_names() {
+  static const std::vector<std::string> names = {"debug", "dofile", "io", "loadfile", "os", "package"};
+  return names;
+}
+
+const Construct& require_construct() {
+  static const Construct construct = {
+      .name = "require",
+      .usage = "require \"mine\"",
+      .summary = "the value of a module: one of the standard library, or NAME.lua in the script's folder",
+      .list = "",
+      .element = "",
+      .fields = {},
+      .options = {},
+      .returns = "any",
+      .arguments = {
+          {"module", "string", "a name", "parts separated by '.' are folders; each module is run once", true}}};
+  return construct;
+}
+
+std::vector<Construct> module_functions() {
+  std::vector<Construct> functions;
+  constexpr std::size_t memory = std::size_t{64} << 20U;
+  const auto interpreter = std::make_shared<lua::State>(memory);
+  interpreter->run([&](Stack& stack) {
+    open_language(stack, "", {}, [&](const Construct& construct) { functions.push_back(construct); });
+    for (const auto& name : module_names()) {
+      stack.push_global(require_construct().name);
+      stack.push(name);
+      stack.call(1);
+      if (stack.top().type() != Type::table) continue;
+      for (const auto& field : stack.top().keys().names) {
+        const std::string full = fmt::format("{}.{}", name, field);
+        const bool described =
+            std::any_of(functions.begin(), functions.end(), [&](const Construct& c) { return c.name == full; });
+        if (!described) functions.push_back({full, full + "()", "", "", "", {}, {}, ""});
+      }
+    }
+  });
+  return functions;
+}
 
 std::string without_shebang(std::string text) {
   if (text.starts_with('#')) text.erase(0, std::min(text.find('\n'), text.size()));
   return text;
 }
 
-void open_modules(Stack& stack, const std::string& script_folder) {
-  const auto modules = std::make_shared<Modules>(script_folder);
+void open_modules(Stack& stack, const std::string& script_folder, std::function<void(const Construct&)> described) {
+  const auto modules = std::make_shared<Modules>(script_folder, std::move(described));
   stack.push_function([modules](Stack& call) {
     const auto name = call[1].string();
     if (!name) throw Error(fmt::format("require: the module's name must be a string, got {}", describe(call[1])));
     modules->require(call, *name);
     return 1;
   });
-  stack.set_global("require");
+  stack.set_global(require_construct().name);
   const int before = stack.size();
   stack.on_missing(stack.push_globals(), [modules](Stack& call) {
     const auto name = call[2].string();
     if (!name) throw Error(fmt::format("no global is called {}", call[2].describe()));
-    constexpr std::array<std::string_view, 6> left_out = {"io", "os", "debug", "package", "dofile", "loadfile"};
-    if (std::find(left_out.begin(), left_out.end(), *name) != left_out.end()) {
+    if (std::binary_search(left_out_names().begin(), left_out_names().end(), *name)) {
       throw Error(fmt::format(
           "there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter", *name));
     }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
+#include <dsl/language/construct.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
@@ -10,7 +13,19 @@ namespace trellis::dsl {
 /// Makes `require` known, for modules of the standard library and then of the script's folder; makes each module of the
 /// standard library a global that is loaded when first read; makes reading any other unknown global an error that
 /// offers the nearest name. Call it last: what is a global by then is what is offered.
-void open_modules(lua::Stack& stack, const std::string& script_folder);
+/// \param described  is told of every function that a module of the standard library defines, as it is loaded
+void open_modules(lua::Stack& stack, const std::string& script_folder,
+                  std::function<void(const Construct&)> described = {});
+
+/// What Lua has and scripts do not find, sorted.
+const std::vector<std::string>& left_out_names();
+
+/// require "NAME".
+const Construct& require_construct();
+
+/// The functions of the standard library as its modules describe them; what is not described has no summary. Loads
+/// every module in an interpreter of its own.
+std::vector<Construct> module_functions();
 
 /// A script's text without the line that tells a shell how to run it, its lines counted as before.
 std::string without_shebang(std::string text);

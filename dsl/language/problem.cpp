@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include <dsl/language/words.hpp>
 #include <trellis/scene/readers.hpp>
 #include <trellis/strategy/executor.hpp>
 
@@ -101,7 +102,7 @@ void push_coordinates(Stack& call, const Configuration& q) {
   }
 }
 
-/// What a script may read of a problem.
+/// What a script may read of a problem, under the names that `problem` gives it.
 const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
   static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
       {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
@@ -134,6 +135,9 @@ int problem_text(Stack& call) {
   return call.result(fmt::format("problem '{}' in {}", problem->name, problem->space.name()));
 }
 
+const Field scene_file = {"file", "string", "the name of a file",
+                          "looked for in the script's folder, then in the folder of scenes (TRELLIS_SCENES)", true};
+
 bool is_file(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
@@ -161,23 +165,53 @@ const Construct& problem_construct() {
       .usage = "problem { world = w, robot = r, start = {1, 8.5, 0}, goal = {9, 1.5, 0} }",
       .summary = "a planning problem: what the robot is, where it is, and where it is to go",
       .list = "",
-      .fields = {{"name", "a string", "how the report calls it; \"problem\" by default"},
-                 {"world", "a world", "as world { ... } makes it", true},
-                 {"robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
-                 {"start", "a list of numbers", "the start configuration, in metres and radians", true},
-                 {"goal", "a list of numbers", "the goal configuration, in metres and radians", true}},
-      .options = problem_settings().component()};
+      .element = "",
+      .fields = {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
+                 {"world", "trellis.World", "a world", "as world { ... } makes it", true},
+                 {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
+                 {"start", "number[]", "a list of numbers", "the start configuration, in metres and radians", true},
+                 {"goal", "number[]", "a list of numbers", "the goal configuration, in metres and radians", true}},
+      .options = problem_settings().component(),
+      .returns = "trellis.Problem"};
   return construct;
 }
 
+ObjectType problem_type() {
+  ObjectType type{"trellis.Problem", "a planning problem", "", {}, {}};
+  const Construct& construct = problem_construct();
+  for (Field field : construct.fields) {
+    if (readable().contains(field.name)) type.members.push_back(std::move(field));
+  }
+  for (const Option& option : construct.options.options) {
+    if (!readable().contains(option.name)) continue;
+    type.members.push_back({option.name, option.type == Option::Type::choice ? "string" : "number", "", option.doc});
+  }
+  return type;
+}
+
 const Construct& load_construct() {
-  static const Construct construct = {
-      .name = "scenes.load",
-      .usage = "scenes.load(\"ompl_tests/circle_obstacles.txt\", { resolution = 0.1 })",
-      .summary = "the problems in a scene file made by others; scenes.exists(FILE) tells whether there is one",
-      .list = "",
-      .fields = {},
-      .options = load_settings().component()};
+  static const Construct construct = {.name = "scenes.load",
+                                      .usage = "scenes.load(\"ompl_tests/circle_obstacles.txt\", { resolution = 0.1 })",
+                                      .summary = "the problems in a scene file made by others",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = load_settings().component(),
+                                      .returns = "trellis.Problem[]",
+                                      .arguments = {scene_file}};
+  return construct;
+}
+
+const Construct& exists_construct() {
+  static const Construct construct = {.name = "scenes.exists",
+                                      .usage = "scenes.exists \"ompl_tests/circle_obstacles.txt\"",
+                                      .summary = "whether there is a scene file that scenes.load would find",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = {},
+                                      .returns = "boolean",
+                                      .arguments = {scene_file}};
   return construct;
 }
 

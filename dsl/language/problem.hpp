@@ -13,8 +13,13 @@ namespace trellis::dsl {
 void open_problem(lua::Stack& stack);
 
 const Construct& problem_construct();
-/// scenes.load "FILE", { resolution = 0.02 }: only the options.
+/// scenes.load("FILE", { resolution = 0.02 }).
 const Construct& load_construct();
+/// scenes.exists "FILE".
+const Construct& exists_construct();
+/// What scripts can read of a problem.
+struct ObjectType;
+ObjectType problem_type();
 
 /// The file that a script means: as it is where absolute, else in the script's folder, else in the folder of scenes
 /// (the environment's TRELLIS_SCENES, by default the one beside the project). "" where there is none.

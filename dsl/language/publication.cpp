@@ -129,15 +129,18 @@ const Construct& claim_construct() {
       .usage = R"(claim { "b does better", problem = "trap", strategy = "b", lower_than = {"a"} })",
       .summary = "a sentence that the results are to bear out",
       .list = "the sentence",
-      .fields = {{"problem", "the name of a problem", "where it is said to hold", true},
-                 {"strategy", "the name of a strategy", "whose sampling efficiency it speaks of", true},
-                 {"lower_than", "the name of a strategy, or a list of names",
+      .element = "string",
+      .fields = {{"problem", "string", "the name of a problem", "where it is said to hold", true},
+                 {"strategy", "string", "the name of a strategy", "whose sampling efficiency it speaks of", true},
+                 {"lower_than", "string|string[]", "the name of a strategy, or a list of names",
                   "it holds where the efficiency is lower (better) than that of each; no doubt is left where the 95 % "
                   "interval of the difference, paired by seed, lies on one side of 0"},
-                 {"not_lower_than", "the name of a strategy, or a list of names",
+                 {"not_lower_than", "string|string[]", "the name of a strategy, or a list of names",
                   "it holds where the efficiency is not lower: similar or worse"},
-                 {"roles", R"("tree", "expansion", or a list of both)", R"(whose samples; "tree" by default)"}},
-      .options = {}};
+                 {"roles", "string|string[]", R"("tree", "expansion", or a list of both)", "whose samples", false,
+                  R"("tree")"}},
+      .options = {},
+      .returns = "trellis.Claim"};
   return construct;
 }
 
@@ -147,11 +150,15 @@ const Construct& published_construct() {
       .usage = R"(published { source = "...", figures = { trap = { rrt = {9.6, 7.5} } } })",
       .summary = "figures and sentences of somebody else, to set the results beside",
       .list = "",
-      .fields = {{"source", "a string", "a citation", true},
-                 {"figures", "a table { PROBLEM = { STRATEGY = {tree, expansion} } }",
+      .element = "",
+      .fields = {{"source", "string", "a string", "a citation", true},
+                 {"figures", "table<string, table<string, number[]>>",
+                  "a table { PROBLEM = { STRATEGY = {tree, expansion} } }",
                   "sampling efficiencies of the root, in nats; the expansion's may be left out", true},
-                 {"claims", "a list of claims, as claim { ... }", "the sentences that were concluded"}},
-      .options = {}};
+                 {"claims", "trellis.Claim[]", "a list of claims, as claim { ... }",
+                  "the sentences that were concluded"}},
+      .options = {},
+      .returns = "trellis.Publication"};
   return construct;
 }
 

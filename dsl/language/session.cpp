@@ -8,6 +8,7 @@
 
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/experiment.hpp>
+#include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
 #include <dsl/language/problem.hpp>
@@ -30,19 +31,23 @@ lua::Position last_line(const std::string& text, const std::string& name) {
 
 }  // namespace
 
+void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
+                   std::function<void(const Construct&)> described) {
+  open_libraries(stack);
+  open_random(stack, options.seed);
+  open_algebra(stack);
+  open_world(stack);
+  open_problem(stack);
+  open_measure(stack);
+  open_publication(stack);
+  open_experiment(stack);
+  open_help(stack, options.print);
+  open_modules(stack, folder, std::move(described));
+}
+
 Session::Session(const std::string& folder, const SessionOptions& options)
     : interpreter_(std::make_shared<lua::State>(options.memory)) {
-  interpreter_->run([&](lua::Stack& stack) {
-    open_libraries(stack);
-    open_random(stack, options.seed);
-    open_algebra(stack);
-    open_world(stack);
-    open_problem(stack);
-    open_measure(stack);
-    open_publication(stack);
-    open_experiment(stack);
-    open_modules(stack, folder);
-  });
+  interpreter_->run([&](lua::Stack& stack) { open_language(stack, folder, options); });
 }
 
 Session::~Session() = default;

@@ -20,7 +20,16 @@ namespace trellis::dsl {
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
   std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
+  /// Where `help` in a script puts its text; the standard output by default.
+  std::function<void(const std::string&)> print = {};
 };
+
+struct Construct;
+
+/// Makes the whole language known to an interpreter. `described` is told of every function that a module of the
+/// standard library defines, as it is loaded.
+void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
+                   std::function<void(const Construct&)> described = {});
 
 /// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
 /// clock. One thread at a time.

@@ -4,50 +4,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <string_view>
+#include <utility>
+#include <vector>
 
-#include <dsl/language/algebra.hpp>
-#include <dsl/language/experiment.hpp>
-#include <dsl/language/measure.hpp>
-#include <dsl/language/problem.hpp>
-#include <dsl/language/publication.hpp>
-#include <dsl/language/stdlib.hpp>
-#include <dsl/language/world.hpp>
-#include <trellis/strategy/registry.hpp>
+#include <dsl/language/words.hpp>
 
 namespace trellis::dsl {
 
 namespace {
 
-std::vector<const Component*> words_of(Component::Kind kind) {
-  if (kind == Component::Kind::target) return target_components();
-  if (kind == Component::Kind::estimator) return estimator_components();
-  std::vector<const Component*> words;
-  for (const Component* component : components()) {
-    if (component->kind == kind) words.push_back(component);
-  }
-  return words;
-}
-
-/// The comment that a module begins with, without its licence line.
-std::string head_of(const std::string& module) {
-  std::string head;
-  std::string_view text = module;
-  while (text.starts_with("--")) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    if (line.find("SPDX-License-Identifier") != std::string_view::npos) continue;
-    head += fmt::format("{}\n", line.substr(line.starts_with("-- ") ? 3 : 2));
-  }
-  return head;
-}
-
-std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
-
 /// The name, and beside it the text in lines of a page's width.
 std::string row(std::string name, std::string_view text) {
   constexpr std::size_t column = 76;
+  constexpr std::size_t names = 18;
   std::string rows;
+  if (name.size() > names) rows += fmt::format("  {}\n", std::exchange(name, ""));
   do {
     std::size_t end = text.size();
     if (end > column) {
@@ -61,65 +35,124 @@ std::string row(std::string name, std::string_view text) {
   return rows;
 }
 
-std::string options_text(const Component& component) {
+/// What a field takes, and its meaning below.
+std::string rows_of(const Field& field) {
+  std::string text = field.expects;
+  if (field.required) text += "; required";
+  if (!field.default_text.empty()) text += "; default " + field.default_text;
+  return row(field.name, text) + (field.doc.empty() ? "" : row("", field.doc));
+}
+
+std::string rows_of(const Option& option) {
+  return row(option.name, fmt::format("{}; default {}", expectation(option), default_text(option))) +
+         (option.doc.empty() ? "" : row("", option.doc));
+}
+
+template <class T>
+std::string section(const char* title, const std::vector<T>& entries) {
+  if (entries.empty()) return "";
+  std::string text = fmt::format("\n{}:\n", title);
+  for (const T& entry : entries) text += rows_of(entry);
+  return text;
+}
+
+bool is_component(const Word& word) { return word.kind < Word::Kind::constructor; }
+
+/// The words of a table, without its name: of a module, or of the robots.
+std::string contents(const std::string& module) {
   std::string text;
-  for (const auto& option : component.options) {
-    text += row(option.name, fmt::format("{}; default {}", expectation(option), to_string(option.default_value)));
-    if (!option.doc.empty()) text += row("", option.doc);
+  for (const Word& word : words()) {
+    if (word.module() != module) continue;
+    text += row(word.name.substr(module.size() + 1), word.summary.empty() ? "not described" : word.summary);
   }
   return text;
 }
 
-std::string component_text(const Component& component) {
-  std::string text = fmt::format("{} ({}): {}\n", component.name, to_string(component.kind), component.summary);
-  if (!component.source.empty()) text += fmt::format("source: {}\n", component.source);
-  std::string options = options_text(component);
-  if (component.kind == Component::Kind::guide) {
-    const GuideSpec guide = GuideSpec::make(component.name, {});
-    if (const auto& planner = guide.planner()) {
-      options += row("planner", fmt::format("a planner; default {}", planner->text()));
-      options += row("", "searches the guide's own space");
-    }
-  }
+std::string component_text(const Word& word) {
+  std::string text = fmt::format("{} ({}): {}\n", word.name, word.kind_text(), word.summary);
+  if (!word.source.empty()) text += fmt::format("source: {}\n", word.source);
+  std::string options;
+  for (const Option& option : word.options) options += rows_of(option);
+  for (const Field& field : word.fields) options += rows_of(field);
   text += options.empty() ? "\nno options\n" : "\noptions:\n" + options;
-  if (!component.positional.empty()) {
-    std::string names;
-    for (const auto& name : component.positional) names += (names.empty() ? "" : ", ") + name;
-    text += fmt::format("\nwithout names: {}({})\n", component.name, names);
+  if (!word.positional.empty()) {
+    text += fmt::format("\nwithout names: {}({})\n", word.name, fmt::join(word.positional, ", "));
   }
   return text;
 }
 
-std::string construct_text(const Construct& construct) {
-  std::string text = fmt::format("{}: {}\n\n  {}\n", construct.name, construct.summary, construct.usage);
-  if (!construct.list.empty()) text += fmt::format("\nelements: {}\n", construct.list);
-  if (!construct.fields.empty()) text += "\nfields:\n";
-  for (const auto& field : construct.fields) {
-    text += row(field.name, field.expects + (field.required ? "; required" : ""));
-    text += row("", field.doc);
+std::string construct_text(const Word& word) {
+  std::string text = fmt::format("{}: {}\n", word.name, word.summary.empty() ? "not described" : word.summary);
+  if (!word.source.empty()) text += fmt::format("source: {}\n", word.source);
+  text += fmt::format("\n  {}\n", word.usage);
+  if (!word.list.empty()) text += fmt::format("\nelements: {}\n", word.list);
+  text += section("arguments", word.arguments);
+  text += section("fields", word.fields);
+  text += section("options", word.options);
+  return text;
+}
+
+std::string text_of(const Word& word) {
+  if (word.kind == Word::Kind::module) {
+    const std::string inside = contents(word.name);
+    return word.text + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", word.name, inside));
   }
-  if (!construct.options.options.empty()) text += "\noptions:\n" + options_text(construct.options);
+  return is_component(word) ? component_text(word) : construct_text(word);
+}
+
+/// "strategy" of "trellis.Strategy", "target_context" of "trellis.TargetContext".
+std::string plain_name(const ObjectType& type) {
+  std::string name;
+  for (const char c : type.name.substr(type.name.find('.') + 1)) {
+    const bool upper = std::isupper(static_cast<unsigned char>(c)) != 0;
+    if (upper && !name.empty()) name += '_';
+    name += upper ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : c;
+  }
+  return name;
+}
+
+std::string text_of(const ObjectType& type) {
+  std::string text = fmt::format("{} (type): {}\n", plain_name(type), type.summary);
+  if (!type.operations.empty()) text += "\noperators:\n";
+  const auto plain = [](const std::string& name) {
+    for (const ObjectType& known : object_types()) {
+      if (known.name == name) return plain_name(known);
+    }
+    return name;
+  };
+  for (const Operation& o : type.operations) {
+    text += row(fmt::format("{} {} {}", plain_name(type), o.symbol, plain(o.operand)), "a " + plain(o.result));
+  }
+  const ObjectType* of = &type;
+  if (!type.parent.empty()) {
+    for (const ObjectType& parent : object_types()) of = parent.name == type.parent ? &parent : of;
+  }
+  if (!of->members.empty()) text += "\nto be read:\n";
+  for (const Field& member : of->members) {
+    const bool method = member.type.starts_with("fun(self");
+    text +=
+        row(method ? ':' + member.name + "()" : '.' + member.name, member.doc.empty() ? member.expects : member.doc);
+  }
   return text;
 }
 
 }  // namespace
 
-std::vector<const Construct*> constructs() {
-  std::vector<const Construct*> all = {&sequence_construct(), &blend_construct(), &ablations_construct()};
-  for (const Construct* construct : world_constructs()) all.push_back(construct);
-  all.insert(all.end(), {&problem_construct(), &load_construct(), &target_construct(), &experiment_construct(),
-                         &published_construct(), &claim_construct()});
-  return all;
-}
-
 std::string vocabulary_text() {
   std::string text;
-  for (const auto& [kind, title] : {std::pair{Component::Kind::planner, "planners"},
-                                    {Component::Kind::guide, "guides"},
-                                    {Component::Kind::target, "targets"},
-                                    {Component::Kind::estimator, "estimators"}}) {
+  const auto list = [&](Word::Kind kind, const char* title) {
     text += fmt::format("{}:\n", title);
-    for (const Component* component : words_of(kind)) text += row(component->name, component->summary);
+    for (const Word& word : words()) {
+      if (word.kind == kind && (kind != Word::Kind::function || word.module().empty())) {
+        text += row(word.name, word.summary);
+      }
+    }
+  };
+  for (const auto& [kind, title] : {std::pair{Word::Kind::planner, "planners"},
+                                    {Word::Kind::guide, "guides"},
+                                    {Word::Kind::target, "targets"},
+                                    {Word::Kind::estimator, "estimators"}}) {
+    list(kind, title);
     text += '\n';
   }
   text += "composition:\n";
@@ -127,31 +160,36 @@ std::string vocabulary_text() {
   text += row("0.7*a + 0.3*b", "a mixture of guides");
   text += row("a .. b", "guides that take turns");
   text += row("blend { a, b }", "a mixture whose weights follow what each guide's proposals achieved");
-  text += "\nconstructors:\n";
-  for (const Construct* construct : constructs()) text += row(construct->name, construct->summary);
-  text += "\nmodules:\n";
-  for (const auto& name : module_names()) text += row(name, first_line(head_of(*module_text(name))));
+  text += '\n';
+  list(Word::Kind::constructor, "constructors");
+  text += '\n';
+  list(Word::Kind::function, "functions");
+  for (const Word& module : words()) {
+    if (module.kind != Word::Kind::module) continue;
+    text += fmt::format("\nmodule {}: {}\n{}", module.name, module.summary, contents(module.name));
+  }
   return text;
 }
 
-std::string help_text(const std::string& word) {
+std::string help_text(const std::string& name) {
   std::vector<std::string> known;
-  for (const auto kind :
-       {Component::Kind::planner, Component::Kind::guide, Component::Kind::target, Component::Kind::estimator}) {
-    for (const Component* component : words_of(kind)) {
-      if (component->name == word) return component_text(*component);
-      known.push_back(component->name);
+  for (const Word& word : words()) {
+    if (word.name == name || fmt::format("{}.{}", word.kind_text(), word.name) == name) {
+      std::string text = text_of(word);
+      for (const ObjectType& type : object_types()) {
+        if (plain_name(type) == name && !type.members.empty()) text += '\n' + text_of(type);
+      }
+      return text;
     }
+    known.push_back(word.name);
   }
-  for (const Construct* construct : constructs()) {
-    if (construct->name == word) return construct_text(*construct);
-    known.push_back(construct->name);
+  for (const ObjectType& type : object_types()) {
+    known.push_back(plain_name(type));
+    if (plain_name(type) != name && type.name != name) continue;
+    const std::string inside = contents(name);
+    return text_of(type) + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", name, inside));
   }
-  for (const auto& name : module_names()) {
-    if (name == word) return head_of(*module_text(name));
-    known.push_back(name);
-  }
-  throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", word, did_you_mean(word, known)));
+  throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, did_you_mean(name, known)));
 }
 
 }  // namespace trellis::dsl

@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
-
-#include <dsl/language/construct.hpp>
 
 namespace trellis::dsl {
-
-/// The constructs of the language that are no planner, guide, target or estimator by themselves.
-std::vector<const Construct*> constructs();
 
 /// All words of the language with a line each, by kind.
 std::string vocabulary_text();
 
-/// What is known about a word: a component's or construct's summary, fields and options, or the head of a module of
-/// the standard library. Throws Error with the nearest right word.
-std::string help_text(const std::string& word);
+/// What is known about a word: its summary, arguments, fields and options; of a module what it holds; of a type of
+/// values ("strategy", "trellis.Strategy") what can be done with them. The kind may stand in front: "guide.shrink".
+/// Throws Error with the nearest right word.
+std::string help_text(const std::string& name);
 
 }  // namespace trellis::dsl

@@ -16,45 +16,58 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-const Field name_field = {"name", "a string", "how messages call it"};
+const Field name_field = {"name", "string", "a string", "how messages call it"};
 
 const Construct box_construct = {.name = "box",
                                  .usage = "box { xmin, ymin, xmax, ymax, name = \"left wall\" }",
                                  .summary = "an axis-aligned rectangle, in metres",
                                  .list = "its four numbers",
+                                 .element = "number",
                                  .fields = {name_field},
-                                 .options = {}};
+                                 .options = {},
+                                 .returns = "trellis.Shape"};
 const Construct disc_construct = {.name = "disc",
                                   .usage = "disc { x, y, radius, name = \"pillar\" }",
                                   .summary = "a disc, in metres",
                                   .list = "its three numbers",
+                                  .element = "number",
                                   .fields = {name_field},
-                                  .options = {}};
+                                  .options = {},
+                                  .returns = "trellis.Shape"};
 const Construct polygon_construct = {.name = "polygon",
                                      .usage = "polygon { {x, y}, {x, y}, {x, y}, name = \"rock\" }",
                                      .summary = "a simple polygon, convex or not, in metres",
                                      .list = "its vertices in order",
+                                     .element = "number[]",
                                      .fields = {name_field},
-                                     .options = {}};
+                                     .options = {},
+                                     .returns = "trellis.Shape"};
 const Construct world_construct = {
     .name = "world",
     .usage = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.75}, ... }",
     .summary = "a planar workspace: a boundary box that the whole robot stays in, and obstacles",
     .list = "obstacles: box, disc, polygon, and lists of these",
-    .fields = {{"bounds", "a list of 4 numbers: xmin, ymin, xmax, ymax", "the boundary box, in metres", true}},
-    .options = {}};
+    .element = "trellis.Shape|trellis.Shape[]",
+    .fields = {{"bounds", "number[]", "a list of 4 numbers: xmin, ymin, xmax, ymax", "the boundary box, in metres",
+                true}},
+    .options = {},
+    .returns = "trellis.World"};
 const Construct point_construct = {.name = "robot.point",
                                    .usage = "robot.point()",
                                    .summary = "a point that moves in the plane",
                                    .list = "",
+                                   .element = "",
                                    .fields = {},
-                                   .options = {}};
+                                   .options = {},
+                                   .returns = "trellis.Robot"};
 const Construct disc_robot_construct = {.name = "robot.disc",
                                         .usage = "robot.disc(0.2)",
                                         .summary = "a disc that moves in the plane",
                                         .list = "its radius, in metres",
+                                        .element = "number",
                                         .fields = {},
-                                        .options = {}};
+                                        .options = {},
+                                        .returns = "trellis.Robot"};
 
 struct RigidSettings {
   bool rotates = true;
@@ -71,8 +84,10 @@ const Construct& rectangle_construct() {
                                       .usage = "robot.rectangle(0.6, 0.2)",
                                       .summary = "a rectangle about its reference point, that moves and turns",
                                       .list = "its width and height, in metres",
+                                      .element = "number",
                                       .fields = {},
-                                      .options = rigid_settings().component()};
+                                      .options = rigid_settings().component(),
+                                      .returns = "trellis.Robot"};
   return construct;
 }
 const Construct& polygon_robot_construct() {
@@ -80,8 +95,10 @@ const Construct& polygon_robot_construct() {
                                       .usage = "robot.polygon { {x, y}, {x, y}, {x, y} }",
                                       .summary = "a simple polygon, its reference point at (0, 0)",
                                       .list = "its vertices in order",
+                                      .element = "number[]",
                                       .fields = {},
-                                      .options = rigid_settings().component()};
+                                      .options = rigid_settings().component(),
+                                      .returns = "trellis.Robot"};
   return construct;
 }
 const Construct& rigid_construct() {
@@ -89,8 +106,10 @@ const Construct& rigid_construct() {
                                       .usage = "robot.rigid { box {-0.3, -0.1, 0.3, 0.1}, disc {0.3, 0, 0.15} }",
                                       .summary = "one rigid body of several shapes, its reference point at (0, 0)",
                                       .list = "its shapes: box, disc, polygon",
+                                      .element = "trellis.Shape|trellis.Shape[]",
                                       .fields = {},
-                                      .options = rigid_settings().component()};
+                                      .options = rigid_settings().component(),
+                                      .returns = "trellis.Robot"};
   return construct;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -286,6 +287,87 @@ TEST_CASE("the program tells its version and its words") {
   CHECK(all.out.find("measure ") != std::string::npos);
   CHECK(place.run({"measure", "--help"}).out.find("--estimator") != std::string::npos);
   CHECK(place.run({"help", "near_optimal"}).out.starts_with("near_optimal (target): "));
+  CHECK(place.run({"help", "strategies.irc"}).out.starts_with("strategies.irc: "));
+  place.script("ask.lua", "help 'shrink'\nreturn rrt { step = 0.5 }, scenes.cup()\n");
+  CHECK(place.run({"run", "ask.lua", "--quiet"}).out == place.run({"help", "shrink"}).out);
+}
+
+TEST_CASE("the manual page and the completions have every verb and option of --help") {
+  const Place place;
+  const std::string page = place.run({"reference", "man"}).out;
+  const std::string bash = place.run({"reference", "bash"}).out;
+  const std::string fish = place.run({"reference", "fish"}).out;
+  const std::string zsh = place.run({"reference", "zsh"}).out;
+  CHECK(page.find(".TH TRELLIS 1 \"\" \"Trellis " TRELLIS_VERSION "\"") != std::string::npos);
+  const std::string words = place.run({"reference", "words"}).out;
+  CHECK(words.find("\nstrategies.irc\n") != std::string::npos);
+  const std::string help = place.run({"--help"}).out;
+  std::istringstream verbs(help.substr(help.find("Subcommands:\n") + 13));
+  std::size_t count = 0;
+  for (std::string verb, rest; verbs >> verb && std::getline(verbs, rest); ++count) {
+    INFO(verb);
+    CHECK(page.find(".SS \\fBtrellis " + verb + "\\fR") != std::string::npos);
+    CHECK(bash.find("    " + verb + ")\n") != std::string::npos);
+    CHECK(fish.find("__fish_use_subcommand -a " + verb + " ") != std::string::npos);
+    CHECK(zsh.find("    " + verb + ")\n") != std::string::npos);
+    std::istringstream options(place.run({verb, "--help"}).out);
+    for (std::string option; options >> option;) {
+      if (!option.starts_with("--") || option == "--") continue;
+      const std::string name =
+          option.substr(2, option.find(',') == std::string::npos ? option.npos : option.find(',') - 2);
+      INFO(option);
+      CHECK(page.find("\\fB\\-\\-" + name + "\\fR") != std::string::npos);
+      CHECK(bash.find("--" + name) != std::string::npos);
+      CHECK(fish.find(" -l " + name + " ") != std::string::npos);
+      CHECK(zsh.find("'--" + name + "[") != std::string::npos);
+    }
+    // Every value has a name of its own.
+    CHECK(place.run({verb, "--help"}).out.find(" TEXT ") == std::string::npos);
+  }
+  CHECK(count >= 7);
+}
+
+TEST_CASE("new writes a script that runs, and never over another") {
+  const Place place;
+  const auto made = place.run({"new", "mine"});
+  INFO(made.err);
+  CHECK(made.status == 0);
+  CHECK(made.out == "mine.lua: a strategy and an experiment to change; run it with: trellis run mine.lua\n");
+  const std::string text = content(place / "mine.lua");
+  CHECK(text.starts_with("-- mine: "));
+  CHECK(text.find("trellis run mine.lua --html") != std::string::npos);
+  CHECK(text.find('@') == std::string::npos);
+  const auto report = place.run({"run", "mine.lua", "--seeds", "1"});
+  INFO(report.err);
+  CHECK(report.status == 0);
+  CHECK(report.out.find("guided") != std::string::npos);
+  place.script("mine.lua", "mine");
+  const auto again = place.run({"new", "mine"});
+  CHECK(again.status == 2);
+  CHECK(again.err == "trellis: new: 'mine.lua' exists already, and is left as it is; choose another name\n");
+  CHECK(content(place / "mine.lua") == "mine");
+
+  fs::create_directories(place / "deep");
+  CHECK(place.run({"new", "deep/other.lua"}).status == 0);
+  CHECK(content(place / "deep/other.lua").starts_with("-- other: "));
+  CHECK(place.run({"new", "no/folder"}).err == "trellis: new: there is no folder 'no'\n");
+  CHECK(place.run({"new", "my strategy"}).err ==
+        "trellis: new: 'my strategy' is no name for a script: expected letters, digits and '_', a letter first, as "
+        "my_strategy\n");
+  CHECK(place.run({"new", "3d"}).err.find("a letter first, as _3d") != std::string::npos);
+  CHECK(place.run({"new", ""}).status == 2);
+  CHECK_FALSE(fs::exists(place / "my strategy.lua"));
+}
+
+TEST_CASE("the program writes its words out for other programs") {
+  const Place place;
+  CHECK(place.run({"reference"}).out.find("\n### shrink\n") != std::string::npos);
+  CHECK(place.run({"reference", "markdown"}).out == place.run({"reference"}).out);
+  CHECK(place.run({"reference", "stubs"}).out.starts_with("---@meta\n"));
+  CHECK(place.run({"reference", "luacheck"}).out.find("stds.trellis = {") != std::string::npos);
+  CHECK(place.run({"reference", "stub"}).err ==
+        "trellis: reference: no form 'stub' (did you mean 'stubs'?); there are: markdown, stubs, luacheck, words, man, "
+        "bash, fish, zsh\n");
 }
 
 TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {

@@ -116,6 +116,6 @@ TEST_CASE("an error can be caught, and says the line of the call") {
 
 TEST_CASE("an error in the standard library is blamed on the script") {
   CHECK(failure("local s = require 'strategies'\n\ns.nested {\n  scale = 2 }")
-            .starts_with("test.lua:3: shrink: option 'scale'"));
+            .starts_with("test.lua:3: strategies.nested: option 'scale'"));
   CHECK(failure("scenes.cup { start = {1} }").starts_with("test.lua:1: problem: field 'start'"));
 }

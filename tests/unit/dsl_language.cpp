@@ -10,6 +10,7 @@
 #include "support/script.hpp"
 
 #include <dsl/language/vocabulary.hpp>
+#include <dsl/language/words.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace fs = std::filesystem;
@@ -162,20 +163,98 @@ TEST_CASE("scene files are looked for, and read, with options") {
 
 TEST_CASE("help knows every word and each of its options") {
   const std::string all = dsl::vocabulary_text();
-  for (const Component* component : components()) {
-    INFO(component->name);
-    CHECK(all.find("  " + component->name + " ") != std::string::npos);
-    const std::string text = dsl::help_text(component->name);
-    CHECK(text.find(component->name + " (" + std::string(to_string(component->kind)) + ")") == 0);
-    for (const auto& option : component->options) CHECK(text.find("  " + option.name + " ") != std::string::npos);
-  }
-  for (const dsl::Construct* construct : dsl::constructs()) {
-    INFO(construct->name);
-    CHECK(all.find("  " + construct->name + " ") != std::string::npos);
-    const std::string text = dsl::help_text(construct->name);
-    CHECK(text.find(construct->usage) != std::string::npos);
-    for (const auto& field : construct->fields) CHECK(text.find("  " + field.name + " ") != std::string::npos);
+  for (const dsl::Word& word : dsl::words()) {
+    INFO(word.name);
+    const std::string module = word.module();
+    const std::string listed =
+        word.kind == dsl::Word::Kind::function && !module.empty() ? word.name.substr(module.size() + 1) : word.name;
+    CHECK((all.find("  " + listed + " ") != std::string::npos ||
+           all.find("module " + word.name + ": ") != std::string::npos));
+    const std::string text = dsl::help_text(word.name);
+    CHECK(text.find(word.summary) != std::string::npos);
+    for (const auto& name : word.named()) CHECK(text.find("  " + name + " ") != std::string::npos);
+    for (const auto& argument : word.arguments) CHECK(text.find("  " + argument.name + " ") != std::string::npos);
+    if (word.kind != dsl::Word::Kind::module) CHECK(text.find(word.usage) != std::string::npos);
   }
   CHECK(dsl::help_text("scenes").find("simple_passage") != std::string::npos);
+  CHECK(dsl::help_text("guide.shrink") == dsl::help_text("shrink"));
   CHECK_THROWS_WITH(dsl::help_text("shrnik"), Catch::Contains("did you mean 'shrink'?"));
+  CHECK_THROWS_WITH(dsl::help_text("planner.shrink"), Catch::Contains("no help on 'planner.shrink'"));
+}
+
+TEST_CASE("help tells the options of a function of the standard library, with its own defaults") {
+  const std::string irc = dsl::help_text("strategies.irc");
+  CHECK(irc.starts_with("strategies.irc: ever larger robots"));
+  CHECK(irc.find("source: Bayazit") != std::string::npos);
+  CHECK(irc.find("default {0.25, 0.5, 0.75}") != std::string::npos);
+  const auto default_of = [](const std::string& word, const std::string& option) {
+    for (const dsl::Word& known : dsl::words()) {
+      for (const Option& described : known.options) {
+        if (known.name == word && described.name == option) return dsl::default_text(described);
+      }
+    }
+    return std::string("none");
+  };
+  CHECK(default_of("strategies.irc", "goal_bias") == "0.05");
+  CHECK(default_of("strategies.parasol_irc", "goal_bias") == "0");
+  CHECK(default_of("strategies.irc", "uniform") == "0.5");
+  CHECK(default_of("rrt", "uniform") == "0.1");
+  CHECK(default_of("strategies.dr_rrt", "drop") == "1000");
+  CHECK(default_of("rrt", "checks") == "math.huge");
+  CHECK(default_of("strategies.blend", "memory") == "0.98");
+}
+
+TEST_CASE("help tells what can be done with a type of values") {
+  CHECK(dsl::help_text("guide").find("guide >> planner   a strategy") != std::string::npos);
+  CHECK(dsl::help_text("strategy").find(":hash()") != std::string::npos);
+  CHECK(dsl::help_text("planner").find(":tree()") != std::string::npos);
+  CHECK(dsl::help_text("problem").find(".goal_tolerance") != std::string::npos);
+  CHECK(dsl::help_text("robot").find("rectangle") != std::string::npos);
+}
+
+TEST_CASE("functions of the standard library check what they are given") {
+  CHECK(failure("strategies.dr_rrt { regon = 3 }")
+            .find("test.lua:1: strategies.dr_rrt: unknown field 'regon' (did you mean 'region'?)") == 0);
+  CHECK(failure("strategies.irc { step = -1 }").find("strategies.irc: option 'step' must be a number greater than 0") !=
+        std::string::npos);
+  CHECK(failure("strategies.nested { planner = lazy() }")
+            .find("strategies.nested: field 'planner' must be a planner, got the guide 'lazy()'") != std::string::npos);
+  CHECK(failure("scenes.trap({}, 1)").find("takes a table of what shall differ, got 2 arguments") != std::string::npos);
+  CHECK(failure("paper.methods { ircc = {} }").find("did you mean 'irc'?") != std::string::npos);
+  CHECK(value("strategies.irc(nil) == strategies.irc {}") == "true");
+  // What is given once is no default of the next call.
+  CHECK(values("strategies.regions { region = 5 } return strategies.regions() == strategies.regions { region = 2 }") ==
+        std::vector<std::string>{"true"});
+}
+
+TEST_CASE("a script can ask for help on words, functions and values") {
+  std::string printed;
+  dsl::Session session("", {.print = [&](const std::string& text) { printed += text; }});
+  const auto help = [&](const std::string& call) {
+    printed.clear();
+    CHECK(session.evaluate("return " + call, "test.lua").empty());
+    return printed;
+  };
+  CHECK(help("help()") == dsl::vocabulary_text());
+  for (const std::string call : {"help(shrink)", "help 'shrink'", "help 'guide.shrink'", "help('shrink')"}) {
+    INFO(call);
+    CHECK(help(call) == dsl::help_text("shrink"));
+  }
+  CHECK(help("help(box)") == dsl::help_text("box"));
+  CHECK(help("help(robot.disc)") == dsl::help_text("robot.disc"));
+  CHECK(help("help(scenes)") == dsl::help_text("scenes"));
+  CHECK(help("help(scenes.trap)") == dsl::help_text("scenes.trap"));
+  CHECK(help("help(strategies.irc)") == dsl::help_text("strategies.irc"));
+  CHECK(help("help(require 'paper'.methods)") == dsl::help_text("paper.methods"));
+  CHECK(help("help(help)") == dsl::help_text("help"));
+  CHECK(help("help(skeleton() >> shrink(0.5) >> rrt {})")
+            .starts_with("strategy: skeleton() >> shrink(0.5) >> rrt()\n\n" +
+                         value("(skeleton() >> shrink(0.5) >> rrt {}):tree()")));
+  CHECK(help("help(shrink(0.25))").starts_with("guide: shrink(0.25)\n"));
+  CHECK(help("help(lazy() + skeleton())").find("a guide") != std::string::npos);
+  CHECK(help("help(rrt {})").starts_with("planner: rrt()\n"));
+  CHECK(help("help(scenes.cup())").starts_with("a problem: problem 'cup' in SE(2)"));
+  CHECK(failure("help 'shrnik'").find("did you mean 'shrink'?") != std::string::npos);
+  CHECK(failure("help(42)").find("help: nothing is known about 42") != std::string::npos);
+  CHECK(failure("help(function() end)").find("nothing is known about a function") != std::string::npos);
 }

@@ -3,17 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "support/catch.hpp"
 #include "support/script.hpp"
 
-#include <dsl/language/measure.hpp>
-#include <dsl/language/vocabulary.hpp>
 #include <dsl/lua/state.hpp>
-#include <trellis/strategy/registry.hpp>
 
 namespace fs = std::filesystem;
 using namespace trellis;
@@ -177,25 +173,4 @@ TEST_CASE("C++ objects are destroyed when a Lua error passes them") {
     stack.call(0);
   });
   CHECK(destroyed == 1);
-}
-
-TEST_CASE("luacheck knows every word of the language") {
-  std::ifstream file(fs::path(TRELLIS_SOURCE) / ".luacheckrc");
-  std::stringstream text;
-  text << file.rdbuf();
-  for (const Component* component : components()) {
-    INFO(component->name);
-    CHECK(text.str().find('"' + component->name + '"') != std::string::npos);
-  }
-  for (const auto& measures : {dsl::target_components(), dsl::estimator_components()}) {
-    for (const Component* component : measures) {
-      INFO(component->name);
-      CHECK(text.str().find('"' + component->name + '"') != std::string::npos);
-    }
-  }
-  for (const dsl::Construct* construct : dsl::constructs()) {
-    const std::string name = construct->name.substr(0, construct->name.find('.'));
-    INFO(name);
-    CHECK(text.str().find('"' + name + '"') != std::string::npos);
-  }
 }

@@ -80,8 +80,8 @@ const Range count{.lo = 64, .hi = 1e7};
 
 /// The options that every target has.
 template <class S>
-Settings<S> with_target_options(Settings<S> settings, const std::string& delta) {
-  return settings.number("delta", &S::delta, "m", Range::positive(), delta)
+Settings<S> with_target_options(Settings<S> settings, const std::string& delta, const std::string& unit = "m") {
+  return settings.number("delta", &S::delta, unit, Range::positive(), delta)
       .integer("points", &S::points, "points", count, "evaluation points on the target")
       .integer("pool", &S::pool, "points", count,
                "points of the target for the volumes of cut balls and for `exact`, at least as many as points");
@@ -117,7 +117,7 @@ const Settings<NearOptimalSettings>& near_optimal_settings() {
                                         "configurations on paths of at most (1 + epsilon) times the optimal length, by "
                                         "cost-to-come and cost-to-go of a PRM*",
                                         "Attali et al. 2022; Karaman and Frazzoli 2011")
-              .number("epsilon", &NearOptimalSettings::epsilon, "", Range::positive(),
+              .number("epsilon", &NearOptimalSettings::epsilon, "share of the optimum", Range::positive(),
                       "how much longer than the optimum")
               .integer("nodes", &NearOptimalSettings::nodes, "nodes", {.lo = 16, .hi = 1e6},
                        "nodes of the PRM*; with more of them the optimum comes nearer to the true one"),
@@ -137,7 +137,7 @@ const Settings<ProgressSettings>& progress_settings() {
               .number("step", &ProgressSettings::step, "m in the metric", Range::positive(), "length of a motion")
               .integer("controls", &ProgressSettings::controls, "motions", {.lo = 16, .hi = 1e6},
                        "motions that each one is ranked among"),
-          "radius of the balls that coverage counts, in ranks")
+          "radius of the balls that coverage counts", "ranks")
           .positional({"step"});
   return settings;
 }

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What is installed, in two components: `trellis`, the program with what belongs to it, and `libtrellis-dev`, the C++
+# library. The program holds the standard library; the copies of its sources and the stubs are for readers and editors.
+include(CMakePackageConfigHelpers)
+
+set(data ${CMAKE_INSTALL_DATADIR}/trellis)
+set(program DESTINATION ${data} COMPONENT trellis)
+
+install(TARGETS trellis RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT trellis)
+install(DIRECTORY stdlib ${program} FILES_MATCHING PATTERN "*.lua")
+install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt)
+install(FILES .luacheckrc ${program} RENAME luacheckrc)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
+install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)
+
+set(printed ${PROJECT_BINARY_DIR}/dsl)
+install(FILES ${printed}/trellis.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT trellis)
+install(FILES ${printed}/trellis.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+        COMPONENT trellis RENAME trellis)
+install(FILES ${printed}/trellis.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT trellis)
+install(FILES ${printed}/_trellis DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT trellis)
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
+get_property(floors GLOBAL PROPERTY TRELLIS_FLOORS)
+install(TARGETS ${floors} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
+install(DIRECTORY runtime/trellis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtrellis-dev
+        FILES_MATCHING PATTERN "*.hpp" PATTERN html EXCLUDE)
+install(EXPORT trellis-targets NAMESPACE trellis:: DESTINATION ${package} COMPONENT libtrellis-dev)
+configure_package_config_file(cmake/trellis-config.cmake.in ${PROJECT_BINARY_DIR}/trellis-config.cmake
+                              INSTALL_DESTINATION ${package})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/trellis-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/trellis-config.cmake ${PROJECT_BINARY_DIR}/trellis-config-version.cmake
+        DESTINATION ${package} COMPONENT libtrellis-dev)
+
+# cpack -G DEB: the two components as Debian packages.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The Trellis developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Guiding spaces for robot motion planning")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL trellis libtrellis-dev)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_TRELLIS_PACKAGE_NAME trellis)
+set(CPACK_DEBIAN_TRELLIS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_TRELLIS_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
+set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
+set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
+    "libboost-dev, libcairo2-dev, libcgal-dev, libfcl-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
+set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
+    "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\
+in the one above it; trellis executes them and reports what each level cost\n\
+and what it was worth.")
+set(CPACK_DEBIAN_LIBTRELLIS-DEV_DESCRIPTION
+    "The C++ library: the spaces, planners, guides and measures that trellis is built of, as static\n\
+libraries with a CMake package.")
+include(CPack)

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/outputs.hpp>
+#include <trellis/base/error.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// @NAME@ stands for the script's path as it was given, @TITLE@ for its name.
+constexpr std::string_view script = R"LUA(-- @TITLE@: a strategy of guiding spaces, compared with its planner alone.
+--
+--   trellis run @NAME@                       plans, and prints the report
+--   trellis run @NAME@ --html report.html    and writes a page that replays every run
+--   trellis check @NAME@                     plans nothing, prints each strategy as a tree
+--   trellis help skeleton                  tells about a word of the language; `trellis help` lists all
+
+-- Lengths are in metres, angles in radians. The whole robot stays inside the bounds.
+local house = world {
+  bounds = {0, 0, 10, 10},
+  box {4, 0, 6, 7.5, name = "wall below the doorway"},
+  box {4, 8, 6, 10, name = "wall above it"},
+}
+
+local doorway = problem {
+  name  = "doorway",
+  world = house,
+  robot = robot.rectangle(0.6, 0.2),
+  start = {1, 1, 0},  -- x, y and the angle
+  goal  = {9, 1, 0},
+}
+
+-- Read `>>` as "guides": regions that travel along the medial axis of the free workspace guide the tree. Guides can be
+-- guided too, as in skeleton() >> shrink(0.5) >> planner.
+local planner = rrt { step = 0.5 }
+local guided = skeleton() >> planner
+
+return experiment {
+  problems   = doorway,
+  strategies = { planner = planner, guided = guided },
+  baseline   = "planner",             -- what the other is compared with
+  seeds      = 5,                     -- runs of each; the same seed gives the same result
+  measure    = tube { delta = 0.5 },  -- samples are of use within half a metre of the path
+}
+)LUA";
+
+void replace_all(std::string& text, std::string_view what, std::string_view with) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size())) {
+    text.replace(at, what.size(), with);
+  }
+}
+
+/// Throws Error for a name that no module could have: such a script could not be required by another.
+void check_name(const std::string& name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto good = [&](char c) { return letter(c) || (c >= '0' && c <= '9'); };
+  if (!name.empty() && letter(name.front()) && std::all_of(name.begin(), name.end(), good)) return;
+  std::string offer;
+  for (const char c : name) offer += good(c) ? c : '_';
+  if (!offer.empty() && !letter(offer.front())) offer = "_" + offer;
+  throw Error(
+      fmt::format("new: '{}' is no name for a script: expected letters, digits and '_', a letter first{}", name,
+                  std::any_of(offer.begin(), offer.end(), [](char c) { return c != '_'; }) ? ", as " + offer : ""));
+}
+
+}  // namespace
+
+int create(const std::string& name) {
+  const fs::path given(name);
+  const fs::path path = given.extension() == ".lua" ? given : fs::path(name + ".lua");
+  check_name(path.stem().string());
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, error)) throw Error(fmt::format("new: there is no folder '{}'", folder.string()));
+  std::string text(script);
+  replace_all(text, "@NAME@", path.string());
+  replace_all(text, "@TITLE@", path.stem().string());
+  // Made anew or not at all, whatever appears in between.
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbx"), std::fclose);
+  if (!file && errno == EEXIST) {
+    throw Error(fmt::format("new: '{}' exists already, and is left as it is; choose another name", path.string()));
+  }
+  const auto fail = [&]() -> void {
+    throw Error(fmt::format("new: cannot write '{}': {}", path.string(),
+                            std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe): one thread
+  };
+  if (!file) fail();
+  if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) fail();
+  if (std::fclose(file.release()) != 0) fail();
+  print_all(fmt::format("{}: a strategy and an experiment to change; run it with: trellis run {}\n", path.string(),
+                        path.string()));
+  return success;
+}
+
+}  // namespace trellis::command

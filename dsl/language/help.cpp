@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/language/help.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include <dsl/language/algebra.hpp>
+#include <dsl/language/vocabulary.hpp>
+#include <dsl/language/words.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+/// The word that a function or table is the value of: box, scenes.trap, robot; "" where it is none of ours.
+std::string word_of(Stack& call, Value value) {
+  const int before = call.size();
+  const Value globals = call.push_globals();
+  const Value modules = call.push_hidden("modules");
+  std::string found;
+  const auto compare = [&](const std::string& name, Value candidate) {
+    if (found.empty() && candidate.identity() == value.identity()) found = name;
+  };
+  for (const Word& word : words()) {
+    const int kept = call.size();
+    const std::string module = word.module();
+    if (module.empty()) {
+      compare(word.name, word.kind == Word::Kind::module ? modules.field(word.name) : globals.field(word.name));
+    } else {
+      const Value loaded = modules.field(module);
+      const Value table = loaded.type() == Type::table ? loaded : globals.field(module);
+      if (table.type() == Type::table) {
+        compare(module, table);
+        compare(word.name, table.field(word.name.substr(module.size() + 1)));
+      }
+    }
+    call.resize(kept);
+  }
+  call.resize(before);
+  return found;
+}
+
+/// The words that a value is made of, for values that have no word of their own.
+std::string text_of_value(Stack& call, Value value) {
+  if (const auto word = value.string()) return help_text(*word);
+  if (const auto* constructor = value.get<Constructor>()) return help_text(constructor->component->name);
+  if (const auto strategy = as_strategy(value)) {
+    std::string text = fmt::format("{}: {}\n\n{}", value.get<PlannerSpec>() != nullptr ? "planner" : "strategy",
+                                   strategy->text(), strategy->tree());
+    if (!text.ends_with('\n')) text += '\n';
+    return text + '\n' + help_text(value.get<PlannerSpec>() != nullptr ? "trellis.Planner" : "trellis.Strategy");
+  }
+  if (const auto* guide = value.get<GuideSpec>()) {
+    std::string text = fmt::format("guide: {}\n\n", guide->text());
+    if (guide->kind() == GuideSpec::Kind::component) return text + help_text("guide." + guide->name());
+    return text + help_text("trellis.Guide");
+  }
+  if (value.type() == Type::function || value.type() == Type::table) {
+    const std::string word = word_of(call, value);
+    if (!word.empty()) return help_text(word);
+  }
+  if (value.type() == Type::object) return fmt::format("{}: {}\n", value.describe(), value.text());
+  throw Error(fmt::format("help: nothing is known about {}; help() lists all words", describe(value)));
+}
+
+}  // namespace
+
+const Construct& help_construct() {
+  static const Construct construct = {
+      .name = "help",
+      .usage = "help \"shrink\"  help(scenes.trap)  help(strategy)",
+      .summary = "prints what is known about a word, a function, or a value; all words without one",
+      .list = "",
+      .element = "",
+      .fields = {},
+      .options = {},
+      .returns = "",
+      .arguments = {
+          {"subject", "any", "a word, or a value", "a strategy tells its tree; \"guide.shrink\" is the guide shrink"}}};
+  return construct;
+}
+
+void open_help(Stack& stack, std::function<void(const std::string&)> print) {
+  stack.push_function([print = std::move(print)](Stack& call) {
+    const std::string text = call[1].given() ? text_of_value(call, call[1]) : vocabulary_text();
+    if (print) {
+      print(text);
+    } else {
+      std::fwrite(text.data(), 1, text.size(), stdout);
+      std::fflush(stdout);
+    }
+    return 0;
+  });
+  stack.set_global(help_construct().name);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs the build in BUILD into the folder PLACE, and uses what lies there as a user would: runs an example, asks for
+# help, sources the completions, and builds a project against the library with the compiler CXX.
+file(REMOVE_RECURSE ${PLACE})
+set(root ${PLACE}/root)
+
+# run(RESULT COMMAND...): what the command prints; its failure fails the test.
+function(run result)
+  execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE out ERROR_VARIABLE err RESULT_VARIABLE status WORKING_DIRECTORY ${PLACE})
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGN}\nended with ${status}\n${out}${err}")
+  endif()
+  set(${result} "${out}" PARENT_SCOPE)
+endfunction()
+
+function(expect what text pattern)
+  if(NOT text MATCHES "${pattern}")
+    message(FATAL_ERROR "${what}: expected '${pattern}' in\n${text}")
+  endif()
+endfunction()
+
+file(MAKE_DIRECTORY ${PLACE})
+run(ignored ${CMAKE_COMMAND} --install ${BUILD} --prefix ${root})
+unset(ENV{TRELLIS_STDLIB})
+set(ENV{PATH} "${root}/bin:$ENV{PATH}")
+
+run(report trellis run ${root}/share/trellis/examples/minimal.lua)
+expect("the report" "${report}" "cup")
+run(ignored trellis new mine)
+run(report trellis run mine.lua --seeds 1 --quiet --html report.html)
+if(NOT EXISTS ${PLACE}/report.html)
+  message(FATAL_ERROR "no page was written")
+endif()
+
+foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trellis.lua share/trellis/examples/nested.lua
+             share/doc/trellis/reference.md share/doc/trellis/README.md share/doc/trellis/copyright
+             share/man/man1/trellis.1 share/bash-completion/completions/trellis
+             share/fish/vendor_completions.d/trellis.fish share/zsh/vendor-completions/_trellis
+             include/trellis/strategy/executor.hpp)
+  if(NOT EXISTS ${root}/${file})
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
+run(page trellis reference man)
+file(READ ${root}/share/man/man1/trellis.1 installed)
+if(NOT page STREQUAL installed)
+  message(FATAL_ERROR "the manual page is not what the program prints")
+endif()
+
+# The words that bash offers for the last one of a line.
+function(complete result)
+  run(out bash ${CMAKE_CURRENT_LIST_DIR}/complete.bash ${root}/share/bash-completion/completions/trellis ${ARGN})
+  set(${result} "${out}" PARENT_SCOPE)
+endfunction()
+complete(found trellis ref)
+expect("trellis ref" "${found}" "^reference\n$")
+complete(found trellis run --se)
+expect("trellis run --se" "${found}" "^--seeds\n--seed\n$")
+complete(found trellis run x.lua --palette p)
+expect("--palette p" "${found}" "^paper\n$")
+complete(found trellis run m)
+expect("trellis run m" "${found}" "^mine.lua\n$")
+complete(found trellis help strategies.parasol_i)
+expect("trellis help strategies.parasol_i" "${found}" "^strategies.parasol_irc\n$")
+
+run(ignored ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${PLACE}/consumer -G ${GENERATOR}
+    -D CMAKE_PREFIX_PATH=${root} -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_FLAGS=${FLAGS})
+run(ignored ${CMAKE_COMMAND} --build ${PLACE}/consumer)
+run(said ${PLACE}/consumer/consumer)
+expect("the consumer" "${said}" "^trellis [0-9.]+: skeleton\\(\\) >> rrt\\(\\) solved wall\n$")
+file(REMOVE_RECURSE ${PLACE})
