@@ -50,6 +50,10 @@ int dispatch(int argc, char** argv) {
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
 
+  std::string first;
+  auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, look at them");
+  repl->add_option("SCRIPT", first, "a Lua script to begin with");
+
   const auto* version = app.add_subcommand("version", "print the version");
 
   std::string topic;
@@ -86,6 +90,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts);
+  if (repl->parsed()) return command::repl(first);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

@@ -39,6 +39,8 @@ int run(const RunOptions& options);
 int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts);
+/// An interactive session, after a script where one is named; lines from stdin where that is no terminal.
+int repl(const std::string& script);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
 int version();
