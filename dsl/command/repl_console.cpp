@@ -19,9 +19,9 @@
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/repl_values.hpp>
 #include <dsl/language/algebra.hpp>
-#include <dsl/language/completion.hpp>
 #include <dsl/language/experiment.hpp>
 #include <dsl/language/modules.hpp>
+#include <dsl/language/offers.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
@@ -267,7 +267,7 @@ Completion Console::complete(const std::string& text) {
     if (before > 0 && all[before - 1].text == "(") --before;
     if (before == 0 || all[before - 1].text != "help") return {.words = {}, .files = true};
     Completion found;
-    for (const auto& word : dsl::completions("")) {
+    for (const auto& word : dsl::offers("")) {
       if (word.starts_with(begun)) found.words.push_back(word);
     }
     for (const Verb& verb : verbs()) {
@@ -276,7 +276,7 @@ Completion Console::complete(const std::string& text) {
     return found;
   }
 
-  Completion found = {.words = dsl::completions(text)};
+  Completion found = {.words = dsl::offers(text)};
   const bool options = std::all_of(found.words.begin(), found.words.end(),
                                    [](const std::string& option) { return option.ends_with(" = "); });
   if (options && !found.words.empty()) return found;

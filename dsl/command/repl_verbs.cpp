@@ -18,6 +18,7 @@
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/table.hpp>
 
 namespace trellis::command {
 
@@ -38,8 +39,10 @@ constexpr std::array<Verb, 18> all_verbs = {{
     {"samples", "samples(level, role)", "the nodes (\"tree\") or proposals (\"expansion\") of a level; level 0's tree"},
     {"efficiency", "efficiency(target)", "how well each level sampled, against the run's path; target: tube {}"},
     {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
-    {"compare", "compare(a, b, ..., { problem = p, seeds = 5 })", "strategies side by side, paired by seed"},
-    {"ablate", "ablate(strategy, { problem = p, seeds = 5 })", "a strategy with each of its guides taken out"},
+    {"compare", "compare(a, b, ..., { seeds = 5 })",
+     "strategies side by side, paired by seed; options: problem, seeds, measure"},
+    {"ablate", "ablate(strategy, { seeds = 5 })",
+     "a strategy with each of its guides taken out in turn; options likewise"},
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
     {"runs", "runs()", "the runs of this session, as a list"},
     {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
@@ -499,9 +502,13 @@ std::span<const Verb> verbs() { return all_verbs; }
 
 std::string verbs_text(std::string_view name) {
   std::string text;
+  std::size_t column = 0;
+  for (const Verb& verb : all_verbs) column = std::max(column, verb.usage.size());
   for (const Verb& verb : all_verbs) {
     if (name.empty()) {
-      text += fmt::format("  {:<42} {}\n", verb.usage, verb.summary);
+      constexpr std::size_t width = 100;
+      text += wrap(std::string(verb.summary), width, fmt::format("  {:<{}} ", verb.usage, column),
+                   std::string(column + 3, ' '));
     } else if (name == verb.name) {
       text = fmt::format("{}: {}\n", verb.usage, verb.summary);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dsl/language/completion.hpp>
+#include <dsl/language/offers.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -90,7 +90,7 @@ std::string open_table(const std::vector<Token>& all) {
 
 }  // namespace
 
-std::vector<std::string> completions(const std::string& line) {
+std::vector<std::string> offers(const std::string& line) {
   std::vector<Token> all = tokens(line);
   if (!all.empty() && all.back().unfinished) return {};
   // The name at the cursor, and the names before it that its dots lead through.
