@@ -58,26 +58,30 @@ std::optional<std::size_t> depth_of(const Search& search, std::uint32_t node) {
   return {};
 }
 
+/// What became of a proposal, and the node that it grew from, in a line each.
 std::string fate_text(const LevelRecord& record, std::size_t row) {
   const Search& search = record.search;
   const Fate fate = row < search.fates.size() ? search.fates[row] : Fate::rejected;
   const std::uint32_t near = row < search.near.size() ? search.near[row] : no_node;
   const std::uint32_t added = row < search.added.size() ? search.added[row] : no_node;
-  std::string from;
-  if (near != no_node) {
-    from = fmt::format("node {} at {}", near, text_of(search.nodes[near]));
-    if (const auto depth = depth_of(search, near)) from += fmt::format(", {} from the root", counted(*depth, "edge"));
+  std::string text = "  became    ";
+  if (fate != Fate::rejected && added != no_node) {
+    text += fmt::format("node {} at {}{}\n", added, text_of(search.nodes[added]),
+                        fate == Fate::reached ? ", the proposal itself" : ", on the way to it");
+  } else if (fate != Fate::rejected) {
+    text += "no node: it makes the edges near it cheaper\n";
+  } else {
+    const bool there = near != no_node && record.space.distance(search.nodes[near], search.proposals[row]) == 0.0;
+    text += near == no_node ? "no node: it is invalid, or there already\n"
+            : there         ? "no node: it is there already\n"
+                            : "no node: the way to it is blocked\n";
   }
-  if (fate == Fate::rejected || added == no_node) {
-    if (fate != Fate::rejected) return from.empty() ? "made what is near it cheaper" : "led to " + from;
-    return from.empty() ? "no node: it is invalid, or there already" : "no node: the way is blocked from " + from;
-  }
-  std::string text = fmt::format("node {} at {}", added, text_of(search.nodes[added]));
-  text += fate == Fate::reached ? ", the proposal itself" : ", on the way to it";
-  if (!from.empty()) {
-    text += fmt::format("; {:.3g} m from {}", record.space.distance(search.nodes[near], search.nodes[added]), from);
-  }
-  return text;
+  if (near == no_node) return text;
+  const View end = added != no_node ? search.nodes[added] : search.proposals[row];
+  text += fmt::format("  from      node {} at {}, {:.3g} m away", near, text_of(search.nodes[near]),
+                      record.space.distance(search.nodes[near], end));
+  if (const auto depth = depth_of(search, near)) text += fmt::format(", {} from the root", counted(*depth, "edge"));
+  return text + "\n";
 }
 
 }  // namespace
@@ -150,9 +154,9 @@ std::string where_text(const Run& run) {
   std::string text = fmt::format("proposal {} of the run, number {} of level {}, {}, searched by {}\n", run.proposals,
                                  last->row + 1, last->level, level.name, level.planner);
   const View q = search.proposals[last->row];
-  text += fmt::format("  proposed  {} from {}\n", text_of(q),
+  text += fmt::format("  proposed  {} by {}\n", text_of(q),
                       source < search.sources.size() ? search.sources[source] : "an unknown part of h");
-  text += fmt::format("  became    {}\n", fate_text(level, last->row));
+  text += fate_text(level, last->row);
   text += fmt::format("  so far    {}, solved {}", counted(search.nodes.size(), "node"),
                       level.solves == 1 ? "once" : fmt::format("{} times", level.solves));
   std::string waiting;

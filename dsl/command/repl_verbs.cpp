@@ -236,7 +236,9 @@ class Verbs {
       return 0;
     }
     const std::string difference = difference_text(run.result, again.result);
-    say(difference.empty() ? "the same: " + outcome_text(again) : "NOT the same: " + difference);
+    say(difference.empty()
+            ? fmt::format("run {} again: the same, in {:.1f} ms", run.number, 1000.0 * again.result.run.seconds)
+            : fmt::format("run {} again: NOT the same: {}", run.number, difference));
     return 0;
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dsl/language/offers.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string_view>
 
@@ -65,7 +67,7 @@ std::string path_before(const std::vector<Token>& all, std::size_t end) {
   while (end > 0 && all[end - 1].kind == Token::Kind::name) {
     path.insert(0, all[end - 1].text);
     if (end < 2 || all[end - 2].text != ".") break;
-    path.insert(0, ".");
+    path = fmt::format(".{}", path);
     end -= 2;
   }
   return path;

@@ -156,7 +156,7 @@ TEST_CASE("a run is planned and looked at") {
   CHECK_THAT(sitting.enter("efficiency()"), Contains("own space, own path") && Contains("expansion"));
   CHECK_THAT(sitting.enter("run().levels[1].tree.value > 0"), Contains("true"));
   CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
-  CHECK_THAT(sitting.enter("replay(run())"), Contains("the same: run 1"));
+  CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));
   // The problem of the run before is the usual one; a planner is a strategy.
   CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2: rrt() on cup, seed 1"));
