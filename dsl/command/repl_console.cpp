@@ -85,6 +85,16 @@ void complain(const std::string& message) {
   std::fflush(stderr);
 }
 
+/// A value as it is printed: a verb without its call tells how it is called.
+std::string shown(Stack& stack, Value value) {
+  if (value.type() != Type::function) return value_text(stack, value);
+  for (const Verb& verb : verbs()) {
+    if (stack.push_global(std::string(verb.name)).identity() != value.identity()) continue;
+    return verb.name == "help" ? verbs_text() : verbs_text(verb.name);
+  }
+  return value_text(stack, value);
+}
+
 std::string commented(const std::string& text) {
   std::string out = "-- ";
   for (const char c : text) out += c == '\n' ? std::string("\n-- ") : std::string(1, c);
@@ -204,7 +214,7 @@ Console::Verdict Console::run(const std::string& input, bool more) {
       const int values = stack.size();
       for (int i = 1; i <= values; ++i) {
         if (bench_.announced == nullptr || stack[i].identity() != bench_.announced) {
-          print_all(value_text(stack, stack[i]));
+          print_all(shown(stack, stack[i]));
         }
         stack.resize(values);
       }

@@ -86,7 +86,8 @@ StrategySpec strategy_argument(const std::string& verb, Value value) {
 
 Problem problem_argument(const std::string& verb, Value value) {
   if (const auto* problem = value.get<Problem>()) return *problem;
-  throw Error(fmt::format("{}: a problem belongs here, as scenes.cup(), got {}", verb, dsl::describe(value)));
+  throw Error(fmt::format("{}: a problem belongs here, as scenes.cup(), got {}{}", verb, dsl::describe(value),
+                          value.type() == Type::function ? ": call it, with ()" : ""));
 }
 
 /// How the session calls a strategy: the global that holds it, its name in the script, else its text.
@@ -127,22 +128,19 @@ class Verbs {
   }
 
   int go_on(Stack& call) {
-    int next = 1;
-    Run& run = *run_argument(call, "continue", next);
+    Run& run = *only_run(call, "continue");
     go_on(run, std::numeric_limits<std::uint64_t>::max());
     say(outcome_text(run));
     return 0;
   }
 
   int where(Stack& call) {
-    int next = 1;
-    say(where_text(*run_argument(call, "where", next)));
+    say(where_text(*only_run(call, "where")));
     return 0;
   }
 
   int levels(Stack& call) {
-    int next = 1;
-    say(levels_text(run_argument(call, "levels", next)->result, width()));
+    say(levels_text(only_run(call, "levels")->result, width()));
     return 0;
   }
 
@@ -210,7 +208,11 @@ class Verbs {
   int ablate(Stack& call) {
     Experiment experiment = comparison(call, "ablate");
     if (experiment.strategies.size() != 1) throw Error("ablate: it takes one strategy");
-    trellis::ablate(experiment, {experiment.strategies.front().first});
+    const auto& [name, strategy] = experiment.strategies.front();
+    if (strategy.guide() == nullptr) {
+      throw Error(fmt::format("ablate: the strategy '{}' has no guide that could be taken out", strategy.text()));
+    }
+    trellis::ablate(experiment, {name});
     return report(experiment);
   }
 
@@ -222,8 +224,7 @@ class Verbs {
       say(replayed.text + "\n" + outcome_text(*replayed.run));
       return announce(call, replayed.run);
     }
-    int next = 1;
-    const Run& run = *run_argument(call, "replay", next);
+    const Run& run = *only_run(call, "replay");
     Run again = {.number = run.number,
                  .strategy_name = run.strategy_name,
                  .strategy = run.strategy,
@@ -253,8 +254,7 @@ class Verbs {
 
   int run(Stack& call) {
     if (!call[1].given()) {
-      int next = 1;
-      call.push_object(run_argument(call, "run", next));
+      call.push_object(only_run(call, "run"));
       return 1;
     }
     const auto number = natural("run: its number", call[1], 1);
@@ -377,6 +377,16 @@ class Verbs {
     }
     if (!bench_.current) throw Error(fmt::format("{}: there is no run yet; plan(strategy) makes one", verb));
     return bench_.current;
+  }
+
+  /// The same where nothing else may be given.
+  RunPointer only_run(Stack& call, const char* verb) {
+    int next = 1;
+    RunPointer run = run_argument(call, verb, next);
+    if (call[next].given()) {
+      throw Error(fmt::format("{}: it takes a run and nothing else, got {}", verb, dsl::describe(call[next])));
+    }
+    return run;
   }
 
   static std::size_t level_argument(const char* verb, const Run& run, Value value) {

@@ -93,7 +93,9 @@ TEST_CASE("errors name the place and the nearest name, and end nothing") {
   CHECK_THAT(sitting.enter("x = = 1"), Contains("input 2:1: unexpected symbol near '='"));
   CHECK_THAT(sitting.enter("plan(skeleton())"), Contains("only guides; end it with >> rrt {}"));
   CHECK_THAT(sitting.enter("plan(rrt {}, { sed = 2 })"), Contains("did you mean 'seed'?"));
+  CHECK_THAT(sitting.enter("plan(rrt {}, scenes.cup)"), Contains("got a function: call it"));
   CHECK_THAT(sitting.enter("levels()"), Contains("there is no run yet"));
+  CHECK_THAT(sitting.enter("levels"), Contains("levels(): what each level of a run did"));
   CHECK_THAT(sitting.enter("1"), Contains("\n1\r\n"));
 }
 

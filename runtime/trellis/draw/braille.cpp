@@ -154,8 +154,9 @@ std::string Braille::text(bool colour) const {
       }
       std::uint8_t mask = 0;
       for (const Dots& dots : cell.dots) {
-        if (behind >= 0 && &dots == &*ground) continue;
-        if (!top->ink.alone || dots.ink.rank == top->ink.rank) mask |= dots.mask;
+        // In colour the ground keeps its own, and goes where it cannot.
+        const bool other = colour && dots.ink.ground && !top->ink.ground;
+        if (!other && (!top->ink.alone || dots.ink.rank == top->ink.rank)) mask |= dots.mask;
       }
       use(top->ink.colour, behind);
       out += pattern(mask);
