@@ -54,6 +54,9 @@ int dispatch(int argc, char** argv) {
   std::string fresh;
   auto* create = app.add_subcommand("new", "write a small script to begin with");
   create->add_option("NAME", fresh, "the script is NAME.lua; a file that exists is left as it is")->required();
+  std::string first;
+  auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, look at them");
+  repl->add_option("SCRIPT", first, "a Lua script to begin with");
 
   const auto* version = app.add_subcommand("version", "print the version");
 
@@ -102,6 +105,7 @@ int dispatch(int argc, char** argv) {
   if (check->parsed()) return command::check(scripts);
   if (create->parsed()) return command::create(fresh);
   if (reference->parsed()) return command::reference(form, app);
+  if (repl->parsed()) return command::repl(first);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

@@ -45,6 +45,8 @@ int measure(const MeasureOptions& options);
 int check(const std::vector<std::string>& scripts);
 /// Writes NAME.lua, a small script to begin with, where there is no such file.
 int create(const std::string& name);
+/// An interactive session, after a script where one is named; lines from stdin where that is no terminal.
+int repl(const std::string& script);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
 /// Prints all words, or the command line, in a form for other programs: one of `reference_forms`, "" is the first.

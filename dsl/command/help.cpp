@@ -3,6 +3,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/command/repl_verbs.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/report/report.hpp>
 
@@ -14,6 +15,9 @@ int help(const std::string& topic, const std::string& usage) {
         fmt::format("{}\n{}\n'trellis help WORD' tells what is known about a word, 'trellis run --help' about a "
                     "command.\n",
                     usage, dsl::vocabulary_text()));
+  } else if (topic == "repl") {
+    print_all("trellis repl [SCRIPT]: a session of the language with functions that scripts do not have:\n\n" +
+              verbs_text());
   } else {
     print_all(dsl::help_text(topic));
   }

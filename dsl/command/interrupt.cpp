@@ -15,9 +15,15 @@ namespace {
 
 std::atomic<bool> running{false};
 std::atomic<bool> asked{false};
+std::atomic<bool> session{false};
+std::atomic<bool> noted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait for a lock");
 
 extern "C" void on_interrupt(int) {
+  if (session) {
+    noted = true;
+    return;
+  }
   if (running && !asked.exchange(true)) return;
   constexpr std::string_view message = "\ntrellis: interrupted\n";
   // Nothing can be done about a failure here.
@@ -35,6 +41,15 @@ void catch_interrupts() {
   action.sa_handler = on_interrupt;
   ::sigaction(SIGINT, &action, nullptr);
 }
+
+InterruptibleSession::InterruptibleSession() { session = true; }
+InterruptibleSession::~InterruptibleSession() {
+  session = false;
+  noted = false;
+}
+
+bool InterruptibleSession::requested() { return noted; }
+void InterruptibleSession::forget() { noted = false; }
 
 InterruptibleRun::InterruptibleRun() { running = true; }
 InterruptibleRun::~InterruptibleRun() {

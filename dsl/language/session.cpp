@@ -93,6 +93,8 @@ std::vector<std::string> Session::evaluate(const std::string& text, const std::s
   return results;
 }
 
+void Session::with(const std::function<void(lua::Stack&)>& body) { interpreter_->run(body); }
+
 Program load_script(const std::string& path, const SessionOptions& options) {
   const std::string text = without_shebang(read_file(path));
   Session session(std::filesystem::path(path).parent_path().string(), options);

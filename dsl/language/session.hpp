@@ -49,6 +49,8 @@ class Session {
   std::vector<Problem> problems(const std::string& text, const std::string& name);
   /// Runs a piece of script and returns the texts of what it returns.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
+  /// Runs `body` in the interpreter, as lua::State::run does.
+  void with(const std::function<void(lua::Stack&)>& body);
 
  private:
   /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line.

@@ -133,6 +133,16 @@ void Value::each(const std::function<void(std::size_t, Value)>& visit) const {
   }
 }
 
+void Value::each_pair(const std::function<void(Value, Value)>& visit) const {
+  luaL_checkstack(state_, 3, "too many values");
+  lua_pushnil(state_);
+  while (lua_next(state_, index_) != 0) {
+    const int value = lua_gettop(state_);
+    visit(Value(state_, value - 1), Value(state_, value));
+    lua_settop(state_, value - 1);
+  }
+}
+
 const void* Value::identity() const { return lua_topointer(state_, index_); }
 
 const Object* Value::object() const {

@@ -76,7 +76,9 @@ class Value {
   [[nodiscard]] Value field(const std::string& name) const;
   /// Calls `visit` with each of the values 1, ..., length and its number.
   void each(const std::function<void(std::size_t, Value)>& visit) const;
-  /// Equal for the same table only.
+  /// Calls `visit` with each key and its value, in no particular order. The table must not be changed meanwhile.
+  void each_pair(const std::function<void(Value, Value)>& visit) const;
+  /// Equal for the same table, object or function only.
   [[nodiscard]] const void* identity() const;
 
   [[nodiscard]] int index() const { return index_; }

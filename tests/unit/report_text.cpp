@@ -60,6 +60,22 @@ TEST_CASE("the report keeps to the width", "[report]") {
   }
 }
 
+TEST_CASE("parts of the report are what the report has of them", "[report]") {
+  const auto [experiment, result] = fixture::passage();
+  const std::string whole = report_text(experiment, result);
+  const std::string summary = summary_text(experiment, result);
+  CHECK(summary.find("summary of") != std::string::npos);
+  CHECK(summary.find("compared with") != std::string::npos);
+  CHECK(whole.find(summary) != std::string::npos);
+  const RunResult& run = result.runs.back();
+  CHECK(levels_text(run).find("all levels") != std::string::npos);
+  CHECK(levels_text(run).find("nats") == std::string::npos);
+  CHECK(efficiency_text(run).find("nats") != std::string::npos);
+  RunResult unsolved = fixture::plain_run("wall", 1, false);
+  CHECK(efficiency_text(unsolved) == "no path, so no target to score against\n");
+  CHECK(levels_text(unsolved).find("0/1") != std::string::npos);
+}
+
 TEST_CASE("without a measure the report has no efficiency", "[report]") {
   auto [experiment, result] = fixture::passage();
   experiment.measure.reset();

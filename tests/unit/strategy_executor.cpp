@@ -298,3 +298,38 @@ TEST_CASE("both collision backends give the same run", "[executor]") {
   CHECK(same(a.path, b.path));
   CHECK(a.validity_checks == b.validity_checks);
 }
+
+TEST_CASE("a run can be stopped at any proposal, and has done what the whole run does until there", "[executor]") {
+  const auto problem = test::cup_problem();
+  for (const char* planner : {"rrt", "rrt_connect", "prm", "lazy_prm"}) {
+    const StrategySpec strategy =
+        guide("skeleton") >> guide("shrink") >> guide("lazy") >> PlannerSpec::make(planner, {});
+    CAPTURE(strategy.text());
+    const auto whole = execute(strategy, problem, 3);
+    std::uint64_t drawn = 0;
+    std::uint64_t stop = 0;
+    ExecuteOptions options;
+    options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
+    options.interrupted = [&] { return drawn >= stop; };
+    for (const std::uint64_t at : {0, 1, 2, 63, 64, 65, 150, 301}) {
+      drawn = 0;
+      stop = at;
+      const auto stopped = execute(strategy, problem, 3, options);
+      if (stopped.status != Status::interrupted) {
+        CHECK(same(stopped.path, whole.path));
+        continue;
+      }
+      REQUIRE(stopped.levels.size() == whole.levels.size());
+      std::uint64_t proposals = 0;
+      for (std::size_t i = 0; i < stopped.levels.size(); ++i) {
+        const auto part = stopped.levels[i].search.proposals.values();
+        const auto all = whole.levels[i].search.proposals.values();
+        proposals += stopped.levels[i].search.proposals.size();
+        REQUIRE(part.size() <= all.size());
+        CHECK(std::equal(part.begin(), part.end(), all.begin()));
+        CHECK(stopped.levels[i].search.fates.size() == stopped.levels[i].search.proposals.size());
+      }
+      CHECK(proposals == at);
+    }
+  }
+}

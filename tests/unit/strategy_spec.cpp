@@ -112,6 +112,13 @@ TEST_CASE("a spec prints as it is written, as a tree, and as JSON with a stable 
         "└─ lazy()  searched by lazy_prm()\n"
         "   └─ shrink(0.5)  searched by rrt()\n"
         "      └─ skeleton()  searched by graph_search()\n");
+  CHECK((guide("skeleton") >> guide("shrink")).tree() ==
+        "shrink(0.5)  searched by rrt()\n"
+        "└─ skeleton()  searched by graph_search()\n");
+  CHECK((guide("skeleton") + guide("goal_bias")).tree() ==
+        "mixture\n"
+        "├─ 0.5 x skeleton()  searched by graph_search()\n"
+        "└─ 0.5 x goal_bias(0.05)  S = {0}\n");
   const auto mixed = (0.7 * guide("shrink", {{"scale", 0.3}}) + 0.3 * guide("goal_bias")) >> rrt();
   CHECK(mixed.text() == "(0.7*shrink(0.3) + 0.3*goal_bias(0.05)) >> rrt()");
   CHECK(nested.json() == (guide("skeleton") >> (guide("shrink") >> (guide("lazy") >> rrt()))).json());

@@ -18,6 +18,13 @@ namespace trellis {
 /// side by side. UTF-8, no colour, at most `width` columns where the content allows.
 std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width = 160);
 
+/// Parts of the printed report, for who asks about one thing at a time. What each level of one run did.
+std::string levels_text(const RunResult& run, int width = 160);
+/// How each level of one run sampled, where it was scored.
+std::string efficiency_text(const RunResult& run, int width = 160);
+/// The strategies side by side and their comparisons, problem by problem.
+std::string summary_text(const Experiment& experiment, const ExperimentResult& result, int width = 160);
+
 /// The one JSON document described in docs/formats.md. A figure that does not exist is null.
 /// \param script  the path as given on the command line, "" for none
 std::string report_json(const Experiment& experiment, const ExperimentResult& result, const std::string& script);

@@ -411,21 +411,24 @@ std::string metrics_table(const std::vector<LevelSummary>& levels, std::size_t w
   return table.text(width);
 }
 
+/// How the levels sampled, where there is anything to score them against.
+std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
+  const std::vector<LevelSummary>& levels = summary.levels;
+  if (!any_figure(levels)) return "no path, so no target to score against\n";
+  std::string out = measure_table(levels, width);
+  if (levels.size() > 1) {
+    out += waterfall_text("what each level took off, tree:       ", summary.tree_waterfall, levels, width);
+    out += waterfall_text("what each level took off, expansion:  ", summary.expansion_waterfall, levels, width);
+  }
+  return out + check_text(levels, width);
+}
+
 std::string strategy_table(const RunsSummary& summary, bool measured, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (levels.empty()) return "no level was reached\n";
   std::string out = search_table(summary, width);
   if (!measured) return out;
-  if (any_figure(levels)) {
-    out += "\n" + measure_table(levels, width);
-    if (levels.size() > 1) {
-      out += waterfall_text("what each level took off, tree:       ", summary.tree_waterfall, levels, width);
-      out += waterfall_text("what each level took off, expansion:  ", summary.expansion_waterfall, levels, width);
-    }
-    out += check_text(levels, width);
-  } else {
-    out += "no path, so no target to score against\n";
-  }
+  out += (any_figure(levels) ? "\n" : "") + efficiency_tables(summary, width);
   if (const std::string table = metrics_table(levels, width); !table.empty()) out += "\n" + table;
   return out;
 }
@@ -630,10 +633,44 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   return out;
 }
 
+std::size_t columns_of(int width) { return static_cast<std::size_t>(std::max(width, 20)); }
+
+std::string summary_section(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                            const std::vector<Row>& rows, std::size_t columns) {
+  const bool measured = experiment.measure.has_value();
+  return "\nsummary of " + (problem.empty() ? "all problems" : problem) + '\n' +
+         summary_table(rows, measured, columns) +
+         comparison_tables(compare(experiment, result, problem), measured, columns);
+}
+
+RunsSummary summary_of(const RunResult& run) {
+  const RunResult* one = &run;
+  return summarise({&one, 1});
+}
+
 }  // namespace
 
+std::string levels_text(const RunResult& run, int width) { return search_table(summary_of(run), columns_of(width)); }
+
+std::string efficiency_text(const RunResult& run, int width) {
+  return efficiency_tables(summary_of(run), columns_of(width));
+}
+
+std::string summary_text(const Experiment& experiment, const ExperimentResult& result, int width) {
+  std::string out;
+  for (const auto& problem : experiment.problems) {
+    std::vector<Row> rows;
+    rows.reserve(experiment.strategies.size());
+    for (const auto& [name, spec] : experiment.strategies) {
+      rows.push_back({name, summarise(select_runs(result, problem.name, name))});
+    }
+    out += summary_section(experiment, result, problem.name, rows, columns_of(width));
+  }
+  return out;
+}
+
 std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width) {
-  const auto columns = static_cast<std::size_t>(std::max(width, 20));
+  const std::size_t columns = columns_of(width);
   const bool measured = experiment.measure.has_value();
   std::string out = legend(experiment, result, columns);
 
@@ -650,9 +687,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
                   columns, "", "    ");
       out += strategy_table(summary, measured, columns);
     }
-    out += "\nsummary of " + (problem.empty() ? "all problems" : problem) + '\n';
-    out += summary_table(rows, measured, columns);
-    out += comparison_tables(compare(experiment, result, problem), measured, columns);
+    out += summary_section(experiment, result, problem, rows, columns);
   };
 
   if (experiment.problems.size() > most_single_problems) {

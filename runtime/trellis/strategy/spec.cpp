@@ -363,6 +363,21 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
 
 }  // namespace
 
+std::string GuideSpec::tree() const {
+  std::string drawn;
+  draw(*this, "", "", true, drawn);
+  // As it hangs below nothing, the branch that would lead to it goes, and its width from every line.
+  constexpr std::string_view branch = "└─ ";
+  constexpr std::string_view blank = "   ";
+  std::string out = drawn.substr(branch.size(), drawn.find('\n') + 1 - branch.size());
+  for (std::size_t at = drawn.find('\n') + 1; at < drawn.size();) {
+    const std::size_t end = drawn.find('\n', at) + 1;
+    out.append(drawn, at + blank.size(), end - at - blank.size());
+    at = end;
+  }
+  return out;
+}
+
 StrategySpec::StrategySpec(PlannerSpec planner) : planner_(std::move(planner)) { check_root(planner_); }
 StrategySpec::StrategySpec(PlannerSpec planner, GuideSpec guide)
     : planner_(std::move(planner)), guide_(std::move(guide)) {

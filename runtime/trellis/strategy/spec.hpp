@@ -101,6 +101,9 @@ class GuideSpec {
 
   /// One line in the language, options that differ from their defaults: "skeleton() >> shrink(0.5) >> lazy()".
   [[nodiscard]] std::string text() const;
+  /// What it is made of as a tree, one line for each level, that of the guide nearest to the root first; ends with a
+  /// newline.
+  [[nodiscard]] std::string tree() const;
 
   friend bool operator==(const GuideSpec& a, const GuideSpec& b);
   friend GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided);

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/interrupt.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/repl_console.hpp>
+#include <dsl/command/repl_line.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+constexpr const char* prompt = "trellis> ";
+constexpr const char* continued = "     ..> ";
+
+bool coloured() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+    return std::string_view(value != nullptr ? value : "");
+  };
+  return ::isatty(STDOUT_FILENO) == 1 && variable("NO_COLOR").empty() && variable("TERM") != "dumb" &&
+         !variable("TERM").empty();
+}
+
+}  // namespace
+
+int repl(const std::string& script) {
+  Console console(std::filesystem::path(script).parent_path().string(), coloured());
+  std::string input;  // the lines of it so far
+  LineReader lines([&](const std::string& before) { return console.complete(input + before); });
+  const std::string greeting = script.empty() ? "" : console.load(script);
+  // Where nobody sits at a terminal a Ctrl-C ends the program, as it does elsewhere.
+  std::optional<InterruptibleSession> patient;
+  if (lines.interactive()) {
+    patient.emplace();
+    print_all(fmt::format("Trellis {}. help() tells what there is, Ctrl-D ends.\n{}", trellis::version(), greeting));
+  }
+
+  int status = success;
+  const auto run = [&](const std::string& text, bool more) {
+    const auto verdict = console.run(text, more);
+    if (verdict == Console::Verdict::failed && !lines.interactive()) status = their_fault;
+    return verdict;
+  };
+  std::string line;
+  while (!console.over()) {
+    const auto got = lines.read(input.empty() ? prompt : continued, line);
+    if (got == LineReader::Got::interrupted) {
+      input.clear();
+      continue;
+    }
+    if (got == LineReader::Got::end) {
+      if (input.empty()) break;
+      // At a terminal the end drops what was begun; what was piped says what is missing.
+      if (!lines.interactive()) run(input, false);
+      input.clear();
+      if (!lines.interactive()) break;
+      continue;
+    }
+    input += line;
+    if (input.find_first_not_of(" \t\n") == std::string::npos) {
+      input.clear();
+      continue;
+    }
+    if (run(input, true) == Console::Verdict::incomplete) {
+      input += '\n';
+      continue;
+    }
+    lines.remember(input);
+    input.clear();
+    for (std::string text = console.edited(); !text.empty(); text = console.edited()) {
+      print_all(text + "\n");
+      run(text, false);
+      lines.remember(text);
+    }
+  }
+  return status;
+}
+
+}  // namespace trellis::command

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/repl_console.hpp>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include <dsl/command/interrupt.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/repl_values.hpp>
+#include <dsl/language/algebra.hpp>
+#include <dsl/language/experiment.hpp>
+#include <dsl/language/modules.hpp>
+#include <dsl/language/offers.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <dsl/language/tokens.hpp>
+#include <dsl/language/types.hpp>
+#include <dsl/language/vocabulary.hpp>
+#include <dsl/lua/interrupt.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+Screen screen(bool colour) {
+  winsize size{};
+  if (::isatty(STDOUT_FILENO) != 1 || ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+    constexpr Screen paper = {.columns = 100, .rows = 45, .colour = false};
+    return paper;
+  }
+  return {.columns = size.ws_col, .rows = size.ws_row, .colour = colour};
+}
+
+/// Whether a text in Lua is right; pushes its function where it is. `why`: the message where it is not.
+bool loads(Stack& stack, const std::string& text, const std::string& name, std::string& why) {
+  try {
+    stack.load(text, name);
+    return true;
+  } catch (const lua::Located& error) {
+    why = error.what();
+    return false;
+  }
+}
+
+bool ends_early(const std::string& message) { return message.ends_with("<eof>"); }
+
+/// A message without a traceback that leads nowhere but to the place that it names already.
+std::string told(const std::string& message) {
+  constexpr std::string_view heading = "\nstack traceback:";
+  const std::size_t at = message.find(heading);
+  if (at == std::string::npos) return message;
+  std::string text = message.substr(0, at + heading.size());
+  std::size_t frames = 0;
+  for (std::size_t line = at + heading.size(); line < message.size();) {
+    const std::size_t end = std::min(message.find('\n', line + 1), message.size());
+    const std::string_view frame(message.data() + line, end - line);
+    line = end;
+    // An input is called from nowhere, and ends in the call that it returns.
+    if (frame.starts_with("\n\t[C]: in ?") || frame.find("(...tail calls...)") != std::string_view::npos) continue;
+    text += frame;
+    if (!frame.starts_with("\n\t[C]")) ++frames;
+  }
+  return frames > 1 ? text : message.substr(0, at);
+}
+
+void complain(const std::string& message) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}\n", message);
+  std::fflush(stderr);
+}
+
+/// A value as it is printed: a verb without its call tells how it is called.
+std::string shown(Stack& stack, Value value) {
+  if (value.type() != Type::function) return value_text(stack, value);
+  for (const Verb& verb : verbs()) {
+    if (stack.push_global(std::string(verb.name)).identity() != value.identity()) continue;
+    return verb.name == "help" ? verbs_text() : verbs_text(verb.name);
+  }
+  return value_text(stack, value);
+}
+
+std::string commented(const std::string& text) {
+  std::string out = "-- ";
+  for (const char c : text) out += c == '\n' ? std::string("\n-- ") : std::string(1, c);
+  return out;
+}
+
+/// The path of a table's field or a global in a message: script.strategies.nested, script.strategies["a b"].
+std::string field_path(const std::string& table, const std::string& name) {
+  const auto all = dsl::tokens(name);
+  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
+  return plain ? table + "." + name : table + "[\"" + name + "\"]";
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  return value != nullptr ? value : "";
+}
+
+/// Waits until an editor that the user named is done with a file.
+void open_editor(const std::string& path) {
+  std::string editor = environment("VISUAL");
+  if (editor.empty()) editor = environment("EDITOR");
+  if (editor.empty()) editor = "vi";
+  // The name may come with options, so a shell takes it apart.
+  const std::string command = editor + " \"$1\"";
+  const pid_t child = ::fork();
+  if (child < 0) throw Error(fmt::format("edit: cannot start '{}': {}", editor, std::strerror(errno)));  // NOLINT
+  if (child == 0) {
+    ::execl("/bin/sh", "sh", "-c", command.c_str(), "sh", path.c_str(), static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  InterruptibleSession::forget();
+  if (status != 0) throw Error(fmt::format("edit: '{}' failed; VISUAL or EDITOR names another one", editor));
+}
+
+}  // namespace
+
+Console::Console(const std::string& folder, bool colour) : session_(folder) {
+  bench_.screen = [colour] { return screen(colour); };
+  bench_.interrupted = InterruptibleSession::requested;
+  session_.with([this](Stack& stack) {
+    open_runs(stack);
+    open_verbs(stack, bench_);
+    lua::poll_interrupts(stack, InterruptibleSession::requested);
+  });
+}
+
+std::string Console::load(const std::string& path) {
+  const std::string text = dsl::without_shebang(dsl::read_file(path));
+  std::string bound;
+  session_.with([&](Stack& stack) {
+    stack.load(text, "@" + path);
+    stack.call(0);
+    if (stack.size() == 0) return;  // it may be there for its globals
+    bench_.script = dsl::read_program(stack, 1);
+    const Experiment& experiment = bench_.script->experiment;
+    stack.resize(0);
+    const Value script = stack.push_table();
+    const auto note = [&](const std::string& field, const std::string& what) {
+      bound += fmt::format("  {:<32} {}\n", field, what);
+    };
+    const Value strategies = stack.push_table();
+    for (const auto& [name, strategy] : experiment.strategies) {
+      stack.push_object(strategy);
+      stack.set_field(strategies, name);
+      note(field_path("script.strategies", name), strategy.text());
+    }
+    stack.set_field(script, "strategies");
+    const Value problems = stack.push_table();
+    for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
+      stack.push_object(experiment.problems[i]);
+      stack.append(problems);
+      constexpr std::size_t most = 4;
+      if (i < most) note(fmt::format("script.problems[{}]", i + 1), experiment.problems[i].name);
+      if (i == most) note("...", fmt::format("{} problems in all", experiment.problems.size()));
+    }
+    stack.set_field(script, "problems");
+    const Value seeds = stack.push_table();
+    for (const std::uint64_t seed : experiment.seeds) {
+      stack.push(static_cast<std::int64_t>(seed));
+      stack.append(seeds);
+    }
+    stack.set_field(script, "seeds");
+    stack.set_global("script");
+  });
+  bench_.accepted.push_back("-- after " + path);
+  return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
+                       : fmt::format("{} is bound to script:\n{}", path, bound);
+}
+
+Console::Verdict Console::run(const std::string& input, bool more) {
+  const std::string name = fmt::format("@input {}", inputs_ + 1);
+  bench_.used = false;
+  bench_.announced = nullptr;
+  bool incomplete = false;
+  const std::string last_input = std::exchange(bench_.last_input, input);
+  try {
+    session_.with([&](Stack& stack) {
+      std::string no_expression;
+      if (!loads(stack, "return " + input, name, no_expression)) {
+        std::string no_chunk;
+        if (!loads(stack, input, name, no_chunk)) {
+          // `guide >>` begins an expression, `x = {` a statement.
+          incomplete = more && (ends_early(no_chunk) || ends_early(no_expression));
+          if (incomplete) return;
+          throw lua::Located(no_chunk);
+        }
+      }
+      // What edit() offers is the input before the one that calls it.
+      const std::string own = std::exchange(bench_.last_input, last_input);
+      stack.call(0);
+      if (!bench_.edits) bench_.last_input = own;
+      std::fflush(stdout);
+      const int values = stack.size();
+      for (int i = 1; i <= values; ++i) {
+        if (bench_.announced == nullptr || stack[i].identity() != bench_.announced) {
+          print_all(shown(stack, stack[i]));
+        }
+        stack.resize(values);
+      }
+    });
+    if (incomplete) {
+      bench_.last_input = last_input;
+      return Verdict::incomplete;
+    }
+    ++inputs_;
+    accept(input);
+    warn_of_locals(input);
+    std::fflush(stdout);
+    InterruptibleSession::forget();
+    return Verdict::done;
+  } catch (const Interrupted&) {
+    complain("interrupted");
+  } catch (const Error& error) {
+    const bool stopped = InterruptibleSession::requested();
+    complain(stopped ? "interrupted" : told(error.what()));
+  } catch (const std::exception& error) {
+    complain(fmt::format("a fault of trellis itself, please report it: {}", error.what()));
+  }
+  ++inputs_;
+  InterruptibleSession::forget();
+  return Verdict::failed;
+}
+
+void Console::accept(const std::string& input) {
+  const auto all = dsl::tokens(input);
+  if (all.empty()) return;
+  // What only prints is no statement, what returns would end the script, and scripts do not know the verbs.
+  bool statement = !bench_.used && all.front().text != "return";
+  if (statement) {
+    session_.with([&](Stack& stack) {
+      std::string why;
+      statement = loads(stack, input, "=input", why);
+    });
+  }
+  bench_.accepted.push_back(statement ? input : commented(input));
+}
+
+void Console::warn_of_locals(const std::string& input) {
+  if (warned_) return;
+  const auto names = dsl::locals_outside(input);
+  if (names.empty()) return;
+  warned_ = true;
+  complain(
+      fmt::format("note: each input is a chunk of its own, so 'local {0}' has ended with it; without 'local', {0} "
+                  "would stay",
+                  names.front()));
+}
+
+Completion Console::complete(const std::string& text) {
+  auto all = dsl::tokens(text);
+  if (!all.empty() && all.back().unfinished) {
+    if (all.back().kind != dsl::Token::Kind::string) return {};
+    // Within a text: words for help, files for everything else.
+    const std::string begun(all.back().text.substr(1));
+    std::size_t before = all.size() - 1;
+    if (before > 0 && all[before - 1].text == "(") --before;
+    if (before == 0 || all[before - 1].text != "help") return {.words = {}, .files = true};
+    Completion found;
+    for (const auto& word : dsl::offers("")) {
+      if (word.starts_with(begun)) found.words.push_back(word);
+    }
+    for (const Verb& verb : verbs()) {
+      if (verb.name.starts_with(begun)) found.words.emplace_back(verb.name);
+    }
+    return found;
+  }
+
+  Completion found = {.words = dsl::offers(text)};
+  const bool options = std::all_of(found.words.begin(), found.words.end(),
+                                   [](const std::string& option) { return option.ends_with(" = "); });
+  if (options && !found.words.empty()) return found;
+  std::string word;
+  if (!all.empty() && all.back().begin + all.back().text.size() == text.size() &&
+      (all.back().kind == dsl::Token::Kind::name || all.back().kind == dsl::Token::Kind::keyword)) {
+    word = all.back().text;
+    all.pop_back();
+  }
+  // The names that lead to it, the last one first.
+  std::vector<std::string> path;
+  const std::string_view sign = all.empty() ? "" : all.back().text;
+  const bool field = sign == "." || sign == ":";
+  for (std::size_t i = all.size(); field && i >= 2; i -= 2) {
+    if (all[i - 1].text != "." && all[i - 1].text != ":") break;
+    if (all[i - 2].kind != dsl::Token::Kind::name) return found;
+    path.emplace_back(all[i - 2].text);
+    if (i < 4) break;
+  }
+  const auto offer = [&](const std::string& name) {
+    if (!name.starts_with("_") && name.starts_with(word)) found.words.push_back(name);
+  };
+  try {
+    session_.with([&](Stack& stack) {
+      if (!field) {
+        for (const auto& name : stack.push_globals().keys().names) offer(name);
+        return;
+      }
+      if (path.empty()) return;
+      stack.push_global(path.back());
+      const auto modules = dsl::module_names();
+      if (!stack.top().given() && std::find(modules.begin(), modules.end(), path.back()) != modules.end()) {
+        stack.load("return require('" + path.back() + "')", "=completion");
+        stack.call(0);
+      }
+      for (std::size_t i = path.size() - 1; i-- > 0;) {
+        if (stack.top().type() != Type::table) return;
+        static_cast<void>(stack.top().field(path[i]));
+      }
+      const Value value = stack.top();
+      if (value.type() == Type::table && sign == ".") {
+        for (const auto& name : value.keys().names) offer(name);
+      } else if (value.get<RunPointer>() != nullptr && sign == ".") {
+        for (const auto& name : run_fields()) offer(name);
+      } else if (dsl::as_strategy(value) && sign == ":") {
+        for (const char* name : {"tree", "json", "hash"}) offer(name);
+      }
+    });
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a module that cannot be loaded says so when it is used
+  }
+  std::sort(found.words.begin(), found.words.end());
+  found.words.erase(std::unique(found.words.begin(), found.words.end()), found.words.end());
+  return found;
+}
+
+std::string Console::edited() {
+  if (!std::exchange(bench_.edits, false)) return "";
+  namespace fs = std::filesystem;
+  try {
+    std::string path = bench_.to_edit;
+    if (!path.empty()) {
+      open_editor(path);
+      return dsl::without_shebang(dsl::read_file(path));
+    }
+    path = (fs::temp_directory_path() / fmt::format("trellis-{}.lua", ::getpid())).string();
+    write_file(path, bench_.last_input + "\n");
+    std::string text;
+    try {
+      open_editor(path);
+      text = dsl::read_file(path);
+    } catch (const Error&) {
+      fs::remove(path);
+      throw;
+    }
+    fs::remove(path);
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+  } catch (const Error& error) {
+    complain(error.what());
+    return "";
+  }
+}
+
+}  // namespace trellis::command

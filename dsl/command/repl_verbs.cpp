@@ -1,0 +1,564 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/repl_verbs.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/progress.hpp>
+#include <dsl/command/repl_values.hpp>
+#include <dsl/language/algebra.hpp>
+#include <dsl/language/construct.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <dsl/language/types.hpp>
+#include <dsl/language/vocabulary.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/table.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+constexpr std::array<Verb, 18> all_verbs = {{
+    {"plan", "plan(strategy, problem, { seed = 1 })",
+     "runs a strategy; without a problem, on the last one or scenes.simple_passage()"},
+    {"start", "start(strategy, problem, { seed = 1 })", "begins a run and stops it before its first proposal"},
+    {"step", "step(n)", "takes a run n proposals further, of whatever level; one without n"},
+    {"continue", "continue()", "takes a run to its end"},
+    {"where", "where()", "the last proposal: its level, from which part of h it came, what became of it"},
+    {"levels", "levels()", "what each level of a run did, as in the report"},
+    {"samples", "samples(level, role)", "the nodes (\"tree\") or proposals (\"expansion\") of a level; level 0's tree"},
+    {"efficiency", "efficiency(target)", "how well each level sampled, against the run's path; target: tube {}"},
+    {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
+    {"compare", "compare(a, b, ..., { seeds = 5 })",
+     "strategies side by side, paired by seed; options: problem, seeds, measure"},
+    {"ablate", "ablate(strategy, { seeds = 5 })",
+     "a strategy with each of its guides taken out in turn; options likewise"},
+    {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
+    {"runs", "runs()", "the runs of this session, as a list"},
+    {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
+    {"save", "save(\"file.lua\")", "writes the inputs that succeeded as a script"},
+    {"run", "run(n)", "run n of this session; without n the current one"},
+    {"help", "help(\"shrink\")", "what is known about a word; without one, this"},
+    {"quit", "quit()", "ends the session, as Ctrl-D does"},
+}};
+
+void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
+
+/// The names that a table of options has; throws for others.
+void check_options(const std::string& verb, Value table, const std::vector<std::string>& known) {
+  const lua::Keys keys = table.keys();
+  if (keys.length > 0 || !keys.odd.empty()) {
+    throw Error(fmt::format("{}: options have names, as in {{ {} = ... }}", verb, known.front()));
+  }
+  for (const auto& name : keys.names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw Error(fmt::format("{}: no option '{}'{}; there are: {}", verb, name, did_you_mean(name, known),
+                            fmt::join(known, ", ")));
+  }
+}
+
+std::uint64_t natural(const std::string& what, Value value, std::int64_t least) {
+  const auto number = value.integer();
+  if (!number || *number < least) {
+    throw Error(fmt::format("{} must be an integer of at least {}, got {}", what, least, dsl::describe(value)));
+  }
+  return static_cast<std::uint64_t>(*number);
+}
+
+StrategySpec strategy_argument(const std::string& verb, Value value) {
+  if (auto strategy = dsl::as_strategy(value)) return std::move(*strategy);
+  if (value.get<GuideSpec>() != nullptr) {
+    throw Error(
+        fmt::format("{}: {} only guides; end it with >> rrt {{}} or another planner", verb, dsl::describe(value)));
+  }
+  throw Error(fmt::format("{}: a strategy belongs here, as guide >> planner, got {}", verb, dsl::describe(value)));
+}
+
+Problem problem_argument(const std::string& verb, Value value) {
+  if (const auto* problem = value.get<Problem>()) return *problem;
+  throw Error(fmt::format("{}: a problem belongs here, as scenes.cup(), got {}{}", verb, dsl::describe(value),
+                          value.type() == Type::function ? ": call it, with ()" : ""));
+}
+
+/// How the session calls a strategy: the global that holds it, its name in the script, else its text.
+std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strategy) {
+  std::string name;
+  const int before = call.size();
+  call.push_globals().each_pair([&](Value key, Value value) {
+    const auto found = dsl::as_strategy(value);
+    if (!found || !(*found == strategy)) return;
+    const std::string global = key.string().value_or("");
+    if (name.empty() || global < name) name = global;
+  });
+  call.resize(before);
+  if (!name.empty()) return name;
+  if (bench.script) {
+    for (const auto& [given, spec] : bench.script->experiment.strategies) {
+      if (spec == strategy) return given;
+    }
+  }
+  return strategy.text();
+}
+
+/// One verb's work on the bench.
+class Verbs {
+ public:
+  explicit Verbs(Bench& bench) : bench_(bench) {}
+
+  int plan(Stack& call) { return begin(call, "plan", std::numeric_limits<std::uint64_t>::max()); }
+  int start(Stack& call) { return begin(call, "start", 0); }
+
+  int step(Stack& call) {
+    int next = 1;
+    Run& run = *run_argument(call, "step", next);
+    const std::uint64_t steps = call[next].given() ? natural("step: the number of proposals", call[next], 1) : 1;
+    go_on(run, run.proposals + std::min(steps, std::numeric_limits<std::uint64_t>::max() - run.proposals));
+    say(where_text(run));
+    return 0;
+  }
+
+  int go_on(Stack& call) {
+    Run& run = *only_run(call, "continue");
+    go_on(run, std::numeric_limits<std::uint64_t>::max());
+    say(outcome_text(run));
+    return 0;
+  }
+
+  int where(Stack& call) {
+    say(where_text(*only_run(call, "where")));
+    return 0;
+  }
+
+  int levels(Stack& call) {
+    say(levels_text(only_run(call, "levels")->result, width()));
+    return 0;
+  }
+
+  int samples(Stack& call) {
+    int next = 1;
+    const Run& run = *run_argument(call, "samples", next);
+    const std::size_t level = level_argument("samples", run, call[next]);
+    const std::string role = call[next + 1].given() ? call[next + 1].string().value_or("") : "tree";
+    if (role != "tree" && role != "expansion") {
+      const std::vector<std::string> known = {"tree", "expansion"};
+      throw Error(fmt::format("samples: the role is \"tree\" or \"expansion\", got {}{}", dsl::describe(call[next + 1]),
+                              did_you_mean(role, known)));
+    }
+    const Search& search = run.result.levels[level].record.search;
+    const Configurations& rows = role == "tree" ? search.nodes : search.proposals;
+    const Value list = call.push_table();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Value row = call.push_table();
+      for (const double x : rows[i]) {
+        call.push(x);
+        call.append(row);
+      }
+      call.append(list);
+    }
+    return 1;
+  }
+
+  int efficiency(Stack& call) {
+    int next = 1;
+    Run& run = *run_argument(call, "efficiency", next);
+    Measure measure = this->measure();
+    if (const auto* target = call[next].get<TargetSpec>()) {
+      measure.target = *target;
+    } else if (call[next].given()) {
+      throw Error(fmt::format("efficiency: a target belongs here, as tube {{ delta = 0.5 }}, got {}",
+                              dsl::describe(call[next])));
+    }
+    score(run, measure, bench_.interrupted);
+    say(efficiency_text(run.result, width()));
+    return 0;
+  }
+
+  int plot(Stack& call) {
+    int next = 1;
+    const Run& run = *run_argument(call, "plot", next);
+    const auto file = call[next].string();
+    const Value given = call[file ? next + 1 : next];
+    const std::size_t level = given.given() ? level_argument("plot", run, given) : level_at_work(run);
+    if (file) {
+      require_writable_file(*file);
+      plot_file(run, level, *file);
+      say(fmt::format("{} written", *file));
+    } else {
+      say(plot_text(run, level, bench_.screen()));
+    }
+    return 0;
+  }
+
+  int compare(Stack& call) {
+    Experiment experiment = comparison(call, "compare");
+    if (experiment.strategies.size() < 2) throw Error("compare: it needs two strategies at least");
+    return report(experiment);
+  }
+
+  int ablate(Stack& call) {
+    Experiment experiment = comparison(call, "ablate");
+    if (experiment.strategies.size() != 1) throw Error("ablate: it takes one strategy");
+    const auto& [name, strategy] = experiment.strategies.front();
+    if (strategy.guide() == nullptr) {
+      throw Error(fmt::format("ablate: the strategy '{}' has no guide that could be taken out", strategy.text()));
+    }
+    trellis::ablate(experiment, {name});
+    return report(experiment);
+  }
+
+  int replay(Stack& call) {
+    if (const auto file = call[1].string()) {
+      const auto index = natural("replay: the number of the run", call[2], 1);
+      Replayed replayed = replay_file(*file, static_cast<std::int64_t>(index), bench_.interrupted);
+      add(replayed.run);
+      say(replayed.text + "\n" + outcome_text(*replayed.run));
+      return announce(call, replayed.run);
+    }
+    const Run& run = *only_run(call, "replay");
+    Run again = {.number = run.number,
+                 .strategy_name = run.strategy_name,
+                 .strategy = run.strategy,
+                 .problem = run.problem,
+                 .seed = run.seed};
+    // One that was stopped is stopped again where it was.
+    advance(again, run.ended() ? std::numeric_limits<std::uint64_t>::max() : run.proposals, bench_.interrupted);
+    if (bench_.interrupted()) {
+      say("interrupted before there was anything to compare");
+      return 0;
+    }
+    const std::string difference = difference_text(run.result, again.result);
+    say(difference.empty()
+            ? fmt::format("run {} again: the same, in {:.1f} ms", run.number, 1000.0 * again.result.run.seconds)
+            : fmt::format("run {} again: NOT the same: {}", run.number, difference));
+    return 0;
+  }
+
+  int runs(Stack& call) {
+    const Value list = call.push_table();
+    for (const auto& run : bench_.runs) {
+      call.push_object(run);
+      call.append(list);
+    }
+    return 1;
+  }
+
+  int run(Stack& call) {
+    if (!call[1].given()) {
+      call.push_object(only_run(call, "run"));
+      return 1;
+    }
+    const auto number = natural("run: its number", call[1], 1);
+    if (number > bench_.runs.size()) {
+      throw Error(fmt::format("run: there are {} runs, got {}", bench_.runs.size(), number));
+    }
+    bench_.current = bench_.runs[static_cast<std::size_t>(number) - 1];
+    call.push_object(bench_.current);
+    return 1;
+  }
+
+  int edit(Stack& call) {
+    bench_.to_edit = call[1].string().value_or("");
+    if (call[1].given() && bench_.to_edit.empty()) {
+      throw Error(fmt::format("edit: the name of a file belongs here, got {}", dsl::describe(call[1])));
+    }
+    bench_.edits = true;
+    return 0;
+  }
+
+  int save(Stack& call) {
+    const auto file = call[1].string();
+    if (!file) {
+      throw Error(fmt::format("save: the name of a file belongs here, as save \"session.lua\", got {}",
+                              dsl::describe(call[1])));
+    }
+    std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
+    for (const auto& input : bench_.accepted) text += input + "\n";
+    require_writable_file(*file);
+    write_file(*file, text);
+    say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
+    return 0;
+  }
+
+  static int help(Stack& call) {
+    if (!call[1].given()) {
+      say(verbs_text() + "\nhelp(\"words\") lists the words of the language.\n");
+      return 0;
+    }
+    const std::string word = word_of(call, call[1]);
+    if (word == "words") {
+      say(dsl::vocabulary_text());
+    } else if (const std::string verb = verbs_text(word); !verb.empty()) {
+      say(verb);
+    } else {
+      say(dsl::help_text(word));
+    }
+    return 0;
+  }
+
+  int quit(Stack&) {
+    bench_.over = true;
+    return 0;
+  }
+
+ private:
+  [[nodiscard]] int width() const { return static_cast<int>(bench_.screen().columns); }
+
+  [[nodiscard]] Measure measure() const {
+    if (bench_.script && bench_.script->experiment.measure) return *bench_.script->experiment.measure;
+    return {};
+  }
+
+  void add(const RunPointer& run) {
+    run->number = bench_.runs.size() + 1;
+    bench_.runs.push_back(run);
+    bench_.current = run;
+    bench_.problem = run->problem;
+  }
+
+  /// Returns a run that was printed already.
+  int announce(Stack& call, const RunPointer& run) {
+    call.push_object(run);
+    bench_.announced = call.top().identity();
+    return 1;
+  }
+
+  void go_on(Run& run, std::uint64_t proposals) {
+    if (!run.ended()) advance(run, proposals, bench_.interrupted);
+  }
+
+  int begin(Stack& call, const std::string& verb, std::uint64_t proposals) {
+    StrategySpec strategy = strategy_argument(verb, call[1]);
+    int next = 2;
+    std::optional<Problem> problem;
+    if (call[next].given() && call[next].type() != Type::table) problem = problem_argument(verb, call[next++]);
+    std::uint64_t seed = 1;
+    if (call[next].type() == Type::table) {
+      const Value options = call[next];
+      check_options(verb, options, {"seed", "problem"});
+      if (const Value given = options.field("seed"); given.given()) seed = natural(verb + ": option 'seed'", given, 0);
+      if (const Value given = options.field("problem"); given.given()) problem = problem_argument(verb, given);
+    } else if (call[next].given()) {
+      throw Error(fmt::format("{}: a table of options belongs here, as {{ seed = 2 }}, got {}", verb,
+                              dsl::describe(call[next])));
+    }
+    if (!problem) problem = usual_problem(call);
+    std::string name = name_of(call, bench_, strategy);
+    auto run = std::make_shared<Run>(
+        Run{.strategy_name = std::move(name), .strategy = std::move(strategy), .problem = *problem, .seed = seed});
+    advance(*run, proposals, bench_.interrupted);
+    add(run);
+    say(outcome_text(*run));
+    return announce(call, run);
+  }
+
+  Problem usual_problem(Stack& call) {
+    if (bench_.problem) return *bench_.problem;
+    if (bench_.script && !bench_.script->experiment.problems.empty()) return bench_.script->experiment.problems.front();
+    call.load("return require('scenes').simple_passage()", "=repl");
+    call.call(0);
+    return problem_argument("plan", call.top());
+  }
+
+  /// The run that an argument names, else the current one.
+  RunPointer run_argument(Stack& call, const char* verb, int& next) {
+    if (const auto* run = call[next].get<RunPointer>()) {
+      ++next;
+      return *run;
+    }
+    if (!bench_.current) throw Error(fmt::format("{}: there is no run yet; plan(strategy) makes one", verb));
+    return bench_.current;
+  }
+
+  /// The same where nothing else may be given.
+  RunPointer only_run(Stack& call, const char* verb) {
+    int next = 1;
+    RunPointer run = run_argument(call, verb, next);
+    if (call[next].given()) {
+      throw Error(fmt::format("{}: it takes a run and nothing else, got {}", verb, dsl::describe(call[next])));
+    }
+    return run;
+  }
+
+  static std::size_t level_argument(const char* verb, const Run& run, Value value) {
+    if (!value.given()) return 0;
+    const std::size_t levels = run.result.levels.size();
+    const auto level = value.integer();
+    if (!level || *level < 0 || static_cast<std::size_t>(*level) >= levels) {
+      throw Error(fmt::format("{}: the run has the levels 0 to {}, got {}", verb, levels - 1, dsl::describe(value)));
+    }
+    return static_cast<std::size_t>(*level);
+  }
+
+  /// An experiment of the strategies and options that a call was given.
+  Experiment comparison(Stack& call, const std::string& verb) {
+    constexpr std::uint64_t usual_seeds = 5;
+    Experiment experiment;
+    experiment.measure = measure();
+    experiment.seeds = dsl::consecutive_seeds(1, usual_seeds);
+    std::optional<Problem> problem;
+    const auto add = [&](std::string name, StrategySpec strategy) {
+      const std::string base = name;
+      const auto taken = [&] {
+        return std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
+                           [&](const auto& entry) { return entry.first == name; });
+      };
+      for (int i = 2; taken(); ++i) name = fmt::format("{} ({})", base, i);
+      experiment.strategies.emplace_back(std::move(name), std::move(strategy));
+    };
+    for (int i = 1; i <= call.count(); ++i) {
+      const Value value = call[i];
+      if (value.type() != Type::table) {
+        StrategySpec strategy = strategy_argument(verb, value);
+        std::string name = name_of(call, bench_, strategy);
+        add(std::move(name), std::move(strategy));
+        continue;
+      }
+      // A table of strategies by name, as script.strategies, or the options.
+      const lua::Keys keys = value.keys();
+      const bool strategies = !keys.names.empty() &&
+                              std::all_of(keys.names.begin(), keys.names.end(),
+                                          [&](const auto& n) { return dsl::as_strategy(value.field(n)).has_value(); });
+      if (strategies) {
+        for (const auto& name : keys.names) add(name, *dsl::as_strategy(value.field(name)));
+        continue;
+      }
+      check_options(verb, value, {"problem", "seeds", "measure"});
+      if (const Value given = value.field("problem"); given.given()) problem = problem_argument(verb, given);
+      if (const Value given = value.field("seeds"); given.given()) {
+        experiment.seeds = dsl::consecutive_seeds(1, natural(verb + ": option 'seeds'", given, 1));
+      }
+      if (const Value given = value.field("measure"); given.given()) {
+        const auto* target = given.get<TargetSpec>();
+        if (target == nullptr && given.boolean() != false) {
+          throw Error(fmt::format("{}: option 'measure' must be a target, as tube {{}}, or false, got {}", verb,
+                                  dsl::describe(given)));
+        }
+        if (target != nullptr) {
+          if (!experiment.measure) experiment.measure.emplace();
+          experiment.measure->target = *target;
+        } else {
+          experiment.measure.reset();
+        }
+      }
+    }
+    experiment.problems = {problem ? *problem : usual_problem(call)};
+    bench_.problem = experiment.problems.front();
+    return experiment;
+  }
+
+  int report(const Experiment& experiment) {
+    ExperimentResult result;
+    {
+      Progress progress(true);
+      progress.show(0, steps(experiment));
+      result =
+          trellis::run(experiment, {.progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
+                                    .interrupted = bench_.interrupted});
+    }
+    say(summary_text(experiment, result, width()).substr(1));
+    return 0;
+  }
+
+  /// The word that a value goes by.
+  static std::string word_of(Stack& call, Value value) {
+    if (const auto word = value.string()) return *word;
+    if (const auto* constructor = value.get<dsl::Constructor>()) return constructor->component->name;
+    if (const auto* planner = value.get<PlannerSpec>()) return planner->name();
+    if (const auto* guide = value.get<GuideSpec>()) {
+      switch (guide->kind()) {
+        case GuideSpec::Kind::component: return guide->name();
+        case GuideSpec::Kind::blend: return "blend";
+        default: return "sequence";
+      }
+    }
+    if (const auto* strategy = value.get<StrategySpec>()) return strategy->planner().name();
+    if (value.get<Problem>() != nullptr) return "problem";
+    if (value.type() == Type::table || value.type() == Type::function) {
+      // The global that holds it, or the module's field.
+      std::string word;
+      const void* wanted = value.identity();
+      const int before = call.size();
+      call.push_globals().each_pair([&](Value key, Value found) {
+        const std::string global = key.string().value_or("");
+        if (found.type() == value.type() && found.identity() == wanted) word = global;
+        if (found.type() != Type::table || global == "_G") return;
+        found.each_pair([&](Value name, Value field) {
+          if (field.type() == value.type() && field.identity() == wanted) {
+            word = global + "." + name.string().value_or("");
+          }
+        });
+      });
+      call.resize(before);
+      if (!word.empty()) return word;
+    }
+    throw Error(
+        fmt::format("help: takes a word, as help \"shrink\", or what goes by one, got {}", dsl::describe(value)));
+  }
+
+  Bench& bench_;
+};
+
+}  // namespace
+
+std::span<const Verb> verbs() { return all_verbs; }
+
+std::string verbs_text(std::string_view name) {
+  std::string text;
+  std::size_t column = 0;
+  for (const Verb& verb : all_verbs) column = std::max(column, verb.usage.size());
+  for (const Verb& verb : all_verbs) {
+    if (name.empty()) {
+      constexpr std::size_t width = 100;
+      text += wrap(std::string(verb.summary), width, fmt::format("  {:<{}} ", verb.usage, column),
+                   std::string(column + 3, ' '));
+    } else if (name == verb.name) {
+      text = fmt::format("{}: {}\n", verb.usage, verb.summary);
+    }
+  }
+  return text;
+}
+
+void open_verbs(Stack& stack, Bench& bench) {
+  const auto verbs = std::make_shared<Verbs>(bench);
+  const auto add = [&](const char* name, auto method) {
+    stack.push_function([verbs, &bench, method](Stack& call) {
+      bench.used = true;
+      return ((*verbs).*method)(call);
+    });
+    stack.set_global(name);
+  };
+  add("plan", &Verbs::plan);
+  add("start", &Verbs::start);
+  add("step", &Verbs::step);
+  add("continue", static_cast<int (Verbs::*)(Stack&)>(&Verbs::go_on));
+  add("where", &Verbs::where);
+  add("levels", &Verbs::levels);
+  add("samples", &Verbs::samples);
+  add("efficiency", &Verbs::efficiency);
+  add("plot", &Verbs::plot);
+  add("compare", &Verbs::compare);
+  add("ablate", &Verbs::ablate);
+  add("replay", &Verbs::replay);
+  add("runs", &Verbs::runs);
+  add("run", &Verbs::run);
+  add("edit", &Verbs::edit);
+  add("save", &Verbs::save);
+  add("quit", &Verbs::quit);
+  stack.push_function([&bench](Stack& call) {
+    bench.used = true;
+    return Verbs::help(call);
+  });
+  stack.set_global("help");
+}
+
+}  // namespace trellis::command

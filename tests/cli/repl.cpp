@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `trellis repl`: sessions as somebody types them at a terminal, and as lines are piped to it.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/process.hpp"
+#include "support/terminal.hpp"
+
+namespace fs = std::filesystem;
+using Catch::Matchers::Contains;
+using trellis::test::content;
+using trellis::test::Place;
+using trellis::test::Terminal;
+
+namespace {
+
+constexpr const char* ctrl_c = "\x03";
+constexpr const char* ctrl_d = "\x04";
+
+/// A session at a terminal, with a history of its own.
+class Sitting {
+ public:
+  explicit Sitting(const Place& place, std::vector<std::string> arguments = {}, const std::string& editor = "true")
+      : terminal(place / "", with_verb(std::move(arguments)),
+                 {{"TRELLIS_HISTORY", place / "history"},
+                  {"INPUTRC", place.script("inputrc", "set enable-bracketed-paste off\n")},
+                  {"VISUAL", editor},
+                  {"NO_COLOR", "1"}}) {
+    greeting = terminal.wait_for(Terminal::prompt);
+  }
+
+  std::string enter(const std::string& line) { return terminal.enter(line); }
+
+  Terminal terminal;
+  std::string greeting;
+
+ private:
+  static std::vector<std::string> with_verb(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "repl");
+    return arguments;
+  }
+};
+
+/// Lines that are piped into the program.
+struct Piped {
+  std::string out;
+  std::string err;
+  int status = 0;
+};
+Piped pipe(const Place& place, const std::string& lines) {
+  place.script("lines", lines);
+  const std::string command = "cd '" + place / "" + "' && '" TRELLIS_BINARY "' repl <lines >out 2>err";
+  const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe)
+  return {content(place / "out"), content(place / "err"), WEXITSTATUS(status)};
+}
+
+}  // namespace
+
+TEST_CASE("expressions print themselves") {
+  const Place place;
+  Sitting sitting(place);
+  CHECK_THAT(sitting.greeting, Contains("help()"));
+  CHECK_THAT(sitting.enter("1 + 2"), Contains("\n3\r\n"));
+  CHECK_THAT(sitting.enter("x = 21"), !Contains("\n21"));
+  CHECK_THAT(sitting.enter("2 * x, 'text'"), Contains("\n42\r\ntext\r\n"));
+  CHECK_THAT(sitting.enter("{ 1, { a = 'b' } }"), Contains("\n{ 1, { a = \"b\" } }\r\n"));
+  CHECK_THAT(sitting.enter("skeleton() >> shrink(0.5) >> rrt { step = 0.4 }"),
+             Contains("rrt { step = 0.4 }\r\n└─ shrink(0.5)  searched by rrt()\r\n   └─ skeleton()"));
+  CHECK_THAT(sitting.enter("scenes.cup()"), Contains("problem 'cup' in SE(2)"));
+}
+
+TEST_CASE("an input goes on for as long as it is not whole") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.terminal.type("function twice(n)\n");
+  sitting.terminal.wait_for("..> ");
+  sitting.terminal.type("return 2 * n\n");
+  sitting.terminal.wait_for("..> ");
+  sitting.enter("end");
+  CHECK_THAT(sitting.enter("twice(4)"), Contains("\n8\r\n"));
+  sitting.terminal.type("skeleton() >>\n");
+  sitting.terminal.wait_for("..> ");
+  CHECK_THAT(sitting.enter("rrt {}"), Contains("└─ skeleton()"));
+}
+
+TEST_CASE("errors name the place and the nearest name, and end nothing") {
+  const Place place;
+  Sitting sitting(place);
+  CHECK_THAT(sitting.enter("shrnk(0.5)"), Contains("unknown name 'shrnk' (did you mean 'shrink'?)"));
+  CHECK_THAT(sitting.enter("x = = 1"), Contains("input 2:1: unexpected symbol near '='"));
+  CHECK_THAT(sitting.enter("plan(skeleton())"), Contains("only guides; end it with >> rrt {}"));
+  CHECK_THAT(sitting.enter("plan(rrt {}, { sed = 2 })"), Contains("did you mean 'seed'?"));
+  CHECK_THAT(sitting.enter("plan(rrt {}, scenes.cup)"), Contains("got a function: call it"));
+  CHECK_THAT(sitting.enter("levels()"), Contains("there is no run yet"));
+  CHECK_THAT(sitting.enter("levels"), Contains("levels(): what each level of a run did"));
+  CHECK_THAT(sitting.enter("1"), Contains("\n1\r\n"));
+}
+
+TEST_CASE("Tab completes names, fields, options and scenes") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("strat_of_mine = 1");
+  sitting.terminal.type("skel\t() >> rrt { st\t0.3 }");
+  CHECK_THAT(sitting.enter(""), Contains("rrt { step = 0.3 }\r\n└─ skeleton()"));
+  sitting.terminal.type("strat_\t");
+  CHECK_THAT(sitting.enter(""), Contains("\n1\r\n"));
+  sitting.terminal.type("scenes.sim\t()");
+  CHECK_THAT(sitting.enter(""), Contains("problem 'simple_passage'"));
+  sitting.terminal.type("help \"shr\t");
+  CHECK_THAT(sitting.enter(""), Contains("shrink (guide)"));
+}
+
+TEST_CASE("Ctrl-C drops a line, Ctrl-D ends the session") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.terminal.type("this is wrong");
+  sitting.terminal.type(ctrl_c);
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("^C") && !Contains("input"));
+  sitting.terminal.type("x = {\n");
+  sitting.terminal.wait_for("..> ");
+  sitting.terminal.type(ctrl_c);
+  sitting.terminal.wait_for(Terminal::prompt);
+  CHECK_THAT(sitting.enter("7"), Contains("\n7\r\n"));
+  sitting.terminal.type(ctrl_d);
+  CHECK(sitting.terminal.finish() == 0);
+}
+
+TEST_CASE("Ctrl-C ends what runs and leaves the session") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.terminal.type("while true do end\n");
+  sitting.terminal.wait_for("end\r\n");
+  sitting.terminal.type(ctrl_c);
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("interrupted"));
+
+  sitting.enter(
+      "closed = problem { world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, "
+      "robot = robot.point(), start = {1, 1}, goal = {9, 9} }");
+  sitting.terminal.type("plan(rrt { step = 0.001, proposals = 1e9 }, closed)\n");
+  sitting.terminal.wait_for("closed)\r\n");
+  sitting.terminal.type(ctrl_c);
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("run 1") && Contains("stopped after"));
+  CHECK_THAT(sitting.enter("run().status"), Contains("interrupted"));
+  CHECK_THAT(sitting.enter("#samples() > 0"), Contains("true"));
+}
+
+TEST_CASE("a run is planned and looked at") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("nested = skeleton() >> shrink(0.5) >> rrt { step = 0.5 }");
+  CHECK_THAT(sitting.enter("plan(nested, scenes.cup(), { seed = 3 })"),
+             Contains("run 1: nested on cup, seed 3: solved by"));
+  CHECK_THAT(sitting.enter("levels()"), Contains("shrink(0.5)") && Contains("all levels"));
+  CHECK_THAT(sitting.enter("plot()"), Contains("┌──") && Contains("G") && Contains("level 0, root"));
+  CHECK_THAT(sitting.enter("efficiency()"), Contains("own space, own path") && Contains("expansion"));
+  CHECK_THAT(sitting.enter("run().levels[1].tree.value > 0"), Contains("true"));
+  CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
+  CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
+  CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));
+  // The problem of the run before is the usual one; a planner is a strategy.
+  CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2: rrt() on cup, seed 1"));
+  CHECK_THAT(sitting.enter("#runs()"), Contains("\n2\r\n"));
+}
+
+TEST_CASE("a run is stepped through, proposal by proposal") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("nested = skeleton() >> shrink(0.5) >> rrt { step = 0.5 }");
+  CHECK_THAT(sitting.enter("start(nested, scenes.cup())"), Contains("stopped after 0 proposals"));
+  CHECK_THAT(sitting.enter("where()"), Contains("nothing has been proposed yet"));
+  CHECK_THAT(sitting.enter("step()"), Contains("proposal 1 of the run, number 1 of level 1, shrink(0.5)"));
+  const std::string tenth = sitting.enter("step(9)");
+  CHECK_THAT(tenth, Contains("proposal 10 of the run") && Contains("proposed") && Contains("became"));
+  CHECK_THAT(sitting.enter("run().proposals, #samples(1, 'expansion')"), Contains("\n10\r\n10\r\n"));
+  // Each step shows the same as the whole run does.
+  CHECK_THAT(sitting.enter("stepped = samples(1, 'expansion')[10]"), !Contains("input"));
+  CHECK_THAT(sitting.enter("continue()"), Contains("solved by"));
+  CHECK_THAT(sitting.enter("table.concat(samples(1, 'expansion')[10], ' ') == table.concat(stepped, ' ')"),
+             Contains("true"));
+  sitting.enter("whole = run()");
+  CHECK_THAT(sitting.enter("plan(nested).checks == whole.checks"), Contains("true"));
+  CHECK_THAT(sitting.enter("run(1); step()"), Contains("the run has ended: solved"));
+}
+
+TEST_CASE("a script's strategies and problems are bound") {
+  const Place place;
+  place.script("two.lua",
+               "spare = rrt { step = 0.1 }\n"
+               "return experiment { problems = scenes.cup(), seeds = {4}, strategies = "
+               "{ plain = rrt {}, ['with guide'] = skeleton() >> rrt {} } }\n");
+  Sitting sitting(place, {"two.lua"});
+  CHECK_THAT(sitting.greeting, Contains("script.strategies.plain") && Contains("script.strategies[\"with guide\"]") &&
+                                   Contains("script.problems[1]"));
+  CHECK_THAT(sitting.enter("plan(script.strategies.plain, { seed = script.seeds[1] })"),
+             Contains("run 1: plain on cup, seed 4"));
+  CHECK_THAT(sitting.enter("spare"), Contains("rrt { step = 0.1 }"));
+  CHECK_THAT(sitting.enter("compare(script.strategies, { seeds = 2 })"),
+             Contains("summary of cup") && Contains("with guide") && Contains("compared with plain, 2 runs paired"));
+  CHECK_THAT(sitting.enter("ablate(script.strategies['with guide'], { seeds = 2, measure = false })"),
+             Contains("without skeleton()"));
+}
+
+TEST_CASE("the history is kept for the next session") {
+  const Place place;
+  {
+    Sitting sitting(place);
+    sitting.enter("first_thing = 11");
+    sitting.terminal.type("second_thing = {\n");
+    sitting.terminal.wait_for("..> ");
+    sitting.enter("22 }");
+    sitting.terminal.type(ctrl_d);
+    CHECK(sitting.terminal.finish() == 0);
+  }
+  CHECK((fs::status(place / "history").permissions() & (fs::perms::group_all | fs::perms::others_all)) ==
+        fs::perms::none);
+  Sitting next(place);
+  // Up once: the input of two lines, whole; up twice: the one before.
+  next.terminal.type("\x1b[A");
+  next.enter("");
+  CHECK_THAT(next.enter("second_thing[1]"), Contains("\n22\r\n"));
+  next.terminal.type("\x1b[A\x1b[A\x1b[A");
+  next.enter("");
+  CHECK_THAT(next.enter("first_thing"), Contains("\n11\r\n"));
+}
+
+TEST_CASE("a local that is lost is told of once") {
+  const Place place;
+  Sitting sitting(place);
+  CHECK_THAT(sitting.enter("local y = 1"), Contains("'local y' has ended"));
+  CHECK_THAT(sitting.enter("local z = 1"), !Contains("has ended"));
+  CHECK_THAT(sitting.enter("y"), Contains("unknown name 'y'"));
+}
+
+TEST_CASE("an editor's text is run") {
+  const Place place;
+  const std::string editor = place.script("editor", "#!/bin/sh\necho 'edited = 5 * 5' >\"$1\"\n");
+  fs::permissions(editor, fs::perms::owner_all);
+  Sitting sitting(place, {}, editor);
+  CHECK_THAT(sitting.enter("edit()"), Contains("edited = 5 * 5"));
+  CHECK_THAT(sitting.enter("edited"), Contains("\n25\r\n"));
+}
+
+TEST_CASE("what succeeded is saved as a script") {
+  const Place place;
+  {
+    Sitting sitting(place);
+    sitting.enter("mine = skeleton() >> rrt { step = 0.4 }");
+    sitting.enter("mistake = nothing_there");
+    sitting.enter("plan(mine)");
+    CHECK_THAT(sitting.enter("save 'kept.lua'"), Contains("kept.lua written"));
+  }
+  const std::string kept = content(place / "kept.lua");
+  CHECK_THAT(kept, Contains("\nmine = skeleton() >> rrt { step = 0.4 }\n") && Contains("\n-- plan(mine)\n"));
+  CHECK_THAT(kept, !Contains("mistake"));
+  Sitting again(place, {"kept.lua"});
+  CHECK_THAT(again.enter("mine"), Contains("rrt { step = 0.4 }"));
+}
+
+TEST_CASE("a picture of a run is written") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("plan(rrt {})");
+  CHECK_THAT(sitting.enter("plot 'run.svg'"), Contains("run.svg written"));
+  CHECK_THAT(content(place / "run.svg"), Contains("<svg"));
+  CHECK_THAT(sitting.enter("plot 'run.gif'"), Contains("ends with .svg, .png or .pdf"));
+  CHECK_THAT(sitting.enter("plot(3)"), Contains("the levels 0 to 0, got 3"));
+}
+
+TEST_CASE("a run of a document is replayed by the script that it names") {
+  const Place place;
+  place.script("s.lua",
+               "return experiment { problems = scenes.cup(), seeds = 2, measure = false, "
+               "strategies = { plain = rrt {} } }\n");
+  REQUIRE(place.run({"run", "s.lua", "--quiet", "--json", "results.json"}).status == 0);
+  Sitting sitting(place);
+  CHECK_THAT(sitting.enter("replay('results.json', 2)"),
+             Contains("the same as run 2 of results.json") && Contains("run 1: plain on cup, seed 2"));
+  CHECK_THAT(sitting.enter("replay('results.json', 9)"), Contains("has the runs 1 to 2, got 9"));
+  place.script("s.lua", "return experiment { problems = scenes.cup(), strategies = { plain = rrt { step = 0.1 } } }\n");
+  CHECK_THAT(sitting.enter("replay('results.json', 1)"), Contains("is another strategy in 's.lua' now"));
+  fs::remove(place / "s.lua");
+  CHECK_THAT(sitting.enter("replay('results.json', 1)"), Contains("neither there nor beside"));
+}
+
+TEST_CASE("lines that are piped are run without prompts") {
+  const Place place;
+  const auto fine = pipe(place, "x = 6\nfunction f()\n  return x * 7\nend\n\nf()\nhelp 'rrt'\n");
+  CHECK(fine.status == 0);
+  CHECK(fine.err.empty());
+  CHECK_THAT(fine.out, Contains("42\n") && Contains("rrt (planner)") && !Contains("trellis>"));
+  const auto wrong = pipe(place, "boom\n1 + 1\nx = {");
+  CHECK(wrong.status == 2);
+  CHECK(wrong.out == "2\n");
+  CHECK_THAT(wrong.err, Contains("unknown name 'boom'") && Contains("near <eof>"));
+}
