@@ -19,9 +19,9 @@
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/repl_values.hpp>
 #include <dsl/language/algebra.hpp>
+#include <dsl/language/completion.hpp>
 #include <dsl/language/experiment.hpp>
 #include <dsl/language/modules.hpp>
-#include <dsl/language/offers.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
@@ -271,25 +271,28 @@ Completion Console::complete(const std::string& text) {
   auto all = dsl::tokens(text);
   if (!all.empty() && all.back().unfinished) {
     if (all.back().kind != dsl::Token::Kind::string) return {};
-    // Within a text: words for help, files for everything else.
-    const std::string begun(all.back().text.substr(1));
+    // Within a text: the words that the language knows there, the verbs for help, files for everything else.
+    Completion found = {.words = dsl::completions(text).words};
     std::size_t before = all.size() - 1;
     if (before > 0 && all[before - 1].text == "(") --before;
-    if (before == 0 || all[before - 1].text != "help") return {.words = {}, .files = true};
-    Completion found;
-    for (const auto& word : dsl::offers("")) {
-      if (word.starts_with(begun)) found.words.push_back(word);
+    if (before == 0 || all[before - 1].text != "help") {
+      found.files = found.words.empty();
+      return found;
     }
+    const std::string begun(all.back().text.substr(1));
     for (const Verb& verb : verbs()) {
       if (verb.name.starts_with(begun)) found.words.emplace_back(verb.name);
     }
     return found;
   }
 
-  Completion found = {.words = dsl::offers(text)};
-  const bool options = std::all_of(found.words.begin(), found.words.end(),
-                                   [](const std::string& option) { return option.ends_with(" = "); });
-  if (options && !found.words.empty()) return found;
+  std::vector<std::string> names;
+  session_.with([&](Stack& stack) {
+    for (const auto& name : stack.push_globals().keys().names) {
+      if (!name.starts_with("_")) names.push_back(name);
+    }
+  });
+  Completion found = {.words = dsl::completions(text, names).words};
   std::string word;
   if (!all.empty() && all.back().begin + all.back().text.size() == text.size() &&
       (all.back().kind == dsl::Token::Kind::name || all.back().kind == dsl::Token::Kind::keyword)) {
@@ -311,10 +314,6 @@ Completion Console::complete(const std::string& text) {
   };
   try {
     session_.with([&](Stack& stack) {
-      if (!field) {
-        for (const auto& name : stack.push_globals().keys().names) offer(name);
-        return;
-      }
       if (path.empty()) return;
       stack.push_global(path.back());
       const auto modules = dsl::module_names();
