@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -52,6 +54,24 @@ int repl(const std::string& script) {
     if (verdict == Console::Verdict::failed && !lines.interactive()) status = their_fault;
     return verdict;
   };
+  const auto take = [&](const std::string& line) {
+    input += line;
+    if (input.find_first_not_of(" \t\n") == std::string::npos) {
+      input.clear();
+      return;
+    }
+    if (run(input, true) == Console::Verdict::incomplete) {
+      input += '\n';
+      return;
+    }
+    lines.remember(input);
+    input.clear();
+    for (std::string text = console.edited(); !text.empty(); text = console.edited()) {
+      print_all(text + "\n");
+      run(text, false);
+      lines.remember(text);
+    }
+  };
   std::string line;
   while (!console.over()) {
     const auto got = lines.read(input.empty() ? prompt : continued, line);
@@ -67,21 +87,15 @@ int repl(const std::string& script) {
       if (!lines.interactive()) break;
       continue;
     }
-    input += line;
-    if (input.find_first_not_of(" \t\n") == std::string::npos) {
-      input.clear();
+    // What was pasted, or comes from the history, may have several lines: each is taken as if it had been typed.
+    if (input.empty() && console.together(line)) {
+      take(line);
       continue;
     }
-    if (run(input, true) == Console::Verdict::incomplete) {
-      input += '\n';
-      continue;
-    }
-    lines.remember(input);
-    input.clear();
-    for (std::string text = console.edited(); !text.empty(); text = console.edited()) {
-      print_all(text + "\n");
-      run(text, false);
-      lines.remember(text);
+    for (std::size_t begin = 0; begin <= line.size() && !console.over();) {
+      const std::size_t end = std::min(line.find('\n', begin), line.size());
+      take(line.substr(begin, end - begin));
+      begin = end + 1;
     }
   }
   return status;

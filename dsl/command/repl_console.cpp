@@ -242,6 +242,16 @@ Console::Verdict Console::run(const std::string& input, bool more) {
   return Verdict::failed;
 }
 
+bool Console::together(const std::string& text) {
+  if (dsl::locals_outside(text).empty()) return false;
+  bool chunk = false;
+  session_.with([&](Stack& stack) {
+    std::string why;
+    chunk = loads(stack, text, "=input", why);
+  });
+  return chunk;
+}
+
 void Console::accept(const std::string& input) {
   const auto all = dsl::tokens(input);
   if (all.empty()) return;

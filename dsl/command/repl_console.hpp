@@ -24,6 +24,9 @@ class Console {
   /// \param more  there may be more lines: an input that ends too early is incomplete, not wrong
   Verdict run(const std::string& input, bool more);
 
+  /// Whether the lines of a text are one input: a chunk that declares locals, which line by line would be lost.
+  bool together(const std::string& text);
+
   /// What may follow; `text` is the input up to the cursor, its earlier lines included.
   Completion complete(const std::string& text);
 

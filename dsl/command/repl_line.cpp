@@ -108,9 +108,10 @@ void begin_history(const std::string& file) {
 
 }  // namespace
 
-LineReader::LineReader(Completer given) : interactive_(::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1) {
+LineReader::LineReader(Completer completes)
+    : interactive_(::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1) {
   if (!interactive_) return;
-  completer() = std::move(given);
+  completer() = std::move(completes);
   rl_readline_name = "trellis";
   rl_catch_signals = 0;  // Ctrl-C is the session's
   rl_attempted_completion_function = complete;

@@ -19,7 +19,7 @@ using Completer = std::function<Completion(const std::string& before)>;
 /// One at a time.
 class LineReader {
  public:
-  explicit LineReader(Completer completer);
+  explicit LineReader(Completer completes);
   ~LineReader();
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;

@@ -23,10 +23,11 @@ constexpr const char* ctrl_d = "\x04";
 /// A session at a terminal, with a history of its own.
 class Sitting {
  public:
-  explicit Sitting(const Place& place, std::vector<std::string> arguments = {}, const std::string& editor = "true")
+  explicit Sitting(const Place& place, std::vector<std::string> arguments = {}, const std::string& editor = "true",
+                   const std::string& keys = "set enable-bracketed-paste off\n")
       : terminal(place / "", with_verb(std::move(arguments)),
                  {{"TRELLIS_HISTORY", place / "history"},
-                  {"INPUTRC", place.script("inputrc", "set enable-bracketed-paste off\n")},
+                  {"INPUTRC", place.script("inputrc", keys)},
                   {"VISUAL", editor},
                   {"NO_COLOR", "1"}}) {
     greeting = terminal.wait_for(Terminal::prompt);
@@ -84,6 +85,19 @@ TEST_CASE("an input goes on for as long as it is not whole") {
   sitting.terminal.type("skeleton() >>\n");
   sitting.terminal.wait_for("..> ");
   CHECK_THAT(sitting.enter("rrt {}"), Contains("└─ skeleton()"));
+}
+
+TEST_CASE("lines that are pasted are taken as if they were typed") {
+  const Place place;
+  Sitting sitting(place, {}, "true", "set enable-bracketed-paste on\n");
+  const auto paste = [&](const std::string& text) {
+    sitting.terminal.type("\x1b[200~" + text + "\x1b[201~\n");
+    return sitting.terminal.wait_for(Terminal::prompt);
+  };
+  CHECK_THAT(paste("a = 20\nb = 22\na + b"), Contains("42\r\n"));
+  CHECK_THAT(paste("function f(x)\n  return x + 1\nend\nf(6)"), Contains("7\r\n"));
+  // A local is there for the lines below it.
+  CHECK_THAT(paste("local c = 5\nprint(c * a)"), Contains("100\r\n"));
 }
 
 TEST_CASE("errors name the place and the nearest name, and end nothing") {
