@@ -302,7 +302,12 @@ Completion Console::complete(const std::string& text) {
       if (!name.starts_with("_")) names.push_back(name);
     }
   });
-  Completion found = {.words = dsl::completions(text, names).words};
+  const dsl::Completions known = dsl::completions(text, names);
+  Completion found = {.words = known.words};
+  if (known.options) {
+    for (auto& option : found.words) option += " = ";
+    return found;
+  }
   std::string word;
   if (!all.empty() && all.back().begin + all.back().text.size() == text.size() &&
       (all.back().kind == dsl::Token::Kind::name || all.back().kind == dsl::Token::Kind::keyword)) {

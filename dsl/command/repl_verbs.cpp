@@ -36,7 +36,7 @@ constexpr std::array<Verb, 18> all_verbs = {{
     {"continue", "continue()", "takes a run to its end"},
     {"where", "where()", "the last proposal: its level, from which part of h it came, what became of it"},
     {"levels", "levels()", "what each level of a run did, as in the report"},
-    {"samples", "samples(level, role)", "the nodes (\"tree\") or proposals (\"expansion\") of a level; level 0's tree"},
+    {"samples", "samples(level, role)", R"(the nodes ("tree") or proposals ("expansion") of a level; level 0's tree)"},
     {"efficiency", "efficiency(target)", "how well each level sampled, against the run's path; target: tube {}"},
     {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
     {"compare", "compare(a, b, ..., { seeds = 5 })",
@@ -151,7 +151,7 @@ class Verbs {
     const std::string role = call[next + 1].given() ? call[next + 1].string().value_or("") : "tree";
     if (role != "tree" && role != "expansion") {
       const std::vector<std::string> known = {"tree", "expansion"};
-      throw Error(fmt::format("samples: the role is \"tree\" or \"expansion\", got {}{}", dsl::describe(call[next + 1]),
+      throw Error(fmt::format(R"(samples: the role is "tree" or "expansion", got {}{})", dsl::describe(call[next + 1]),
                               did_you_mean(role, known)));
     }
     const Search& search = run.result.levels[level].record.search;
@@ -332,7 +332,7 @@ class Verbs {
     return 1;
   }
 
-  void go_on(Run& run, std::uint64_t proposals) {
+  void go_on(Run& run, std::uint64_t proposals) const {
     if (!run.ended()) advance(run, proposals, bench_.interrupted);
   }
 

@@ -222,8 +222,9 @@ std::vector<std::string> after_dot(const std::string& table) {
 }
 
 /// What can follow the first `end` tokens, which are no open string.
+/// \param options  set where what follows can only be an option
 std::vector<std::string> following(const std::vector<Token>& tokens, std::size_t end,
-                                   std::span<const std::string> names) {
+                                   std::span<const std::string> names, bool& options) {
   std::vector<std::string> all;
   const Token last = end > 0 ? tokens[end - 1] : Token{};
   if (is(last, ".")) {
@@ -243,7 +244,8 @@ std::vector<std::string> following(const std::vector<Token>& tokens, std::size_t
     for (const auto& name : place.word->named()) {
       if (std::find(place.given.begin(), place.given.end(), name) == place.given.end()) all.push_back(name);
     }
-    if (place.word->element.empty()) return all;
+    options = place.word->element.empty();
+    if (options) return all;
   }
   if (const Option* option = option_before(tokens, end)) {
     if (option->type == Option::Type::boolean) return {"false", "true"};
@@ -270,7 +272,7 @@ Completions completions(std::string_view text, std::span<const std::string> name
     const bool touches = end > 0 && tokens[end - 1].begin + tokens[end - 1].text.size() == text.size();
     if (touches && tokens[end - 1].kind == Lexeme::number) return result;
     if (touches && tokens[end - 1].kind == Lexeme::name) result.begin = tokens[--end].begin;
-    result.words = following(tokens, end, names);
+    result.words = following(tokens, end, names, result.options);
   }
   const std::string_view fragment = text.substr(result.begin);
   std::erase_if(result.words, [&](const std::string& word) { return !word.starts_with(fragment); });

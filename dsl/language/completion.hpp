@@ -13,6 +13,7 @@ namespace trellis::dsl {
 struct Completions {
   std::size_t begin = 0;           ///< where what they replace begins: they stand for the text from there to its end
   std::vector<std::string> words;  ///< sorted, each once; each begins with the text from `begin`
+  bool options = false;            ///< they are options of a table, behind which a sign of equality comes
 };
 
 /// The words that can follow `text`, from the registry: names of globals; after "scenes." the fields of a module; after

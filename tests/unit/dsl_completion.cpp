@@ -65,6 +65,8 @@ TEST_CASE("after a colon comes what can be asked of a strategy") {
 
 TEST_CASE("inside a word's table come the options that are not given yet") {
   CHECK(next("goal_bias { ") == Words{"share"});
+  CHECK(dsl::completions("goal_bias { ").options);
+  CHECK_FALSE(dsl::completions("goal_b").options);
   CHECK(next("rrt { st") == Words{"step"});
   CHECK(next("rrt { step = 0.5, st").empty());
   CHECK(offers("rrt { step = 0.5, ", "goal_bias"));

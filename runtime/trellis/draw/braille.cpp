@@ -80,8 +80,9 @@ void Braille::line(Point from, Point to, const Ink256& ink) {
   const Point first = within(begin);
   const Point last = within(end);
   const double steps = std::max(1.0, std::ceil(std::max(std::abs(last.x - first.x), std::abs(last.y - first.y))));
-  for (double i = 0.0; i <= steps; i += 1.0) {
-    const double t = i / steps;
+  const auto count = static_cast<std::size_t>(steps);
+  for (std::size_t i = 0; i <= count; ++i) {
+    const double t = static_cast<double>(i) / steps;
     dot({first.x + t * (last.x - first.x), first.y + t * (last.y - first.y)}, ink);
   }
 }
@@ -103,9 +104,9 @@ void Braille::fill(std::span<const Point> polygon, const Ink256& ink) {
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
       const double first = std::max(0.0, std::ceil(crossings[i] - 0.5));
       const double last = std::min(static_cast<double>(width()) - 1.0, std::ceil(crossings[i + 1] - 0.5) - 1.0);
-      for (double x = first; x <= last; x += 1.0) {
-        set(static_cast<std::ptrdiff_t>(x), static_cast<std::ptrdiff_t>(row), ink);
-      }
+      if (first > last) continue;
+      const auto end = static_cast<std::ptrdiff_t>(last);
+      for (auto x = static_cast<std::ptrdiff_t>(first); x <= end; ++x) set(x, static_cast<std::ptrdiff_t>(row), ink);
     }
   }
 }
