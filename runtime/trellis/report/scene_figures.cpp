@@ -165,9 +165,9 @@ class ScenePictures {
         result_(result),
         problem_(problem),
         frame_(make_frame(problem, options)),
-        grid_(frame_.world, frame_.cell) {
-    measured_ = experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target);
-    baseline_ = experiment.baseline;
+        grid_(frame_.world, frame_.cell),
+        measured_(experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target)),
+        baseline_(experiment.baseline) {
     const auto& all = experiment.strategies;
     const bool usual = std::any_of(all.begin(), all.end(), [](const auto& entry) { return entry.first == "rrt"; });
     if (baseline_.empty() && usual) baseline_ = "rrt";
