@@ -6,6 +6,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/command/script_options.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
@@ -48,11 +49,12 @@ std::string summary(const std::string& script, const Experiment& experiment) {
 
 }  // namespace
 
-int check(const std::vector<std::string>& scripts) {
+int check(const std::vector<std::string>& scripts, const ScriptOptions& options) {
+  const dsl::SessionOptions session = session_options(options);
   int status = success;
   for (std::size_t i = 0; i < scripts.size(); ++i) {
     try {
-      const std::string text = summary(scripts[i], dsl::load_script(scripts[i]).experiment);
+      const std::string text = summary(scripts[i], dsl::load_script(scripts[i], session).experiment);
       print_all((i > 0 ? "\n" : "") + text);
     } catch (const Error& error) {
       // The other scripts are checked all the same.

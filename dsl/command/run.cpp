@@ -19,6 +19,7 @@
 #include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
+#include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
@@ -146,7 +147,7 @@ int run(const RunOptions& options) {
 
   const draw::RoleColours colours = palette_option(options);
 
-  dsl::SessionOptions session;
+  dsl::SessionOptions session = session_options(options.scripts);
   session.seed = seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, seeds, seed);

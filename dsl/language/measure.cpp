@@ -44,6 +44,7 @@ struct UserFunctions {
   std::string where;  ///< "script.lua:3: "
   lua::Reference sample;
   lua::Reference log_density;
+  lua::Limits each;  ///< what one call may spend
 };
 
 std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
@@ -182,7 +183,7 @@ class UserDraws {
 
   void ask(const std::string& which, const std::function<void(Stack&)>& body) const {
     try {
-      interpreter("sample")->run(body);
+      interpreter("sample")->run(body, functions_->each);
     } catch (const Error& error) {
       fail(which, error.what());
     }
@@ -192,20 +193,22 @@ class UserDraws {
   template <class Which>
   void ask(const char* function, View q, const Which& which, double& value) const {
     try {
-      interpreter(function)->run([&](Stack& stack) {
-        functions_->log_density.push(stack);
-        push_numbers(stack, q);
-        context_->push(stack);
-        stack.call(2);
-        const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
-        if (!number || std::isnan(*number) || *number == std::numeric_limits<double>::infinity()) {
-          throw Error(
-              fmt::format("it returned {}, expected the logarithm of a density, and -math.huge where there is "
-                          "none",
-                          stack.size() > 0 ? stack[1].describe() : "nothing"));
-        }
-        value = *number;
-      });
+      interpreter(function)->run(
+          [&](Stack& stack) {
+            functions_->log_density.push(stack);
+            push_numbers(stack, q);
+            context_->push(stack);
+            stack.call(2);
+            const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
+            if (!number || std::isnan(*number) || *number == std::numeric_limits<double>::infinity()) {
+              throw Error(
+                  fmt::format("it returned {}, expected the logarithm of a density, and -math.huge where there is "
+                              "none",
+                              stack.size() > 0 ? stack[1].describe() : "nothing"));
+            }
+            value = *number;
+          },
+          functions_->each);
     } catch (const Error& error) {
       fail(which(), error.what());
     }
@@ -232,7 +235,7 @@ Target::Distribution distribution(const std::shared_ptr<const UserFunctions>& fu
   return made;
 }
 
-int make_user_target(Stack& call) {
+int make_user_target(Stack& call, const lua::Limits& each) {
   const Arguments arguments(target_construct(), call);
   for (const char* name : {"sample", "log_density"}) {
     if (arguments[name].type() != Type::function) arguments.reject(name);
@@ -241,7 +244,7 @@ int make_user_target(Stack& call) {
   static_cast<TargetSettings&>(target) = user_settings().read(arguments.options());
   const auto position = call.where();
   const std::shared_ptr<const UserFunctions> functions(new UserFunctions{
-      position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}});
+      position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}, each});
   target.make = [functions](const UserTarget::Context& context) { return distribution(functions, context); };
   return call.result(TargetSpec(std::move(target)));
 }
@@ -350,7 +353,7 @@ std::string text_of(const std::vector<EstimatorSpec>& estimators) {
   return text;
 }
 
-void open_measure(Stack& stack) {
+void open_measure(Stack& stack, const lua::Limits& each) {
   stack.declare<TargetSpec>({{"__tostring", to_text<TargetSpec>}});
   stack.declare<EstimatorSpec>({{"__tostring", to_text<EstimatorSpec>}, {"__eq", equal_estimators}});
   for (const auto& components : {target_components(), estimator_components()}) {
@@ -359,7 +362,7 @@ void open_measure(Stack& stack) {
       stack.set_global(component->name);
     }
   }
-  stack.push_function(make_user_target);
+  stack.push_function([each](Stack& call) { return make_user_target(call, each); });
   stack.set_global(target_construct().name);
 }
 

@@ -5,13 +5,14 @@
 #include <vector>
 
 #include <dsl/language/construct.hpp>
-#include <dsl/lua/stack.hpp>
+#include <dsl/lua/state.hpp>
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis::dsl {
 
 /// Makes the targets and the estimators known: a constructor of each, and `target`.
-void open_measure(lua::Stack& stack);
+/// \param each  what one call of a target's functions may spend
+void open_measure(lua::Stack& stack, const lua::Limits& each);
 
 /// The targets and the estimators that are components. (A user's own target is a construct.)
 std::vector<const Component*> target_components();

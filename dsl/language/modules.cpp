@@ -49,7 +49,7 @@ struct Source {
 /// Finds and runs modules, each once.
 class Modules {
  public:
-  explicit Modules(std::string script_folder) : folder_(std::move(script_folder)) {}
+  explicit Modules(const ScriptPlace& place) : folder_(place.folder), trust_(place.trust) {}
 
   /// Pushes the module's value. `loaded` is the table of those that are there already.
   void require(Stack& stack, const std::string& name) {
@@ -117,9 +117,9 @@ class Modules {
   /// What only the standard library is given.
   void push_natives(Stack& stack) const {
     const Value natives = stack.push_table();
-    stack.push_function(scene_loader(folder_));
+    stack.push_function(scene_loader(folder_, trust_));
     stack.set_field(natives, "load_scene");
-    stack.push_function(scene_finder(folder_));
+    stack.push_function(scene_finder(folder_, trust_));
     stack.set_field(natives, "scene_exists");
     stack.push_function([](Stack& call) -> int { throw Error(call[1].text()); });
     stack.set_field(natives, "fail");
@@ -129,6 +129,7 @@ class Modules {
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
   std::string folder_;
+  bool trust_;
   std::vector<std::string> loading_;
 };
 
@@ -139,8 +140,8 @@ std::string without_shebang(std::string text) {
   return text;
 }
 
-void open_modules(Stack& stack, const std::string& script_folder) {
-  const auto modules = std::make_shared<Modules>(script_folder);
+void open_modules(Stack& stack, const ScriptPlace& place) {
+  const auto modules = std::make_shared<Modules>(place);
   stack.push_function([modules](Stack& call) {
     const auto name = call[1].string();
     if (!name) throw Error(fmt::format("require: the module's name must be a string, got {}", describe(call[1])));
@@ -154,8 +155,10 @@ void open_modules(Stack& stack, const std::string& script_folder) {
     if (!name) throw Error(fmt::format("no global is called {}", call[2].describe()));
     constexpr std::array<std::string_view, 6> left_out = {"io", "os", "debug", "package", "dofile", "loadfile"};
     if (std::find(left_out.begin(), left_out.end(), *name) != left_out.end()) {
-      throw Error(fmt::format(
-          "there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter", *name));
+      const bool granted = *name == "io" || *name == "os" || *name == "debug";
+      throw Error(
+          fmt::format("there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter{}",
+                      *name, granted ? "; --trust lets one that you trust" : ""));
     }
     auto known = module_names();
     if (std::binary_search(known.begin(), known.end(), *name)) {
@@ -166,7 +169,9 @@ void open_modules(Stack& stack, const std::string& script_folder) {
     }
     const auto globals = call.push_globals().keys().names;
     known.insert(known.end(), globals.begin(), globals.end());
-    throw Error(fmt::format("unknown name '{}'{}", *name, did_you_mean(*name, known)));
+    constexpr std::size_t longest = 60;
+    const std::string shown = name->size() > longest ? name->substr(0, longest) + "..." : *name;
+    throw Error(fmt::format("unknown name '{}'{}", shown, did_you_mean(*name, known)));
   });
   stack.resize(before);
 }

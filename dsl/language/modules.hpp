@@ -7,10 +7,15 @@
 
 namespace trellis::dsl {
 
+struct ScriptPlace {
+  std::string folder;  ///< the script's
+  bool trust = false;  ///< it may read scene files from anywhere
+};
+
 /// Makes `require` known, for modules of the standard library and then of the script's folder; makes each module of the
 /// standard library a global that is loaded when first read; makes reading any other unknown global an error that
 /// offers the nearest name. Call it last: what is a global by then is what is offered.
-void open_modules(lua::Stack& stack, const std::string& script_folder);
+void open_modules(lua::Stack& stack, const ScriptPlace& place);
 
 /// A script's text without the line that tells a shell how to run it, its lines counted as before.
 std::string without_shebang(std::string text);

@@ -13,6 +13,7 @@
 namespace trellis::lua {
 class Stack;
 class State;
+struct Limits;
 }  // namespace trellis::lua
 
 namespace trellis::dsl {
@@ -20,10 +21,18 @@ namespace trellis::dsl {
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
   std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
+  /// What it may spend on loading, in instructions of Lua's or work that takes as long; each call of one of its
+  /// functions afterwards a tenth.
+  std::uint64_t instructions = 1'000'000'000;
+  bool trust =
+      false;  ///< it reaches all files, processes, the clock and the interpreter: io, os, debug, any scene file
+  std::function<bool()> interrupted = {};  ///< polled while it runs; true ends it (Interrupted)
+  /// Called from another thread where a script does not end however it is told; must not return to it.
+  std::function<void(const std::string& message)> stuck = {};
 };
 
 /// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
-/// clock. One thread at a time.
+/// clock, and come to an end. One thread at a time.
 class Session {
  public:
   /// \param folder  where the script's own modules and scenes are looked for
@@ -42,9 +51,11 @@ class Session {
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
 
  private:
+  [[nodiscard]] lua::Limits loading() const;
   /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line.
   void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
 
+  std::uint64_t instructions_;
   std::shared_ptr<lua::State> interpreter_;
 };
 
