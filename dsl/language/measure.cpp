@@ -123,6 +123,7 @@ class UserDraws {
  public:
   UserDraws(std::shared_ptr<const UserFunctions> functions, const UserTarget::Context& context)
       : functions_(std::move(functions)),
+        occasion_(context.occasion),
         space_(context.problem.space),
         problem_(context.problem.name),
         draws_(context.draws) {
@@ -155,7 +156,7 @@ class UserDraws {
   [[nodiscard]] double log_density(View q) const {
     double value = 0.0;
     ask(
-        "log_density", q, [&] { return fmt::format("log_density at {}", coordinates_of(q)); }, value);
+        "log_density", q, [&] { return asked_at(q); }, value);
     return value;
   }
 
@@ -178,7 +179,21 @@ class UserDraws {
   }
 
   [[noreturn]] void fail(const std::string& which, const std::string& why) const {
-    throw lua::Located(fmt::format("{}target: {} (problem '{}'): {}", functions_->where, which, problem_, why));
+    const std::string run =
+        occasion_ ? fmt::format(", strategy '{}', seed {}", occasion_->strategy, occasion_->seed) : "";
+    throw lua::Located(fmt::format("{}target: {} (problem '{}'{}): {}", functions_->where, which, problem_, run, why));
+  }
+
+  /// "log_density at (1, 2), node 3 of 50 of lazy() >> rrt, level 1".
+  [[nodiscard]] std::string asked_at(View q) const {
+    std::string which = fmt::format("log_density at {}", coordinates_of(q));
+    if (!occasion_ || occasion_->samples == nullptr) return which;
+    const Configurations& samples = *occasion_->samples;
+    std::size_t i = 0;
+    while (i < samples.size() && !std::equal(q.begin(), q.end(), samples[i].begin(), samples[i].end())) ++i;
+    which += i < samples.size() ? fmt::format(", {} {} of {}", occasion_->role, i + 1, samples.size())
+                                : fmt::format(", for the {}s", occasion_->role);
+    return which + " of " + occasion_->level;
   }
 
   void ask(const std::string& which, const std::function<void(Stack&)>& body) const {
@@ -216,6 +231,7 @@ class UserDraws {
 
   std::shared_ptr<const UserFunctions> functions_;
   std::shared_ptr<const lua::Reference> context_;
+  std::shared_ptr<const UserTarget::Occasion> occasion_;  // nullptr outside of an experiment
   Space space_;
   std::string problem_;
   std::int64_t draws_;

@@ -17,6 +17,32 @@ namespace trellis::lua {
 
 namespace {
 
+/// A message with a traceback, less the frames that tell a reader nothing: of whoever called the script, of `error`
+/// itself, and of the script's main chunk where that is all there is and the message has its line already.
+std::string tidy(const std::string& message) {
+  constexpr std::string_view head = "\nstack traceback:";
+  const auto begin = message.rfind(head);
+  if (begin == std::string::npos) return message;
+  const std::string text = message.substr(0, begin);
+  std::string frames;
+  std::size_t count = 0;
+  std::string_view rest = std::string_view(message).substr(begin + head.size());
+  while (!rest.empty()) {
+    const std::string_view frame = rest.substr(0, rest.find('\n', 1));
+    rest.remove_prefix(frame.size());
+    if (frame == "\n\t[C]: in ?" || frame == "\n\t[C]: in function 'error'") continue;
+    frames += frame;
+    ++count;
+  }
+  constexpr std::string_view main_chunk = " in main chunk";
+  if (count == 0) return text;
+  if (count == 1 && frames.ends_with(main_chunk)) {
+    const std::string place = frames.substr(2, frames.size() - 2 - main_chunk.size());
+    if (text.starts_with(place)) return text;
+  }
+  return text + std::string(head) + frames;
+}
+
 constexpr int hook_interval = 100;  // instructions of Lua's from one look at the limits to the next
 
 int run_body(lua_State* state) {
@@ -226,9 +252,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
     const char* text = lua_tolstring(state_, -1, &size);
     message = text != nullptr ? std::string(text, size) : "an error was thrown that cannot be shown";
   }
-  // The frame of this very function tells a reader nothing.
-  constexpr std::string_view own = "\n\t[C]: in ?";
-  if (message.ends_with(own)) message.resize(message.size() - own.size());
+  message = tidy(message);
   if (const auto end = std::min(message.find('\n'), message.size()); end > longest_line) {
     message.replace(longest_line, end - longest_line, "...");
   }

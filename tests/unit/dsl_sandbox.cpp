@@ -193,9 +193,13 @@ TEST_CASE("recursion without end is an error") {
 }
 
 TEST_CASE("what a script throws comes with a traceback, what we say does not") {
-  CHECK(failure("error('no luck')").find("test.lua:1: no luck\nstack traceback:") == 0);
+  CHECK(failure("local function f() error('no luck') end\nf()") ==
+        "test.lua:1: no luck\nstack traceback:\n\ttest.lua:1: in local 'f'\n\ttest.lua:2: in main chunk");
+  // Where the traceback would only say the line again, there is none.
+  CHECK(failure("error('no luck')") == "test.lua:1: no luck");
   CHECK(failure("rrt { step = -1 }").find("traceback") == std::string::npos);
-  CHECK(failure("error(setmetatable({}, { __tostring = function() return 'odd' end }))").starts_with("odd\nstack"));
+  CHECK(failure("error(setmetatable({}, { __tostring = function() return 'odd' end }))")
+            .starts_with("odd\nstack traceback:\n\ttest.lua:1: in main chunk"));
 }
 
 TEST_CASE("modules come from the standard library and the script's folder, each once") {

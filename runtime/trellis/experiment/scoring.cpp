@@ -70,7 +70,11 @@ class ProblemScoring {
         progress_(progress),
         interrupted_(interrupted),
         seeds_(experiment.seeds.size()),
-        strategies_(experiment.strategies.size()) {}
+        strategies_(experiment.strategies.size()) {
+    const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
+                                      [&](const Problem& p) { return p.name == runs_.front()->problem; });
+    occasion_->problem = &*problem;
+  }
 
   void score() {
     for (RunResult* run : runs_) guard(*run);
@@ -111,11 +115,11 @@ class ProblemScoring {
       return make_tube(record, path, tube, measure_seed + run.seed);
     }
     if (const auto* user = std::get_if<UserTarget>(&measure_.target); user != nullptr && root) {
-      const auto problem = std::find_if(experiment_.problems.begin(), experiment_.problems.end(),
-                                        [&](const Problem& p) { return p.name == run.problem; });
       const auto draws = cross ? cross_pool : std::max(user->pool, user->points);
+      const Problem& problem = *occasion_->problem;
+      *occasion_ = {&problem, run.strategy, run.seed, "", "", nullptr};
       return {std::make_shared<const Target>(Target::distribution(
-                  record.space, *user, user->make({*problem, path, draws, measure_seed + run.seed}))),
+                  record.space, *user, user->make({problem, path, draws, measure_seed + run.seed, occasion_}))),
               ""};
     }
     return {nullptr, "the target lies in the root's space"};
@@ -199,9 +203,13 @@ class ProblemScoring {
 
   // Scoring ----------------------------------------------------------------------------------------------------------
 
-  [[nodiscard]] Efficiency figure(const Target& target, const Configurations& samples, Held held,
+  [[nodiscard]] Efficiency figure(const char* role, const Target& target, const Configurations& samples, Held held,
                                   const std::function<double(View)>& density) const {
     poll();
+    if (std::holds_alternative<UserTarget>(measure_.target)) {
+      occasion_->role = role;
+      occasion_->samples = &samples;
+    }
     if (samples.empty()) {
       Efficiency result = none(0, "there are no samples", false);
       result.uniform = target.uniform();
@@ -213,20 +221,30 @@ class ProblemScoring {
   }
 
   [[nodiscard]] Scores own_scores(const Target& target, const LevelRecord& record) const {
-    return {figure(target, record.search.tree_samples(record.search.nodes), held(record), {}),
+    return {figure("node", target, record.search.tree_samples(record.search.nodes), held(record), {}),
             expansion(target, record, record.search.proposals, record.proposal_density)};
   }
-  [[nodiscard]] Scores root_scores(const Target& target, const LevelRecord& record) const {
+  [[nodiscard]] Scores root_scores(const RunResult& run, const Target& target, const LevelRecord& record) const {
+    tell(run, record);
     // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    return {figure(target, record.search.tree_samples(record.root_nodes),
+    return {figure("node", target, record.search.tree_samples(record.root_nodes),
                    record.level == 0 ? held(record) : Held::anything, {}),
             expansion(target, record, record.root_proposals, record.root_proposal_density)};
   }
 
+  /// Says whose samples are being scored. A script's functions run in one thread, and nobody else asks.
+  void tell(const RunResult& run, const LevelRecord& record) const {
+    if (!std::holds_alternative<UserTarget>(measure_.target)) return;
+    occasion_->strategy = run.strategy;
+    occasion_->seed = run.seed;
+    occasion_->level =
+        level_path(record, [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)].record; });
+  }
+
   [[nodiscard]] Efficiency expansion(const Target& target, const LevelRecord& record, const Configurations& rows,
                                      const std::function<double(View)>& density) const {
-    if (!record.search.expands) return figure(target, Configurations(rows.dimension()), Held::anything, {});
-    return figure(target, rows, Held::anything, density);
+    if (!record.search.expands) return figure("proposal", target, Configurations(rows.dimension()), Held::anything, {});
+    return figure("proposal", target, rows, Held::anything, density);
   }
 
   static Held held(const LevelRecord& record) {
@@ -272,11 +290,12 @@ class ProblemScoring {
     for (LevelResult& level : result.levels) {
       const LevelRecord& record = level.record;
       if (root.target) {
-        level.root = root_scores(*root.target, record);
+        level.root = root_scores(result, *root.target, record);
       } else if (result.run.solved) {
         level.root = absent(record, root.reason);
       }
-      level.root_cross = mean_scores(crossing, [&](const Target& target) { return root_scores(target, record); });
+      level.root_cross =
+          mean_scores(crossing, [&](const Target& target) { return root_scores(result, target, record); });
       if (record.level == 0) {
         level.own = level.root;
         level.own_cross = level.root_cross;
@@ -300,6 +319,7 @@ class ProblemScoring {
         level.root_cross = level.root;
       }
     }
+    tell(result, result.levels.front().record);
     score_equal_number(result.levels.front(), root, crossing);
   }
 
@@ -317,7 +337,7 @@ class ProblemScoring {
       for (const bool tree : {true, false}) {
         const Ranks ranks = rank_motions(level.record, tree, settings, measure_seed + result.seed);
         Efficiency& role = tree ? scores.tree : scores.expansion;
-        role = ranks.target.target ? figure(*ranks.target.target, ranks.samples, Held::anything, {})
+        role = ranks.target.target ? figure("motion", *ranks.target.target, ranks.samples, Held::anything, {})
                                    : none(ranks.samples.size(), ranks.target.reason, false);
       }
       level.own = scores;
@@ -392,7 +412,7 @@ class ProblemScoring {
         thinned(record.root_proposals, equal_proposals_, Stream(measure_seed, record.key, "equal proposals"));
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores scores;
-      if (equal_nodes_ > 0) scores.tree = figure(target, nodes, held(record), {});
+      if (equal_nodes_ > 0) scores.tree = figure("node", target, nodes, held(record), {});
       // The density is known whatever the number of samples: only estimates depend on it.
       if (equal_proposals_ > 0) scores.expansion = expansion(target, record, proposals, {});
       return scores;
@@ -412,6 +432,7 @@ class ProblemScoring {
   std::vector<std::vector<std::size_t>> donors_;          // of each seed
   std::size_t equal_nodes_ = 0;                           // 0: not wanted
   std::size_t equal_proposals_ = 0;
+  std::shared_ptr<UserTarget::Occasion> occasion_ = std::make_shared<UserTarget::Occasion>();
 };
 
 }  // namespace

@@ -33,8 +33,14 @@ class Clock {
 
 class Level;
 
+/// "script.lua:3: ", "" for what was built through C++.
+std::string where(const Origin& origin) {
+  return origin.script.empty() ? "" : fmt::format("{}:{}: ", origin.script, origin.line);
+}
+
 /// What all levels of one run share.
 struct Run {
+  std::string problem;  ///< its name
   std::uint64_t seed = 0;
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
@@ -347,7 +353,7 @@ class ComponentGuidance final : public Prepared {
         resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
-    auto sub = guide_->project(parent.instance());
+    auto sub = project(run, parent, spec);
     run.clock.switch_to(above);
     if (!sub) return;
     level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
@@ -410,6 +416,17 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
+  std::unique_ptr<Instance> project(const Run& run, const Level& parent, const GuideSpec& spec) const {
+    try {
+      return guide_->project(parent_.instance());
+    } catch (const Error& error) {
+      const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+      const std::string path = level_path(parent.record(), at);
+      throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
+                              path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+    }
+  }
+
   /// Solves the instance in S, for as many paths as the guide wants.
   const Solution& solve_below() {
     const Solution* found = &level_->solve();
@@ -657,6 +674,16 @@ int depth(const GuideSpec& guide) {
 
 }  // namespace
 
+std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at) {
+  std::string path;
+  const LevelRecord* record = &level;
+  while (record->parent >= 0) {
+    path += record->name + " >> ";
+    record = &at(record->parent);
+  }
+  return fmt::format("{}{}, level {}", path, record->planner, level.level);
+}
+
 void check(const Problem& problem) {
   if (!problem.scene) throw Error(fmt::format("problem '{}': has no scene", problem.name));
   const auto& axes = problem.space.axes();
@@ -708,6 +735,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   }
   const auto begin = std::chrono::steady_clock::now();
   Run run;
+  run.problem = problem.name;
   run.seed = seed;
   run.interrupted = options.interrupted;
   run.watch = options.watch;

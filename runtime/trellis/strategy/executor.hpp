@@ -59,6 +59,10 @@ struct LevelRecord {
   }
 };
 
+/// A level and what it guides, up to the root: "skeleton() >> lazy() >> rrt, level 2".
+/// \param at  the level of a number, of the same run
+std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at);
+
 /// Levels take turns: one that asks for the solution of a level below waits for it. What one of them did in a turn is
 /// what its records hold beyond its turn before.
 struct Turn {
