@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include <dsl/command/commands.hpp>
@@ -22,6 +23,7 @@
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/unused.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -124,6 +126,21 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
   }
 }
 
+/// Says on stderr what was given and never used.
+void warn(const dsl::Program& program, const ExperimentResult& result) {
+  for (const std::string& sentence : unused_guides(program.experiment, result)) {
+    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  }
+  const auto& measure = program.experiment.measure;
+  const char* why = !measure ? "the experiment measures nothing (measure = false)"
+                    : !std::holds_alternative<UserTarget>(measure->target)
+                        ? "the experiment is measured by another target (field 'measure')"
+                        : "the experiment is measured by another target, or no run found a path";
+  for (const std::string& sentence : program.uncalled()) {
+    fmt::print(stderr, "trellis: warning: {}: {}\n", sentence, why);
+  }
+}
+
 draw::RoleColours palette_option(const RunOptions& options) {
   if (options.palette.empty()) return draw::RoleColours::safe;
   static const std::vector<std::string> names = {"safe", "paper"};
@@ -201,6 +218,7 @@ int run(const RunOptions& options) {
     attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
     figures.keep();
   }
+  warn(program, result);
   if (failure) throw Error(*failure);
   return success;
 }

@@ -45,6 +45,7 @@ struct UserFunctions {
   lua::Reference sample;
   lua::Reference log_density;
   lua::Limits each;  ///< what one call may spend
+  std::shared_ptr<bool> called = std::make_shared<bool>(false);
 };
 
 std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
@@ -251,7 +252,7 @@ Target::Distribution distribution(const std::shared_ptr<const UserFunctions>& fu
   return made;
 }
 
-int make_user_target(Stack& call, const lua::Limits& each) {
+int make_user_target(Stack& call, const lua::Limits& each, std::vector<Callback>& given) {
   const Arguments arguments(target_construct(), call);
   for (const char* name : {"sample", "log_density"}) {
     if (arguments[name].type() != Type::function) arguments.reject(name);
@@ -261,7 +262,11 @@ int make_user_target(Stack& call, const lua::Limits& each) {
   const auto position = call.where();
   const std::shared_ptr<const UserFunctions> functions(new UserFunctions{
       position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}, each});
-  target.make = [functions](const UserTarget::Context& context) { return distribution(functions, context); };
+  target.make = [functions](const UserTarget::Context& context) {
+    *functions->called = true;
+    return distribution(functions, context);
+  };
+  given.push_back({functions->where, "'sample' and 'log_density' of this target", functions->called});
   return call.result(TargetSpec(std::move(target)));
 }
 
@@ -369,7 +374,7 @@ std::string text_of(const std::vector<EstimatorSpec>& estimators) {
   return text;
 }
 
-void open_measure(Stack& stack, const lua::Limits& each) {
+void open_measure(Stack& stack, const lua::Limits& each, const std::shared_ptr<std::vector<Callback>>& given) {
   stack.declare<TargetSpec>({{"__tostring", to_text<TargetSpec>}});
   stack.declare<EstimatorSpec>({{"__tostring", to_text<EstimatorSpec>}, {"__eq", equal_estimators}});
   for (const auto& components : {target_components(), estimator_components()}) {
@@ -378,7 +383,7 @@ void open_measure(Stack& stack, const lua::Limits& each) {
       stack.set_global(component->name);
     }
   }
-  stack.push_function([each](Stack& call) { return make_user_target(call, each); });
+  stack.push_function([each, given](Stack& call) { return make_user_target(call, each, *given); });
   stack.set_global(target_construct().name);
 }
 

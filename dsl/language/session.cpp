@@ -58,14 +58,16 @@ lua::Limits call_limits(std::uint64_t instructions) {
 }  // namespace
 
 Session::Session(const std::string& folder, const SessionOptions& options)
-    : instructions_(options.instructions), interpreter_(std::make_shared<lua::State>(state_options(options))) {
+    : instructions_(options.instructions),
+      given_(std::make_shared<std::vector<Callback>>()),
+      interpreter_(std::make_shared<lua::State>(state_options(options))) {
   interpreter_->run([&](lua::Stack& stack) {
     open_libraries(stack, options.trust);
     open_random(stack, options.seed);
     open_algebra(stack);
     open_world(stack);
     open_problem(stack);
-    open_measure(stack, call_limits(options.instructions));
+    open_measure(stack, call_limits(options.instructions), given_);
     open_publication(stack);
     open_experiment(stack);
     open_modules(stack, {folder, options.trust});
@@ -84,6 +86,13 @@ Program Session::load(const std::string& text, const std::string& name) {
       };
     }
   }
+  program.uncalled = [given = given_] {
+    std::vector<std::string> sentences;
+    for (const Callback& callback : *given) {
+      if (!*callback.called) sentences.push_back(callback.where + callback.what + " were never called");
+    }
+    return sentences;
+  };
   return program;
 }
 

@@ -18,6 +18,8 @@ struct Limits;
 
 namespace trellis::dsl {
 
+struct Callback;
+
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
   std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
@@ -56,6 +58,7 @@ class Session {
   void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
 
   std::uint64_t instructions_;
+  std::shared_ptr<std::vector<Callback>> given_;
   std::shared_ptr<lua::State> interpreter_;
 };
 

@@ -364,6 +364,25 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 
+TEST_CASE("what a script gives and nobody uses is told once, after the report") {
+  const Place place;
+  place.script("unused.lua",
+               "local mine = target { sample = function(c) return c.path[1] end,\n"
+               "  log_density = function() return 0 end }\n"
+               "return experiment { problems = scenes.cup(), seeds = 2,\n"
+               "  strategies = { unheard = shrink(0.5) >> rrt { uniform = 1, proposals = 40 }, rrt = rrt {} },\n"
+               "  measure = tube { points = 256, pool = 1024 } }\n");
+  const auto outcome = place.run({"run", "unused.lua"});
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.find("cup") != std::string::npos);
+  CHECK(
+      outcome.err ==
+      "trellis: warning: unused.lua:4: strategy 'unheard', rrt, level 0: shrink(0.5) drew none of the 80 proposals in "
+      "2 runs\n"
+      "trellis: warning: unused.lua:1: 'sample' and 'log_density' of this target were never called: the experiment is "
+      "measured by another target (field 'measure')\n");
+}
+
 TEST_CASE("a folder where nothing was solved says so, and where to look") {
   const Place place;
   place.script("hopeless.lua",
