@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
+#include <trellis/instance/nearest_valid.hpp>
 
 namespace trellis {
 
@@ -663,6 +664,16 @@ std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec&
   return make_guidance_at(run, level, spec, level.record().key + "/0");
 }
 
+/// What could be written instead of a start or goal that is invalid.
+std::string nearest(const Problem& problem, const Configuration& q, const Checker& checker) {
+  for (const double x : q) {
+    if (!std::isfinite(x)) return "another coordinate is no finite number";
+  }
+  const auto found = nearest_valid(problem.space, q, [&](View x) { return checker.valid(x); });
+  if (!found) return "no valid configuration was found in its space";
+  return fmt::format("a valid configuration near by is {}, at a distance of {:.2g}", found->text, found->distance);
+}
+
 constexpr int deepest = 64;
 
 int depth(const GuideSpec& guide) {
@@ -716,13 +727,14 @@ void check(const Problem& problem) {
                                 what, j + 1, axes[j].name, q[j]));
       }
       if (!axes[j].periodic && (q[j] < axes[j].lo || q[j] > axes[j].hi)) {
-        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]",
-                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi));
+        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]; {}",
+                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi,
+                                nearest(problem, q, *checker)));
       }
     }
     if (const auto contact = checker->contact(q)) {
-      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}", problem.name, what, fmt::join(q, ", "),
-                              describe(*contact, *problem.scene)));
+      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}; {}", problem.name, what,
+                              fmt::join(q, ", "), describe(*contact, *problem.scene), nearest(problem, q, *checker)));
     }
   }
 }
