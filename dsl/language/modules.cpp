@@ -15,6 +15,7 @@
 #include <dsl/language/construct.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/lua/globals.hpp>
 
 namespace trellis::dsl {
 
@@ -134,6 +135,24 @@ class Modules {
 };
 
 }  // namespace
+
+std::vector<std::string> unknown_names(Stack& stack, const std::string& text, const std::string& script) {
+  const auto uses = lua::global_uses(stack, text, "@" + script);
+  const int before = stack.size();
+  auto known = module_names();
+  for (const auto& name : stack.push_globals().keys().names) known.push_back(name);
+  stack.resize(before);
+  for (const auto& use : uses) {
+    if (use.set) known.push_back(use.name);
+  }
+  std::vector<std::string> messages;
+  for (const auto& use : uses) {
+    if (use.name.empty() || std::find(known.begin(), known.end(), use.name) != known.end()) continue;
+    messages.push_back(
+        fmt::format("{}:{}: unknown name '{}'{}", script, use.line, use.name, did_you_mean(use.name, known)));
+  }
+  return messages;
+}
 
 std::string without_shebang(std::string text) {
   if (text.starts_with('#')) text.erase(0, std::min(text.find('\n'), text.size()));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <dsl/lua/stack.hpp>
 
@@ -16,6 +17,10 @@ struct ScriptPlace {
 /// standard library a global that is loaded when first read; makes reading any other unknown global an error that
 /// offers the nearest name. Call it last: what is a global by then is what is offered.
 void open_modules(lua::Stack& stack, const ScriptPlace& place);
+
+/// The names in a script that no global has, neither one there is nor one that the script sets anywhere, each as a
+/// message with its line. Of what is never run too. Call it once the script has run.
+std::vector<std::string> unknown_names(lua::Stack& stack, const std::string& text, const std::string& script);
 
 /// A script's text without the line that tells a shell how to run it, its lines counted as before.
 std::string without_shebang(std::string text);

@@ -121,6 +121,12 @@ void Session::run(const std::string& text, const std::string& name, const std::f
       loading());
 }
 
+std::vector<std::string> Session::unknown_names(const std::string& text, const std::string& name) {
+  std::vector<std::string> messages;
+  interpreter_->run([&](lua::Stack& stack) { messages = dsl::unknown_names(stack, text, name); });
+  return messages;
+}
+
 std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
   std::vector<std::string> results;
   interpreter_->run(

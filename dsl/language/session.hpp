@@ -49,6 +49,8 @@ class Session {
   Program load(const std::string& text, const std::string& name);
   /// Runs a script that returns a problem, or a list of problems as scenes.load makes it.
   std::vector<Problem> problems(const std::string& text, const std::string& name);
+  /// The names in a script that was run that nothing has, in functions that were not called too: a message each.
+  std::vector<std::string> unknown_names(const std::string& text, const std::string& name);
   /// Runs a piece of script and returns the texts of what it returns.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
 

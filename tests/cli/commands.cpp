@@ -274,6 +274,37 @@ TEST_CASE("check validates without planning") {
   CHECK(both.out.find("endless.lua: 1 problem") != std::string::npos);
 }
 
+TEST_CASE("check finds what a run would meet late: names in functions, guides that never draw") {
+  const Place place;
+  place.script("late.lua",
+               "local mine = target {\n"
+               "  sample = function(c) return ofset(c.path[1]) end,\n"
+               "  log_density = function(q)\n"
+               "    helper = helper or 1\n"
+               "    return math.log(q[1] + offset) - skeletn\n"
+               "  end,\n"
+               "}\n"
+               "offset = 1\n"
+               "return experiment {\n"
+               "  problems = scenes.cup(), measure = mine,\n"
+               "  strategies = {\n"
+               "    late = sequence { lazy(), skeleton(), turn = 500 } >> rrt { proposals = 300 },\n"
+               "    unheard = shrink(0.5) >> rrt { uniform = 1 },\n"
+               "  },\n"
+               "}\n");
+  const auto outcome = place.run({"check", "late.lua"});
+  CHECK(outcome.status == 2);
+  CHECK(outcome.out.starts_with("late.lua: 1 problem, 2 strategies, 1 seed\n"));
+  CHECK(
+      outcome.err ==
+      "trellis: late.lua:2: unknown name 'ofset' (did you mean 'offset'?)\n"
+      "trellis: late.lua:5: unknown name 'skeletn' (did you mean 'skeleton'?)\n"
+      "trellis: warning: late.lua:12: skeleton() never draws: its turn begins after 500 proposals, and rrt { proposals "
+      "= 300 } ends after 300 (strategy 'late')\n"
+      "trellis: warning: late.lua:13: shrink(0.5) never draws: rrt { uniform = 1 } leaves it no share of its proposals "
+      "(uniform = 1, goal_bias = 0.05) (strategy 'unheard')\n");
+}
+
 TEST_CASE("the program tells its version and its words") {
   const Place place;
   CHECK(place.run({"version"}).out == "trellis " TRELLIS_VERSION "\n");

@@ -145,6 +145,28 @@ TEST_CASE("what a script works is counted, and has an end") {
   CHECK(first.evaluate("return n", "test.lua") == second.evaluate("return n", "test.lua"));
 }
 
+TEST_CASE("names that nothing has are found in functions that are never called") {
+  const auto unknown = [](const std::string& text) {
+    dsl::Session session("");
+    session.evaluate(text, "test.lua");
+    return session.unknown_names(text, "test.lua");
+  };
+  using Messages = std::vector<std::string>;
+  CHECK(unknown("local function f(a) return a + math.pi, scenes, strategies end").empty());
+  CHECK(unknown("\nlocal function f()\n  return rtr {}\nend") ==
+        Messages{"test.lua:3: unknown name 'rtr' (did you mean 'rrt'?)"});
+  CHECK(unknown("local function f()\n return function()\n\n return nowhere\n end\n end")
+            .front()
+            .starts_with("test.lua:4: unknown name 'nowhere'"));
+  // What is set anywhere is known, what is local or a field is no global.
+  CHECK(unknown("local function set() later = 1 end local function get() return later end").empty());
+  CHECK(unknown("local t = { inside = 1 } local function f(inside) local x = inside return x, t.inside end").empty());
+  // Lines are told over long stretches too.
+  const std::string text =
+      "local function f()\n do\n local x\n" + std::string(400, '\n') + " x = 1\n end\n return nowhere\nend";
+  CHECK(unknown(text).front().starts_with("test.lua:406: unknown name 'nowhere'"));
+}
+
 TEST_CASE("whoever runs a script can end it") {
   int asked = 0;
   dsl::Session session("", {.interrupted = [&asked] { return ++asked > 3; }});

@@ -739,22 +739,98 @@ void check(const Problem& problem) {
   }
 }
 
+namespace {
+
+void check_depth(const StrategySpec& strategy) {
+  if (strategy.guide() == nullptr || depth(*strategy.guide()) <= deepest) return;
+  throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
+}
+
+std::unique_ptr<Instance> root_instance(const Problem& problem) {
+  auto instance = make_instance(problem);
+  instance->space.normalise(instance->start);
+  instance->space.normalise(instance->goal);
+  return instance;
+}
+
+/// The first place in a guide that was written somewhere.
+std::string where(const GuideSpec& guide) {
+  if (guide.kind() == GuideSpec::Kind::component) return where(guide.origin());
+  for (const auto& term : guide.terms()) {
+    std::string place = where(term.guide);
+    if (!place.empty()) return place;
+  }
+  return "";
+}
+
+void find_unreachable(const GuideSpec& guide, const PlannerSpec& planner, double proposals,
+                      std::vector<std::string>& sentences) {
+  switch (guide.kind()) {
+    case GuideSpec::Kind::component: {
+      const PlannerCommon common = find_planner(planner.name())->common(planner.options());
+      if ((1.0 - common.goal_bias) * (1.0 - common.uniform) <= 0.0) {
+        sentences.push_back(
+            fmt::format("{}{} never draws: {} leaves it no share of its proposals (uniform = {:g}, "
+                        "goal_bias = {:g})",
+                        where(guide), guide.text(), planner.text(), common.uniform, common.goal_bias));
+      } else if (guide.below() != nullptr) {
+        const PlannerSpec& own = *guide.planner();
+        find_unreachable(*guide.below(), own, find_planner(own.name())->common(own.options()).budget.proposals,
+                         sentences);
+      }
+      return;
+    }
+    case GuideSpec::Kind::sequence:
+      for (std::size_t i = 0; i < guide.terms().size(); ++i) {
+        const GuideSpec& part = guide.terms()[i].guide;
+        const double begins = static_cast<double>(i) * static_cast<double>(guide.turn());
+        if (begins < proposals) {
+          find_unreachable(part, planner, proposals, sentences);
+        } else {
+          sentences.push_back(
+              fmt::format("{}{} never draws: its turn begins after {:g} proposals, and {} ends after {:g}", where(part),
+                          part.text(), begins, planner.text(), proposals));
+        }
+      }
+      return;
+    case GuideSpec::Kind::mixture:
+    case GuideSpec::Kind::blend:
+      for (const auto& term : guide.terms()) find_unreachable(term.guide, planner, proposals, sentences);
+      return;
+  }
+}
+
+}  // namespace
+
+void check(const StrategySpec& strategy, const Problem& problem) {
+  check_depth(strategy);
+  if (strategy.guide() == nullptr) return;
+  Run run;
+  run.problem = problem.name;
+  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
+  root.guide_by(*strategy.guide());
+}
+
+std::vector<std::string> unreachable_guides(const StrategySpec& strategy) {
+  std::vector<std::string> sentences;
+  if (strategy.guide() == nullptr) return sentences;
+  const PlannerSpec& planner = strategy.planner();
+  find_unreachable(*strategy.guide(), planner, find_planner(planner.name())->common(planner.options()).budget.proposals,
+                   sentences);
+  return sentences;
+}
+
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options) {
   check(problem);
-  if (strategy.guide() != nullptr && depth(*strategy.guide()) > deepest) {
-    throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
-  }
+  check_depth(strategy);
   const auto begin = std::chrono::steady_clock::now();
   Run run;
   run.problem = problem.name;
   run.seed = seed;
   run.interrupted = options.interrupted;
   run.watch = options.watch;
-  auto instance = make_instance(problem);
-  instance->space.normalise(instance->start);
-  instance->space.normalise(instance->goal);
-  Level root(run, nullptr, "0", "root", std::move(instance), strategy.planner(), nullptr);
+  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
   double setup = 0.0;
   run.clock.switch_to(&setup);
   if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());

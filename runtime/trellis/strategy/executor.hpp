@@ -97,6 +97,14 @@ struct ExecuteOptions {
 /// names the obstacle a start or goal touches.
 void check(const Problem& problem);
 
+/// Makes the levels of a strategy for a problem, without searching in any: throws Error where a guide cannot make its
+/// space, as `execute` would.
+void check(const StrategySpec& strategy, const Problem& problem);
+
+/// The guides of a strategy that will never draw a proposal, whatever the problem, a sentence each with where they were
+/// written: the planner above leaves them no share, or its budget ends before their turn.
+std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
+
 /// Runs a strategy on a problem. Deterministic in (strategy, problem, seed), times apart. Throws Error for a problem
 /// that does not pass `check`.
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
