@@ -22,6 +22,14 @@ int dispatch(int argc, char** argv) {
   CLI::App app("Trellis runs scripts that declare hierarchies of guiding spaces for motion planning.", "trellis");
   app.require_subcommand(1);
 
+  const auto add_script_options = [](CLI::App* verb, command::ScriptOptions& scripts) {
+    verb->add_option("--memory", scripts.memory, "the memory that a script may hold, in MiB (default 1024)");
+    verb->add_option("--instructions", scripts.instructions,
+                     "what a script may work while it loads, in instructions (default 1000000000); each call of one of "
+                     "its functions later on a tenth");
+    verb->add_flag("--trust", scripts.trust, "let scripts reach all files and processes: io, os, debug");
+  };
+
   command::RunOptions options;
   auto* run = app.add_subcommand("run", "run a script's experiment and print the report");
   run->add_option("SCRIPT", options.script, "a Lua script")->required();
@@ -40,6 +48,8 @@ int dispatch(int argc, char** argv) {
                   "the figures' colours of samples: safe, for any colour vision, or paper");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
 
+  add_script_options(run, options.scripts);
+
   command::MeasureOptions measuring;
   auto* measure = app.add_subcommand("measure", "measure samples that any program drew, and print the figures");
   measure->add_option("CASE", measuring.file, "a case file: the space, the path, and where the samples are")
@@ -47,9 +57,13 @@ int dispatch(int argc, char** argv) {
   measure->add_option("--json", measuring.json, "write all figures to a file, - for the standard output");
   measure->add_option("--estimator", measuring.estimator, "the estimator instead of knn, or all");
 
+  add_script_options(measure, measuring.scripts);
+
   std::vector<std::string> scripts;
+  command::ScriptOptions checking;
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
+  add_script_options(check, checking);
 
   std::string fresh;
   auto* create = app.add_subcommand("new", "write a small script to begin with");
@@ -57,6 +71,8 @@ int dispatch(int argc, char** argv) {
   std::string first;
   auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, look at them");
   repl->add_option("SCRIPT", first, "a Lua script to begin with");
+  command::ScriptOptions sitting;
+  add_script_options(repl, sitting);
 
   const auto* version = app.add_subcommand("version", "print the version");
 
@@ -94,7 +110,7 @@ int dispatch(int argc, char** argv) {
     }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const auto* parsed : {run, measure}) {
+  for (const auto* parsed : {run, measure, check}) {
     for (const auto* option : parsed->get_options()) {
       const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
       if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
@@ -102,10 +118,10 @@ int dispatch(int argc, char** argv) {
   }
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
-  if (check->parsed()) return command::check(scripts);
+  if (check->parsed()) return command::check(scripts, checking);
   if (create->parsed()) return command::create(fresh);
   if (reference->parsed()) return command::reference(form, app);
-  if (repl->parsed()) return command::repl(first);
+  if (repl->parsed()) return command::repl(first, sitting);
   if (version->parsed()) return command::version();
   return command::help(topic, usage);
 }

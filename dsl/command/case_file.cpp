@@ -56,7 +56,8 @@ std::string_view behind(const Json::exception& error, std::string_view mark) {
 
 class Reader {
  public:
-  explicit Reader(std::string file) : file_(std::move(file)), folder_(fs::path(file_).parent_path()) {}
+  Reader(std::string file, dsl::SessionOptions scripts)
+      : file_(std::move(file)), folder_(fs::path(file_).parent_path()), scripts_(std::move(scripts)) {}
 
   Case read() {
     parse();
@@ -273,7 +274,7 @@ class Reader {
     const std::string folder = folder_.string();
     if (free.ends_with(".lua")) {
       const std::string script = (folder_ / free).string();
-      dsl::Session session(fs::path(script).parent_path().string());
+      dsl::Session session(fs::path(script).parent_path().string(), scripts_);
       return session.problems(dsl::without_shebang(dsl::read_file(script)), script);
     }
     const bool name =
@@ -343,12 +344,13 @@ class Reader {
 
   std::string file_;
   fs::path folder_;
+  dsl::SessionOptions scripts_;
   Json document_;
   std::string expects_;  // of the key looked at last
 };
 
 }  // namespace
 
-Case read_case(const std::string& file) { return Reader(file).read(); }
+Case read_case(const std::string& file, const dsl::SessionOptions& scripts) { return Reader(file, scripts).read(); }
 
 }  // namespace trellis::command

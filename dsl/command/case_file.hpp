@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <dsl/language/session.hpp>
 #include <trellis/base/configurations.hpp>
 #include <trellis/measure/target.hpp>
 #include <trellis/space/space.hpp>
@@ -25,8 +26,8 @@ struct Case {
   std::uint64_t seed = 1;
 };
 
-/// Reads a case (docs/formats.md). Files that it names are found from its folder; the samples are not read yet. Throws
-/// Error that names the file and the key for anything malformed.
-Case read_case(const std::string& file);
+/// Reads a case (docs/formats.md), `scripts` for one that decides validity. Files that it names are found from its
+/// folder; the samples are not read yet. Throws Error that names the file and the key for anything malformed.
+Case read_case(const std::string& file, const dsl::SessionOptions& scripts);
 
 }  // namespace trellis::command

@@ -2,12 +2,17 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <set>
 #include <string_view>
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/command/script_options.hpp>
 #include <dsl/language/measure.hpp>
+#include <dsl/language/modules.hpp>
 #include <dsl/language/session.hpp>
+#include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
 
 namespace trellis::command {
@@ -46,13 +51,42 @@ std::string summary(const std::string& script, const Experiment& experiment) {
                             measure.metrics ? ", with metrics of the search" : "");
 }
 
+/// Checks one script without planning; whether nothing is wrong with it.
+bool check_script(const std::string& script, const dsl::SessionOptions& options, std::string& text) {
+  const std::string source = dsl::without_shebang(dsl::read_file(script));
+  dsl::Session session(std::filesystem::path(script).parent_path().string(), options);
+  const Experiment experiment = session.load(source, script).experiment;
+  std::vector<std::string> faults = session.unknown_names(source, script);
+  std::vector<std::string> warnings;
+  for (const auto& [name, strategy] : experiment.strategies) {
+    std::set<std::string> spaces;  // one problem tells for all in such a space
+    for (const Problem& problem : experiment.problems) {
+      if (!spaces.insert(problem.space.name()).second) continue;
+      try {
+        trellis::check(strategy, problem);
+      } catch (const Error& error) {
+        faults.emplace_back(error.what());
+      }
+    }
+    for (const std::string& sentence : unreachable_guides(strategy)) {
+      warnings.push_back(fmt::format("{} (strategy '{}')", sentence, name));
+    }
+  }
+  for (const std::string& fault : faults) fmt::print(stderr, "trellis: {}\n", fault);
+  for (const std::string& warning : warnings) fmt::print(stderr, "trellis: warning: {}\n", warning);
+  text = summary(script, experiment);
+  return faults.empty();
+}
+
 }  // namespace
 
-int check(const std::vector<std::string>& scripts) {
+int check(const std::vector<std::string>& scripts, const ScriptOptions& options) {
+  const dsl::SessionOptions session = session_options(options);
   int status = success;
   for (std::size_t i = 0; i < scripts.size(); ++i) {
     try {
-      const std::string text = summary(scripts[i], dsl::load_script(scripts[i]).experiment);
+      std::string text;
+      if (!check_script(scripts[i], session, text)) status = their_fault;
       print_all((i > 0 ? "\n" : "") + text);
     } catch (const Error& error) {
       // The other scripts are checked all the same.

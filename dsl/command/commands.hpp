@@ -13,8 +13,16 @@ namespace trellis::command {
 /// What the command line answers with. The last one is the shell's convention for a Ctrl-C.
 enum Exit : int { success = 0, our_fault = 1, their_fault = 2, was_interrupted = 130 };
 
+/// What a script may do and spend.
+struct ScriptOptions {
+  std::string memory;        ///< MiB as typed, "" without
+  std::string instructions;  ///< as typed, "" without
+  bool trust = false;
+};
+
 struct RunOptions {
   std::string script;
+  ScriptOptions scripts;
   std::string seeds;  ///< as typed, "" without
   std::string seed;
   std::string jobs;
@@ -33,6 +41,7 @@ struct MeasureOptions {
   std::string file;       ///< the case
   std::string json;       ///< a file, "-" for stdout, "" without
   std::string estimator;  ///< a name, "all", "" for the default
+  ScriptOptions scripts;
 };
 
 // Each command returns the exit status, and throws Error for what the user can mend.
@@ -42,11 +51,11 @@ int run(const RunOptions& options);
 /// Measures samples of any program's against a tube, as a case file says, and prints the figures.
 int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
-int check(const std::vector<std::string>& scripts);
+int check(const std::vector<std::string>& scripts, const ScriptOptions& options);
 /// Writes NAME.lua, a small script to begin with, where there is no such file.
 int create(const std::string& name);
 /// An interactive session, after a script where one is named; lines from stdin where that is no terminal.
-int repl(const std::string& script);
+int repl(const std::string& script, const ScriptOptions& options);
 /// Prints what is known about a word of the language; `usage` and all words where it is "".
 int help(const std::string& topic, const std::string& usage);
 /// Prints all words, or the command line, in a form for other programs: one of `reference_forms`, "" is the first.

@@ -300,7 +300,8 @@ void name_values(CLI::App& app) {
                                                     {"html", "FILE"},          {"jobs", "N"},
                                                     {"json", "FILE"},          {"out", "FOLDER"},
                                                     {"palette", "safe|paper"}, {"samples", "FOLDER"},
-                                                    {"seed", "SEED"},          {"seeds", "N"}};
+                                                    {"seed", "SEED"},          {"seeds", "N"},
+                                                    {"memory", "MIB"},         {"instructions", "N"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     for (CLI::Option* option : verb->get_options()) {
       const bool argument = option->get_positional();

@@ -16,6 +16,7 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/csv.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/command/script_options.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/measure/efficiency.hpp>
 #include <trellis/report/report.hpp>
@@ -302,7 +303,7 @@ int measure(const MeasureOptions& options) {
   const bool to_stdout = options.json == "-";
   const bool to_file = !options.json.empty() && !to_stdout;
   if (to_file) require_writable_file(options.json);
-  const Case c = read_case(options.file);
+  const Case c = read_case(options.file, session_options(options.scripts));
   const Measured m = measured(c, specs);
   const std::string json = document(c, m).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (to_file) write_file(options.json, json);

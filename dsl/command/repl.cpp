@@ -16,6 +16,7 @@
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/repl_console.hpp>
 #include <dsl/command/repl_line.hpp>
+#include <dsl/command/script_options.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -36,8 +37,12 @@ bool coloured() {
 
 }  // namespace
 
-int repl(const std::string& script) {
-  Console console(std::filesystem::path(script).parent_path().string(), coloured());
+int repl(const std::string& script, const ScriptOptions& options) {
+  dsl::SessionOptions session = session_options(options);
+  // Whoever sits here ends what takes too long, and loses no session by it.
+  session.interrupted = InterruptibleSession::requested;
+  session.stuck = nullptr;
+  Console console(std::filesystem::path(script).parent_path().string(), coloured(), session);
   std::string input;  // the lines of it so far
   LineReader lines([&](const std::string& before) { return console.complete(input + before); });
   const std::string greeting = script.empty() ? "" : console.load(script);

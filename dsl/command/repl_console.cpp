@@ -26,7 +26,6 @@
 #include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
-#include <dsl/lua/interrupt.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
 
@@ -135,13 +134,13 @@ void open_editor(const std::string& path) {
 
 }  // namespace
 
-Console::Console(const std::string& folder, bool colour) : session_(folder) {
+Console::Console(const std::string& folder, bool colour, const dsl::SessionOptions& options)
+    : session_(folder, options) {
   bench_.screen = [colour] { return screen(colour); };
   bench_.interrupted = InterruptibleSession::requested;
   session_.with([this](Stack& stack) {
     open_runs(stack);
     open_verbs(stack, bench_);
-    lua::poll_interrupts(stack, InterruptibleSession::requested);
   });
 }
 

@@ -14,7 +14,7 @@ class Console {
  public:
   /// \param folder  where modules and scenes are looked for
   /// \param colour  whether what is printed may be coloured
-  Console(const std::string& folder, bool colour);
+  Console(const std::string& folder, bool colour, const dsl::SessionOptions& options);
 
   /// Runs a script and binds what it returns to the global `script`; says what there is. Throws Error.
   std::string load(const std::string& path);

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include <dsl/command/commands.hpp>
@@ -19,8 +20,10 @@
 #include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
+#include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/unused.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -123,6 +126,21 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
   }
 }
 
+/// Says on stderr what was given and never used.
+void warn(const dsl::Program& program, const ExperimentResult& result) {
+  for (const std::string& sentence : unused_guides(program.experiment, result)) {
+    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  }
+  const auto& measure = program.experiment.measure;
+  const char* why = !measure ? "the experiment measures nothing (measure = false)"
+                    : !std::holds_alternative<UserTarget>(measure->target)
+                        ? "the experiment is measured by another target (field 'measure')"
+                        : "the experiment is measured by another target, or no run found a path";
+  for (const std::string& sentence : program.uncalled()) {
+    fmt::print(stderr, "trellis: warning: {}: {}\n", sentence, why);
+  }
+}
+
 draw::RoleColours palette_option(const RunOptions& options) {
   if (options.palette.empty()) return draw::RoleColours::safe;
   static const std::vector<std::string> names = {"safe", "paper"};
@@ -146,7 +164,7 @@ int run(const RunOptions& options) {
 
   const draw::RoleColours colours = palette_option(options);
 
-  dsl::SessionOptions session;
+  dsl::SessionOptions session = session_options(options.scripts);
   session.seed = seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, seeds, seed);
@@ -200,6 +218,7 @@ int run(const RunOptions& options) {
     attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
     figures.keep();
   }
+  warn(program, result);
   if (failure) throw Error(*failure);
   return success;
 }

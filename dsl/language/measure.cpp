@@ -45,6 +45,8 @@ struct UserFunctions {
   std::string where;  ///< "script.lua:3: "
   lua::Reference sample;
   lua::Reference log_density;
+  lua::Limits each;  ///< what one call may spend
+  std::shared_ptr<bool> called = std::make_shared<bool>(false);
 };
 
 std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
@@ -123,6 +125,7 @@ class UserDraws {
  public:
   UserDraws(std::shared_ptr<const UserFunctions> functions, const UserTarget::Context& context)
       : functions_(std::move(functions)),
+        occasion_(context.occasion),
         space_(context.problem.space),
         problem_(context.problem.name),
         draws_(context.draws) {
@@ -155,7 +158,7 @@ class UserDraws {
   [[nodiscard]] double log_density(View q) const {
     double value = 0.0;
     ask(
-        "log_density", q, [&] { return fmt::format("log_density at {}", coordinates_of(q)); }, value);
+        "log_density", q, [&] { return asked_at(q); }, value);
     return value;
   }
 
@@ -178,12 +181,26 @@ class UserDraws {
   }
 
   [[noreturn]] void fail(const std::string& which, const std::string& why) const {
-    throw lua::Located(fmt::format("{}target: {} (problem '{}'): {}", functions_->where, which, problem_, why));
+    const std::string run =
+        occasion_ ? fmt::format(", strategy '{}', seed {}", occasion_->strategy, occasion_->seed) : "";
+    throw lua::Located(fmt::format("{}target: {} (problem '{}'{}): {}", functions_->where, which, problem_, run, why));
+  }
+
+  /// "log_density at (1, 2), node 3 of 50 of lazy() >> rrt, level 1".
+  [[nodiscard]] std::string asked_at(View q) const {
+    std::string which = fmt::format("log_density at {}", coordinates_of(q));
+    if (!occasion_ || occasion_->samples == nullptr) return which;
+    const Configurations& samples = *occasion_->samples;
+    std::size_t i = 0;
+    while (i < samples.size() && !std::equal(q.begin(), q.end(), samples[i].begin(), samples[i].end())) ++i;
+    which += i < samples.size() ? fmt::format(", {} {} of {}", occasion_->role, i + 1, samples.size())
+                                : fmt::format(", for the {}s", occasion_->role);
+    return which + " of " + occasion_->level;
   }
 
   void ask(const std::string& which, const std::function<void(Stack&)>& body) const {
     try {
-      interpreter("sample")->run(body);
+      interpreter("sample")->run(body, functions_->each);
     } catch (const Error& error) {
       fail(which, error.what());
     }
@@ -193,20 +210,22 @@ class UserDraws {
   template <class Which>
   void ask(const char* function, View q, const Which& which, double& value) const {
     try {
-      interpreter(function)->run([&](Stack& stack) {
-        functions_->log_density.push(stack);
-        push_numbers(stack, q);
-        context_->push(stack);
-        stack.call(2);
-        const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
-        if (!number || std::isnan(*number) || *number == std::numeric_limits<double>::infinity()) {
-          throw Error(
-              fmt::format("it returned {}, expected the logarithm of a density, and -math.huge where there is "
-                          "none",
-                          stack.size() > 0 ? stack[1].describe() : "nothing"));
-        }
-        value = *number;
-      });
+      interpreter(function)->run(
+          [&](Stack& stack) {
+            functions_->log_density.push(stack);
+            push_numbers(stack, q);
+            context_->push(stack);
+            stack.call(2);
+            const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
+            if (!number || std::isnan(*number) || *number == std::numeric_limits<double>::infinity()) {
+              throw Error(
+                  fmt::format("it returned {}, expected the logarithm of a density, and -math.huge where there is "
+                              "none",
+                              stack.size() > 0 ? stack[1].describe() : "nothing"));
+            }
+            value = *number;
+          },
+          functions_->each);
     } catch (const Error& error) {
       fail(which(), error.what());
     }
@@ -214,6 +233,7 @@ class UserDraws {
 
   std::shared_ptr<const UserFunctions> functions_;
   std::shared_ptr<const lua::Reference> context_;
+  std::shared_ptr<const UserTarget::Occasion> occasion_;  // nullptr outside of an experiment
   Space space_;
   std::string problem_;
   std::int64_t draws_;
@@ -233,7 +253,7 @@ Target::Distribution distribution(const std::shared_ptr<const UserFunctions>& fu
   return made;
 }
 
-int make_user_target(Stack& call) {
+int make_user_target(Stack& call, const lua::Limits& each, std::vector<Callback>& given) {
   const Arguments arguments(target_construct(), call);
   for (const char* name : {"sample", "log_density"}) {
     if (arguments[name].type() != Type::function) arguments.reject(name);
@@ -242,8 +262,12 @@ int make_user_target(Stack& call) {
   static_cast<TargetSettings&>(target) = user_settings().read(arguments.options());
   const auto position = call.where();
   const std::shared_ptr<const UserFunctions> functions(new UserFunctions{
-      position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}});
-  target.make = [functions](const UserTarget::Context& context) { return distribution(functions, context); };
+      position ? position->prefix() : "", {call, arguments["sample"]}, {call, arguments["log_density"]}, each});
+  target.make = [functions](const UserTarget::Context& context) {
+    *functions->called = true;
+    return distribution(functions, context);
+  };
+  given.push_back({functions->where, "'sample' and 'log_density' of this target", functions->called});
   return call.result(TargetSpec(std::move(target)));
 }
 
@@ -377,7 +401,7 @@ std::string text_of(const std::vector<EstimatorSpec>& estimators) {
   return text;
 }
 
-void open_measure(Stack& stack) {
+void open_measure(Stack& stack, const lua::Limits& each, const std::shared_ptr<std::vector<Callback>>& given) {
   stack.declare<TargetSpec>({{"__tostring", to_text<TargetSpec>}});
   stack.declare<EstimatorSpec>({{"__tostring", to_text<EstimatorSpec>}, {"__eq", equal_estimators}});
   for (const auto& components : {target_components(), estimator_components()}) {
@@ -386,7 +410,7 @@ void open_measure(Stack& stack) {
       stack.set_global(component->name);
     }
   }
-  stack.push_function(make_user_target);
+  stack.push_function([each, given](Stack& call) { return make_user_target(call, each, *given); });
   stack.set_global(target_construct().name);
 }
 

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <dsl/language/construct.hpp>
-#include <dsl/lua/stack.hpp>
+#include <dsl/lua/state.hpp>
 #include <trellis/experiment/experiment.hpp>
 
 namespace trellis::dsl {
 
+/// Functions of a script's that wait to be called.
+struct Callback {
+  std::string where;  ///< "script.lua:3: "
+  std::string what;   ///< "the functions of 'target'"
+  std::shared_ptr<bool> called;
+};
+
 /// Makes the targets and the estimators known: a constructor of each, and `target`.
-void open_measure(lua::Stack& stack);
+/// \param each   what one call of a target's functions may spend
+/// \param given  receives each target of the script's own as it is made
+void open_measure(lua::Stack& stack, const lua::Limits& each, const std::shared_ptr<std::vector<Callback>>& given);
 
 /// The targets and the estimators that are components. (A user's own target is a construct.)
 std::vector<const Component*> target_components();

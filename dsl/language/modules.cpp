@@ -16,6 +16,7 @@
 #include <dsl/language/problem.hpp>
 #include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/lua/globals.hpp>
 #include <dsl/lua/state.hpp>
 
 namespace trellis::dsl {
@@ -51,8 +52,8 @@ struct Source {
 /// Finds and runs modules, each once.
 class Modules {
  public:
-  Modules(std::string script_folder, std::function<void(const Construct&)> described)
-      : folder_(std::move(script_folder)), described_(std::move(described)) {}
+  Modules(const ScriptPlace& place, std::function<void(const Construct&)> described)
+      : folder_(place.folder), trust_(place.trust), described_(std::move(described)) {}
 
   /// Pushes the module's value. `loaded` is the table of those that are there already.
   void require(Stack& stack, const std::string& name) {
@@ -120,9 +121,9 @@ class Modules {
   /// What only the standard library is given.
   void push_natives(Stack& stack) const {
     const Value natives = stack.push_table();
-    stack.push_function(scene_loader(folder_));
+    stack.push_function(scene_loader(folder_, trust_));
     stack.set_field(natives, "load_scene");
-    stack.push_function(scene_finder(folder_));
+    stack.push_function(scene_finder(folder_, trust_));
     stack.set_field(natives, "scene_exists");
     stack.push_function(definer(described_));
     stack.set_field(natives, "define");
@@ -134,6 +135,7 @@ class Modules {
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
   std::string folder_;
+  bool trust_;
   std::function<void(const Construct&)> described_;
   std::vector<std::string> loading_;
 };
@@ -163,7 +165,7 @@ const Construct& require_construct() {
 std::vector<Construct> module_functions() {
   std::vector<Construct> functions;
   constexpr std::size_t memory = std::size_t{64} << 20U;
-  const auto interpreter = std::make_shared<lua::State>(memory);
+  const auto interpreter = std::make_shared<lua::State>(lua::State::Options{.memory = memory});
   interpreter->run([&](Stack& stack) {
     open_language(stack, "", {}, [&](const Construct& construct) { functions.push_back(construct); });
     for (const auto& name : module_names()) {
@@ -182,13 +184,31 @@ std::vector<Construct> module_functions() {
   return functions;
 }
 
+std::vector<std::string> unknown_names(Stack& stack, const std::string& text, const std::string& script) {
+  const auto uses = lua::global_uses(stack, text, "@" + script);
+  const int before = stack.size();
+  auto known = module_names();
+  for (const auto& name : stack.push_globals().keys().names) known.push_back(name);
+  stack.resize(before);
+  for (const auto& use : uses) {
+    if (use.set) known.push_back(use.name);
+  }
+  std::vector<std::string> messages;
+  for (const auto& use : uses) {
+    if (use.name.empty() || std::find(known.begin(), known.end(), use.name) != known.end()) continue;
+    messages.push_back(
+        fmt::format("{}:{}: unknown name '{}'{}", script, use.line, use.name, did_you_mean(use.name, known)));
+  }
+  return messages;
+}
+
 std::string without_shebang(std::string text) {
   if (text.starts_with('#')) text.erase(0, std::min(text.find('\n'), text.size()));
   return text;
 }
 
-void open_modules(Stack& stack, const std::string& script_folder, std::function<void(const Construct&)> described) {
-  const auto modules = std::make_shared<Modules>(script_folder, std::move(described));
+void open_modules(Stack& stack, const ScriptPlace& place, std::function<void(const Construct&)> described) {
+  const auto modules = std::make_shared<Modules>(place, std::move(described));
   stack.push_function([modules](Stack& call) {
     const auto name = call[1].string();
     if (!name) throw Error(fmt::format("require: the module's name must be a string, got {}", describe(call[1])));
@@ -201,8 +221,10 @@ void open_modules(Stack& stack, const std::string& script_folder, std::function<
     const auto name = call[2].string();
     if (!name) throw Error(fmt::format("no global is called {}", call[2].describe()));
     if (std::binary_search(left_out_names().begin(), left_out_names().end(), *name)) {
-      throw Error(fmt::format(
-          "there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter", *name));
+      const bool granted = *name == "io" || *name == "os" || *name == "debug";
+      throw Error(
+          fmt::format("there is no '{}' here: scripts reach no files and processes, and nothing of the interpreter{}",
+                      *name, granted ? "; --trust lets one that you trust" : ""));
     }
     auto known = module_names();
     if (std::binary_search(known.begin(), known.end(), *name)) {
@@ -213,7 +235,9 @@ void open_modules(Stack& stack, const std::string& script_folder, std::function<
     }
     const auto globals = call.push_globals().keys().names;
     known.insert(known.end(), globals.begin(), globals.end());
-    throw Error(fmt::format("unknown name '{}'{}", *name, did_you_mean(*name, known)));
+    constexpr std::size_t longest = 60;
+    const std::string shown = name->size() > longest ? name->substr(0, longest) + "..." : *name;
+    throw Error(fmt::format("unknown name '{}'{}", shown, did_you_mean(*name, known)));
   });
   stack.resize(before);
 }

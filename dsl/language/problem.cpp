@@ -148,6 +148,26 @@ std::string scenes_folder() {
   return folder != nullptr && *folder != '\0' ? folder : TRELLIS_SCENES_FOLDER;
 }
 
+/// Throws Error for a file outside of the folders that scenes are looked for in, going by the words of its path: links
+/// in a folder are its owner's affair.
+void require_within(const char* function, const std::string& file, const std::string& script_folder) {
+  namespace fs = std::filesystem;
+  const auto stays = [](const fs::path& relative) { return !relative.empty() && *relative.begin() != ".."; };
+  const fs::path path = fs::path(file).lexically_normal();
+  std::error_code error;
+  bool within = !path.is_absolute() && stays(path);
+  for (const std::string& folder : {script_folder, scenes_folder()}) {
+    if (!path.is_absolute()) break;
+    const fs::path whole = fs::absolute(folder.empty() ? "." : folder, error).lexically_normal();
+    within = within || stays(path.lexically_relative(whole));
+  }
+  if (within) return;
+  throw Error(
+      fmt::format("{}: '{}' lies neither in the script's folder nor in the folder of scenes; --trust lets a script "
+                  "that you trust read it",
+                  function, file));
+}
+
 std::string file_argument(Stack& call, const char* function) {
   const auto file = call[1].string();
   if (!file || file->empty()) {
@@ -230,9 +250,10 @@ std::string find_scene(const std::string& file, const std::string& script_folder
   return "";
 }
 
-lua::Callback scene_loader(std::string script_folder) {
-  return [folder = std::move(script_folder)](Stack& call) {
+lua::Callback scene_loader(std::string script_folder, bool trust) {
+  return [folder = std::move(script_folder), trust](Stack& call) {
     const std::string file = file_argument(call, "scenes.load");
+    if (!trust) require_within("scenes.load", file, folder);
     std::vector<std::string> looked;
     const std::string path = find_scene(file, folder, &looked);
     if (path.empty()) {
@@ -252,9 +273,11 @@ lua::Callback scene_loader(std::string script_folder) {
   };
 }
 
-lua::Callback scene_finder(std::string script_folder) {
-  return [folder = std::move(script_folder)](Stack& call) {
-    return call.result(!find_scene(file_argument(call, "scenes.exists"), folder).empty());
+lua::Callback scene_finder(std::string script_folder, bool trust) {
+  return [folder = std::move(script_folder), trust](Stack& call) {
+    const std::string file = file_argument(call, "scenes.exists");
+    if (!trust) require_within("scenes.exists", file, folder);
+    return call.result(!find_scene(file, folder).empty());
   };
 }
 

@@ -28,8 +28,9 @@ std::string find_scene(const std::string& file, const std::string& script_folder
                        std::vector<std::string>* looked = nullptr);
 
 /// scenes.load(file, options): a list of problems. The callback keeps the script's folder.
-lua::Callback scene_loader(std::string script_folder);
+/// \param trust  files outside of that folder and the folder of scenes too
+lua::Callback scene_loader(std::string script_folder, bool trust);
 /// scenes.exists(file).
-lua::Callback scene_finder(std::string script_folder);
+lua::Callback scene_finder(std::string script_folder, bool trust);
 
 }  // namespace trellis::dsl

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <trellis/experiment/experiment.hpp>
 
@@ -13,6 +15,8 @@ namespace trellis::dsl {
 struct Program {
   Experiment experiment;
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
+  /// Asked after the experiment was run: what the script gave that nobody called, a sentence each with its line.
+  std::function<std::vector<std::string>()> uncalled;
 };
 
 /// The largest number of seeds that one experiment may ask for: more is a slip of the pen.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dsl/language/session.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -29,25 +31,53 @@ lua::Position last_line(const std::string& text, const std::string& name) {
   return {name, lines};
 }
 
+lua::State::Options state_options(const SessionOptions& options) {
+  lua::State::Options result;
+  result.memory = options.memory;
+  if (options.trust) result.longest_string = options.memory;  // files are read into strings
+  result.stuck = options.stuck;
+  if (options.interrupted) {
+    result.poll = [interrupted = options.interrupted] {
+      if (interrupted()) throw Interrupted();
+    };
+  }
+  return result;
+}
+
+// An instruction takes some 10 ns. The time is for what takes long although its instructions are few.
+double seconds_for(std::uint64_t instructions) { return std::max(1.0, 6e-8 * static_cast<double>(instructions)); }
+
+/// What one call of a script's function may spend, where loading may spend `instructions`.
+lua::Limits call_limits(std::uint64_t instructions) {
+  constexpr std::uint64_t share = 10;
+  const std::uint64_t each = std::max<std::uint64_t>(1, instructions / share);
+  return {each, seconds_for(each), "it",
+          fmt::format("; is there a loop without end? --instructions {} would allow a call {}", 10 * instructions,
+                      10 * each)};
+}
+
 }  // namespace
 
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
-                   std::function<void(const Construct&)> described) {
-  open_libraries(stack);
+                   std::function<void(const Construct&)> described,
+                   const std::shared_ptr<std::vector<Callback>>& given) {
+  open_libraries(stack, options.trust);
   open_random(stack, options.seed);
   open_algebra(stack);
   open_world(stack);
   open_problem(stack);
-  open_measure(stack);
+  open_measure(stack, call_limits(options.instructions), given);
   open_publication(stack);
   open_experiment(stack);
   open_help(stack, options.print);
-  open_modules(stack, folder, std::move(described));
+  open_modules(stack, {folder, options.trust}, std::move(described));
 }
 
 Session::Session(const std::string& folder, const SessionOptions& options)
-    : interpreter_(std::make_shared<lua::State>(options.memory)) {
-  interpreter_->run([&](lua::Stack& stack) { open_language(stack, folder, options); });
+    : instructions_(options.instructions),
+      given_(std::make_shared<std::vector<Callback>>()),
+      interpreter_(std::make_shared<lua::State>(state_options(options))) {
+  interpreter_->run([&](lua::Stack& stack) { open_language(stack, folder, options, {}, given_); });
 }
 
 Session::~Session() = default;
@@ -62,6 +92,13 @@ Program Session::load(const std::string& text, const std::string& name) {
       };
     }
   }
+  program.uncalled = [given = given_] {
+    std::vector<std::string> sentences;
+    for (const Callback& callback : *given) {
+      if (!*callback.called) sentences.push_back(callback.where + callback.what + " were never called");
+    }
+    return sentences;
+  };
   return program;
 }
 
@@ -71,25 +108,41 @@ std::vector<Problem> Session::problems(const std::string& text, const std::strin
   return problems;
 }
 
+lua::Limits Session::loading() const {
+  return {instructions_, seconds_for(instructions_), "the script",
+          fmt::format("; is there a loop without end? --instructions {} would allow more", 10 * instructions_)};
+}
+
 void Session::run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read) {
-  interpreter_->run([&](lua::Stack& stack) {
-    stack.load(text, "@" + name);
-    stack.call(0);
-    try {
-      read(stack);
-    } catch (const Error& error) {
-      throw lua::Located(last_line(text, name).prefix() + error.what());
-    }
-  });
+  interpreter_->run(
+      [&](lua::Stack& stack) {
+        stack.load(text, "@" + name);
+        stack.call(0);
+        try {
+          read(stack);
+        } catch (const Error& error) {
+          throw lua::Located(last_line(text, name).prefix() + error.what());
+        }
+      },
+      loading());
+}
+
+std::vector<std::string> Session::unknown_names(const std::string& text, const std::string& name) {
+  std::vector<std::string> messages;
+  interpreter_->run([&](lua::Stack& stack) { messages = dsl::unknown_names(stack, text, name); });
+  return messages;
 }
 
 std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
   std::vector<std::string> results;
-  interpreter_->run([&](lua::Stack& stack) {
-    stack.load(text, "@" + name);
-    stack.call(0);
-    for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());
-  });
+  interpreter_->run(
+      [&](lua::Stack& stack) {
+        stack.load(text, "@" + name);
+        stack.call(0);
+        results.reserve(static_cast<std::size_t>(stack.size()));
+        for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());
+      },
+      loading());
   return results;
 }
 

@@ -13,26 +13,38 @@
 namespace trellis::lua {
 class Stack;
 class State;
+struct Limits;
 }  // namespace trellis::lua
 
 namespace trellis::dsl {
+
+struct Callback;
 
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
   std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
   /// Where `help` in a script puts its text; the standard output by default.
   std::function<void(const std::string&)> print = {};
+  /// What it may spend on loading, in instructions of Lua's or work that takes as long; each call of one of its
+  /// functions afterwards a tenth.
+  std::uint64_t instructions = 1'000'000'000;
+  bool trust =
+      false;  ///< it reaches all files, processes, the clock and the interpreter: io, os, debug, any scene file
+  std::function<bool()> interrupted = {};  ///< polled while it runs; true ends it (Interrupted)
+  /// Called from another thread where a script does not end however it is told; must not return to it.
+  std::function<void(const std::string& message)> stuck = {};
 };
 
 struct Construct;
 
 /// Makes the whole language known to an interpreter. `described` is told of every function that a module of the
-/// standard library defines, as it is loaded.
+/// standard library defines, as it is loaded; `given` collects the functions that scripts hand over.
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
-                   std::function<void(const Construct&)> described = {});
+                   std::function<void(const Construct&)> described = {},
+                   const std::shared_ptr<std::vector<Callback>>& given = std::make_shared<std::vector<Callback>>());
 
 /// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
-/// clock. One thread at a time.
+/// clock, and come to an end. One thread at a time.
 class Session {
  public:
   /// \param folder  where the script's own modules and scenes are looked for
@@ -47,15 +59,20 @@ class Session {
   Program load(const std::string& text, const std::string& name);
   /// Runs a script that returns a problem, or a list of problems as scenes.load makes it.
   std::vector<Problem> problems(const std::string& text, const std::string& name);
+  /// The names in a script that was run that nothing has, in functions that were not called too: a message each.
+  std::vector<std::string> unknown_names(const std::string& text, const std::string& name);
   /// Runs a piece of script and returns the texts of what it returns.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
   /// Runs `body` in the interpreter, as lua::State::run does.
   void with(const std::function<void(lua::Stack&)>& body);
 
  private:
+  [[nodiscard]] lua::Limits loading() const;
   /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line.
   void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
 
+  std::uint64_t instructions_;
+  std::shared_ptr<std::vector<Callback>> given_;
   std::shared_ptr<lua::State> interpreter_;
 };
 

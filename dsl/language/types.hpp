@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <variant>
 
 #include <dsl/language/program.hpp>
 #include <dsl/lua/value.hpp>
@@ -30,6 +32,53 @@ struct NamedShape {
 }  // namespace trellis::dsl
 
 namespace trellis::lua {
+
+template <>
+struct Weight<dsl::NamedShape> {
+  static std::size_t of(const dsl::NamedShape& shape) {
+    return sizeof shape + shape.name.size() + shape.text.size() + of(shape.shape);
+  }
+  static std::size_t of(const Shape& shape) {
+    const auto* polygon = std::get_if<Polygon>(&shape);
+    return sizeof shape + (polygon != nullptr ? polygon->vertices.size() * sizeof(Vec2) : 0);
+  }
+};
+template <>
+struct Weight<World> {
+  static std::size_t of(const World& world) {
+    std::size_t sum = sizeof world;
+    for (const auto& obstacle : world.obstacles()) {
+      sum += sizeof obstacle + obstacle.name.size() + Weight<dsl::NamedShape>::of(obstacle.shape);
+    }
+    return sum + world.parts().size() * parts;
+  }
+  static constexpr std::size_t parts = sizeof(World::Part) + 4 * sizeof(Vec2);
+};
+template <>
+struct Weight<Robot> {
+  static std::size_t of(const Robot& robot) {
+    std::size_t sum = sizeof robot;
+    for (const auto& body : robot.bodies()) sum += sizeof body + body.parts.size() * Weight<World>::parts;
+    return sum;
+  }
+};
+template <>
+struct Weight<Problem> {
+  static std::size_t of(const Problem& problem) {
+    constexpr std::size_t axis = 128;
+    return sizeof problem + sizeof(Scene) + problem.name.size() + axis * problem.space.dimension();
+  }
+};
+template <>
+struct Weight<dsl::Program> {
+  static std::size_t of(const dsl::Program& program) {
+    constexpr std::size_t strategy = 1024;
+    std::size_t sum = sizeof program + program.experiment.seeds.size() * sizeof(std::uint64_t) +
+                      program.experiment.strategies.size() * strategy;
+    for (const auto& problem : program.experiment.problems) sum += Weight<Problem>::of(problem);
+    return sum;
+  }
+};
 
 template <>
 struct TypeName<dsl::Constructor> {

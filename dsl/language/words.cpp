@@ -143,9 +143,9 @@ std::vector<ObjectType> make_types() {
 std::vector<std::string> make_lua_names() {
   std::vector<std::string> names;
   constexpr std::size_t memory = std::size_t{16} << 20U;
-  const auto interpreter = std::make_shared<lua::State>(memory);
+  const auto interpreter = std::make_shared<lua::State>(lua::State::Options{.memory = memory});
   interpreter->run([&](lua::Stack& stack) {
-    open_libraries(stack);
+    open_libraries(stack, false);
     const lua::Value globals = stack.push_globals();
     for (const auto& name : globals.keys().names) {
       names.push_back(name);

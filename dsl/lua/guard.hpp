@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <lua.hpp>
 
 #include <dsl/lua/state.hpp>
@@ -13,6 +14,12 @@ struct Guard {
   static int run(lua_State* state, const Callback& body);
   /// Turns the error value on top into the message that State::run throws.
   static int explain(lua_State* state);
+  /// Counts work that is no instruction of Lua's: one is a few nanoseconds. Ends the script where that is too much.
+  static void spend(lua_State* state, std::uint64_t instructions) { State::of(state).spend(state, instructions); }
+  /// Goes on ending the script where it is being ended. For whatever has caught an error on a script's behalf.
+  static void pass_on(lua_State* state);
+  [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).ended_; }
+  [[nodiscard]] static std::size_t longest_string(lua_State* state) { return State::of(state).budget_.longest_string; }
 };
 
 }  // namespace trellis::lua

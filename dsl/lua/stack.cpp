@@ -140,7 +140,8 @@ void Stack::call(int arguments) { lua_call(state_, arguments, LUA_MULTRET); }
 
 void Stack::push_object(std::unique_ptr<Object> object, const char* type) {
   room(state_, 3);
-  void* block = lua_newuserdatauv(state_, sizeof object, 0);
+  // What lies behind it weighs on the script's memory as if Lua held it, and has Lua collect garbage in time.
+  void* block = lua_newuserdatauv(state_, sizeof object + object->weight(), 0);
   new (block) std::unique_ptr<Object>(std::move(object));
   if (luaL_newmetatable(state_, type) != 0) {
     lua_pushcfunction(state_, collect);

@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
 #include <cstdlib>
-#include <new>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +16,34 @@
 namespace trellis::lua {
 
 namespace {
+
+/// A message with a traceback, less the frames that tell a reader nothing: of whoever called the script, of `error`
+/// itself, and of the script's main chunk where that is all there is and the message has its line already.
+std::string tidy(const std::string& message) {
+  constexpr std::string_view head = "\nstack traceback:";
+  const auto begin = message.rfind(head);
+  if (begin == std::string::npos) return message;
+  const std::string text = message.substr(0, begin);
+  std::string frames;
+  std::size_t count = 0;
+  std::string_view rest = std::string_view(message).substr(begin + head.size());
+  while (!rest.empty()) {
+    const std::string_view frame = rest.substr(0, rest.find('\n', 1));
+    rest.remove_prefix(frame.size());
+    if (frame == "\n\t[C]: in ?" || frame == "\n\t[C]: in function 'error'") continue;
+    frames += frame;
+    ++count;
+  }
+  constexpr std::string_view main_chunk = " in main chunk";
+  if (count == 0) return text;
+  if (count == 1 && frames.ends_with(main_chunk)) {
+    const std::string place = frames.substr(2, frames.size() - 2 - main_chunk.size());
+    if (text.starts_with(place)) return text;
+  }
+  return text + std::string(head) + frames;
+}
+
+constexpr int hook_interval = 100;  // instructions of Lua's from one look at the limits to the next
 
 int run_body(lua_State* state) {
   const auto* body = static_cast<const std::function<void(Stack&)>*>(lua_touserdata(state, 1));
@@ -28,6 +59,8 @@ int run_body(lua_State* state) {
 int Guard::run(lua_State* state, const Callback& body) {
   // Raising is left until the handlers are done: Lua raises by an exception of its own, and the message is destroyed
   // as it passes. That exception is no std::exception and meets no handler here.
+  constexpr std::uint64_t least = 50;  // what a call across the border costs at the least, in instructions
+  spend(state, least);
   std::string message;
   try {
     Stack stack(state);
@@ -39,6 +72,7 @@ int Guard::run(lua_State* state, const Callback& body) {
     message = (position ? position->prefix() : "") + error.what();
   } catch (const std::exception& error) {
     State::of(state).fault_ = std::current_exception();
+    State::of(state).ended_ = true;
     message = error.what();
   }
   State::of(state).raised_ = message;
@@ -47,7 +81,12 @@ int Guard::run(lua_State* state, const Callback& body) {
   return lua_error(state);
 }
 
+void Guard::pass_on(lua_State* state) {
+  if (State::of(state).ended_) State::unwind(state);
+}
+
 int Guard::explain(lua_State* state) {
+  if (State::of(state).ended_) return 1;
   const int type = lua_type(state, 1);
   if (type == LUA_TSTRING) {
     std::size_t size = 0;
@@ -64,10 +103,14 @@ int Guard::explain(lua_State* state) {
   return 1;
 }
 
-State::State(std::size_t memory) : budget_{.limit = memory} {
+State::State(Options options)
+    : options_(std::move(options)), budget_{.limit = options_.memory, .longest_string = options_.longest_string} {
   state_ = lua_newstate(&State::allocate, &budget_);
-  if (state_ == nullptr) throw std::bad_alloc();
+  if (state_ == nullptr) throw Error(out_of_memory());
   *static_cast<State**>(lua_getextraspace(state_)) = this;
+  // Coroutines inherit the hook of what makes them.
+  lua_sethook(state_, &State::count, LUA_MASKCOUNT, hook_interval);
+  if (options_.stuck) watchdog_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
 
 State::~State() { lua_close(state_); }
@@ -75,8 +118,12 @@ State::~State() { lua_close(state_); }
 State& State::of(lua_State* state) { return **static_cast<State**>(lua_getextraspace(state)); }
 
 void* State::allocate(void* budget, void* block, std::size_t old_size, std::size_t new_size) {
-  auto& [used, limit] = *static_cast<Budget*>(budget);
-  if (block == nullptr) old_size = 0;  // Lua says there what the block is for
+  auto& [used, limit, longest_string, string_refused] = *static_cast<Budget*>(budget);
+  if (block == nullptr) {
+    string_refused = old_size == LUA_TSTRING && new_size > longest_string;  // Lua says there what the block is for
+    if (string_refused) return nullptr;
+    old_size = 0;
+  }
   if (new_size == 0) {
     std::free(block);  // NOLINT(cppcoreguidelines-no-malloc): Lua's allocator is realloc by contract
     used -= old_size;
@@ -88,29 +135,130 @@ void* State::allocate(void* budget, void* block, std::size_t old_size, std::size
   return grown;
 }
 
-void State::run(const std::function<void(Stack&)>& body) {
+void State::count(lua_State* state, lua_Debug* frame) {
+  static_cast<void>(frame);
+  State& self = of(state);
+  const int interval = lua_gethookcount(state);
+  self.spent_ += static_cast<std::uint64_t>(interval);
+  const auto before = self.looked_;
+  self.look_around(state);
+  // Where instructions are slow the next look comes sooner.
+  constexpr auto slow = std::chrono::milliseconds(10), quick = std::chrono::milliseconds(1);
+  const auto took = self.looked_ - before;
+  const int next = took > slow ? std::max(1, interval / 10) : took < quick ? hook_interval : interval;
+  if (next != interval) lua_sethook(state, &State::count, LUA_MASKCOUNT, next);
+}
+
+void State::spend(lua_State* state, std::uint64_t instructions) {
+  constexpr unsigned calls = 16;
+  constexpr std::uint64_t many = 1000;
+  if (ended_) unwind(state);
+  spent_ += instructions;
+  if (++calls_ < calls && instructions < many) return;
+  look_around(state);
+}
+
+void State::look_around(lua_State* state) {
+  calls_ = 0;
+  if (ended_) unwind(state);
+  looked_ = Clock::now();
+  if (spent_ > limits_.instructions) {
+    end(state, fmt::format("{} has spent {} instructions and comes to no end{}", limits_.subject, limits_.instructions,
+                           limits_.advice));
+  }
+  if (std::chrono::duration<double>(looked_ - begin_).count() > limits_.seconds) {
+    end(state, fmt::format("{} has worked for {:g} s and comes to no end{}", limits_.subject, limits_.seconds,
+                           limits_.advice));
+  }
+  if (!options_.poll) return;
+  try {
+    options_.poll();
+    return;
+  } catch (const std::exception&) {
+    fault_ = std::current_exception();
+    ended_ = true;
+  }
+  unwind(state);
+}
+
+void State::end(lua_State* state, const std::string& why) {
+  ended_ = true;
+  const auto position = Stack(state).where();
+  ended_by_ = (position ? position->prefix() : "") + why;
+  luaL_checkstack(state, LUA_MINSTACK, nullptr);
+  luaL_traceback(state, state, ended_by_.c_str(), 0);
+  ended_by_ = lua_tostring(state, -1);
+  unwind(state);
+}
+
+void State::unwind(lua_State* state) {
+  // In a hook the stack is the hooked function's own: what is on it stays.
+  if (lua_checkstack(state, 1) != 0) lua_pushboolean(state, 0);
+  lua_error(state);
+  std::abort();  // lua_error does not return, but does not say so
+}
+
+std::string State::out_of_memory() const {
+  if (budget_.string_refused) {
+    return fmt::format("the script makes a string of more than the {} MiB that one may have",
+                       budget_.longest_string >> 20U);
+  }
+  return fmt::format("the script needs more memory than the {} MiB it may use", budget_.limit >> 20U);
+}
+
+void State::watch(const std::stop_token& stop) {
+  constexpr auto interval = std::chrono::milliseconds(100);
+  std::mutex mutex;
+  std::condition_variable_any asleep;
+  std::unique_lock lock(mutex);
+  while (!stop.stop_requested()) {
+    const Clock::rep after = stuck_after_.load();
+    if (after != 0 && Clock::now().time_since_epoch().count() > after) {
+      options_.stuck("the script hangs in a single instruction, far beyond the time it may take");
+    }
+    asleep.wait_for(lock, stop, interval, [] { return false; });
+  }
+}
+
+void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
+  constexpr std::size_t longest_line = 1000;  // the first one's, before what is quoted in it is cut
+  constexpr double grace = 5.0;               // seconds beyond the limit, for what is slow to end
   fault_ = nullptr;
   raised_.clear();
+  limits_ = limits;
+  spent_ = 0;
+  calls_ = 0;
+  ended_ = false;
+  begin_ = looked_ = Clock::now();
+  if (std::isfinite(limits_.seconds)) {
+    const auto patience = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(std::min(limits_.seconds, 1e9) + grace));
+    stuck_after_ = (begin_ + patience).time_since_epoch().count();
+  }
   const int before = lua_gettop(state_);
   // None of these three allocates, so none can fail outside of protection.
   lua_pushcfunction(state_, Guard::explain);
   lua_pushcfunction(state_, run_body);
   lua_pushlightuserdata(state_, const_cast<std::function<void(Stack&)>*>(&body));  // NOLINT: only called
   const int status = lua_pcall(state_, 1, 0, before + 1);
+  stuck_after_ = 0;
   std::string message;
-  if (status == LUA_ERRMEM) {
-    message = fmt::format("the script needs more memory than the {} MiB it may use", budget_.limit >> 20U);
+  if (ended_) {
+    message = ended_by_;
+  } else if (status == LUA_ERRMEM) {
+    message = out_of_memory();
   } else if (status != LUA_OK) {
     std::size_t size = 0;
     const char* text = lua_tolstring(state_, -1, &size);
     message = text != nullptr ? std::string(text, size) : "an error was thrown that cannot be shown";
-    // The frame of this very function tells a reader nothing.
-    constexpr std::string_view own = "\n\t[C]: in ?";
-    if (message.ends_with(own)) message.resize(message.size() - own.size());
+  }
+  message = tidy(message);
+  if (const auto end = std::min(message.find('\n'), message.size()); end > longest_line) {
+    message.replace(longest_line, end - longest_line, "...");
   }
   lua_settop(state_, before);
   if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
-  if (status != LUA_OK) throw Located(message);
+  if (ended_ || status != LUA_OK) throw Located(message);
 }
 
 Reference::Reference(const Stack& stack, Value value) : interpreter_(State::of(stack.state()).weak_from_this()) {

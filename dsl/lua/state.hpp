@@ -1,45 +1,90 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <dsl/lua/stack.hpp>
 
+struct lua_Debug;
+
 namespace trellis::lua {
 
-/// A Lua interpreter with a limit on its memory. One thread at a time. Lives in a shared pointer where references to
-/// its values are kept.
+/// What one run of a script may spend. Instructions are counted alike on every machine, and what takes long in one
+/// instruction counts as many; the time is there for what is slow all the same.
+struct Limits {
+  std::uint64_t instructions = std::numeric_limits<std::uint64_t>::max();
+  double seconds = std::numeric_limits<double>::infinity();
+  std::string subject = "the script";  ///< what messages say has spent them
+  std::string advice;                  ///< what to do about it
+};
+
+/// A Lua interpreter with limits on its memory and its work. One thread at a time. Lives in a shared pointer where
+/// references to its values are kept.
 class State : public std::enable_shared_from_this<State> {
  public:
-  /// \param memory  bytes that Lua may hold
-  explicit State(std::size_t memory);
+  struct Options {
+    std::size_t memory = std::size_t{1} << 30U;                  ///< bytes that Lua may hold
+    std::size_t longest_string = std::size_t{4} << 20U;          ///< bytes: many operations go through all of one
+    std::function<void()> poll = {};                             ///< asked now and then; what it throws ends the script
+    std::function<void(const std::string& message)> stuck = {};  ///< called from another thread: see `run`
+  };
+  explicit State(Options options);
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   /// Runs `body` so that a Lua error inside becomes an Error: as it is where Trellis raised it, with a traceback where
-  /// the script did. Exceptions that are no Error, thrown by `body` or by a callback, come out as they are.
-  void run(const std::function<void(Stack&)>& body);
+  /// the script did. Exceptions that are no Error, thrown by `body`, by a callback or by Options::poll, come out as
+  /// they are. A script that has spent its limits is ended, whatever it catches. Where even that does not stop it,
+  /// Options::stuck is called, which must not return to it.
+  void run(const std::function<void(Stack&)>& body, const Limits& limits = {});
 
  private:
   friend struct Guard;
   friend class Reference;
+  using Clock = std::chrono::steady_clock;
 
   struct Budget {
     std::size_t used = 0;
     std::size_t limit = 0;
+    std::size_t longest_string = 0;
+    bool string_refused = false;  ///< what was refused last was a string too long
   };
   static void* allocate(void* budget, void* block, std::size_t old_size, std::size_t new_size);
   static State& of(lua_State* state);
+  static void count(lua_State* state, lua_Debug* frame);
 
+  void spend(lua_State* state, std::uint64_t instructions);
+  void look_around(lua_State* state);
+  void end(lua_State* state, const std::string& why);
+  [[noreturn]] static void unwind(lua_State* state);
+  [[nodiscard]] std::string out_of_memory() const;
+  void watch(const std::stop_token& stop);
+
+  Options options_;
   Budget budget_;
   lua_State* state_ = nullptr;
   std::exception_ptr fault_;  ///< what a callback threw that is no Error; scripts cannot catch it for good
   std::string raised_;        ///< the last message of ours; it needs no traceback
+
+  Limits limits_;
+  std::uint64_t spent_ = 0;                  ///< instructions of this run
+  unsigned calls_ = 0;                       ///< of `spend` since the clock was looked at
+  Clock::time_point begin_;                  ///< of this run
+  Clock::time_point looked_;                 ///< when the clock was looked at last
+  bool ended_ = false;                       ///< the script is being ended: nothing it does stops that
+  std::string ended_by_;                     ///< the message of that
+  std::atomic<Clock::rep> stuck_after_ = 0;  ///< when Options::stuck is to be called; 0: nothing runs
+  std::jthread watchdog_;
 };
 
 /// A value that C++ keeps beyond the call that it came in. It does not keep the interpreter, which may well hold what
@@ -62,7 +107,8 @@ class Reference {
 };
 
 /// Opens the parts of Lua's own library that can do no harm: base, table, string, math, utf8, coroutine; no files,
-/// processes, bytecode, modules or debugging.
-void open_libraries(Stack& stack);
+/// processes, bytecode, modules or debugging. What could work without end in one call counts its work.
+/// \param trust  io, os and debug too
+void open_libraries(Stack& stack, bool trust = false);
 
 }  // namespace trellis::lua

@@ -17,6 +17,12 @@ namespace trellis::lua {
 template <class T>
 struct TypeName;
 
+/// The bytes that an object of a type holds; specialised for those that may hold much.
+template <class T>
+struct Weight {
+  static std::size_t of(const T&) { return sizeof(T); }
+};
+
 /// What stands behind a userdata. Lua's block holds a pointer to it, so that a collected object can be told.
 class Object {
  public:
@@ -24,12 +30,14 @@ class Object {
   Object(const Object&) = delete;
   Object& operator=(const Object&) = delete;
   virtual ~Object() = default;
+  [[nodiscard]] virtual std::size_t weight() const = 0;
 };
 
 template <class T>
 class Boxed final : public Object {
  public:
   explicit Boxed(T given) : value(std::move(given)) {}
+  [[nodiscard]] std::size_t weight() const override { return Weight<T>::of(value); }
   T value;
 };
 

@@ -275,6 +275,37 @@ TEST_CASE("check validates without planning") {
   CHECK(both.out.find("endless.lua: 1 problem") != std::string::npos);
 }
 
+TEST_CASE("check finds what a run would meet late: names in functions, guides that never draw") {
+  const Place place;
+  place.script("late.lua",
+               "local mine = target {\n"
+               "  sample = function(c) return ofset(c.path[1]) end,\n"
+               "  log_density = function(q)\n"
+               "    helper = helper or 1\n"
+               "    return math.log(q[1] + offset) - skeletn\n"
+               "  end,\n"
+               "}\n"
+               "offset = 1\n"
+               "return experiment {\n"
+               "  problems = scenes.cup(), measure = mine,\n"
+               "  strategies = {\n"
+               "    late = sequence { lazy(), skeleton(), turn = 500 } >> rrt { proposals = 300 },\n"
+               "    unheard = shrink(0.5) >> rrt { uniform = 1 },\n"
+               "  },\n"
+               "}\n");
+  const auto outcome = place.run({"check", "late.lua"});
+  CHECK(outcome.status == 2);
+  CHECK(outcome.out.starts_with("late.lua: 1 problem, 2 strategies, 1 seed\n"));
+  CHECK(
+      outcome.err ==
+      "trellis: late.lua:2: unknown name 'ofset' (did you mean 'offset'?)\n"
+      "trellis: late.lua:5: unknown name 'skeletn' (did you mean 'skeleton'?)\n"
+      "trellis: warning: late.lua:12: skeleton() never draws: its turn begins after 500 proposals, and rrt { proposals "
+      "= 300 } ends after 300 (strategy 'late')\n"
+      "trellis: warning: late.lua:13: shrink(0.5) never draws: rrt { uniform = 1 } leaves it no share of its proposals "
+      "(uniform = 1, goal_bias = 0.05) (strategy 'unheard')\n");
+}
+
 TEST_CASE("the program tells its version and its words") {
   const Place place;
   CHECK(place.run({"version"}).out == "trellis " TRELLIS_VERSION "\n");
@@ -444,6 +475,25 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   std::sort(left.begin(), left.end());
   CHECK(left == std::vector<std::string>{"figures", "report.html", "results.json", "table.csv", "table.md"});
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
+}
+
+TEST_CASE("what a script gives and nobody uses is told once, after the report") {
+  const Place place;
+  place.script("unused.lua",
+               "local mine = target { sample = function(c) return c.path[1] end,\n"
+               "  log_density = function() return 0 end }\n"
+               "return experiment { problems = scenes.cup(), seeds = 2,\n"
+               "  strategies = { unheard = shrink(0.5) >> rrt { uniform = 1, proposals = 40 }, rrt = rrt {} },\n"
+               "  measure = tube { points = 256, pool = 1024 } }\n");
+  const auto outcome = place.run({"run", "unused.lua"});
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.find("cup") != std::string::npos);
+  CHECK(
+      outcome.err ==
+      "trellis: warning: unused.lua:4: strategy 'unheard', rrt, level 0: shrink(0.5) drew none of the 80 proposals in "
+      "2 runs\n"
+      "trellis: warning: unused.lua:1: 'sample' and 'log_density' of this target were never called: the experiment is "
+      "measured by another target (field 'measure')\n");
 }
 
 TEST_CASE("a folder where nothing was solved says so, and where to look") {

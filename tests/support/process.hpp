@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +28,7 @@ struct Outcome {
   int status = -1;  ///< of the exit, or 1000 + the signal
   std::string out;
   std::string err;
+  long most_memory = 0;  ///< KiB that it held at most
 };
 
 /// A folder of its own for each test, gone afterwards.
@@ -65,9 +67,10 @@ class Place {
   }
   [[nodiscard]] Outcome finish(pid_t child) const {
     int status = 0;
-    ::waitpid(child, &status, 0);
+    rusage used{};
+    ::wait4(child, &status, 0, &used);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), content(path_ / "out"),
-            content(path_ / "err")};
+            content(path_ / "err"), used.ru_maxrss};
   }
   [[nodiscard]] Outcome run(std::vector<std::string> arguments) const { return finish(start(std::move(arguments))); }
 

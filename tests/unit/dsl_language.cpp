@@ -65,6 +65,22 @@ TEST_CASE("a scene takes what shall differ") {
   CHECK(problem("scenes.trap()").collision == "planar");
 }
 
+TEST_CASE("what is offered for an invalid start or goal is valid as it stands") {
+  for (const std::string wrong : {"scenes.cup { start = {6.7, 5, 0} }", "scenes.cup { goal = {0.05, 0.05, 1} }",
+                                  "scenes.trap { start = {-1, 5, 0} }", "scenes.simple_passage { goal = {5, 1, 2} }"}) {
+    INFO(wrong);
+    const std::string message = failure("return " + wrong);
+    const std::string offer = "a valid configuration near by is (";
+    const auto begin = message.find(offer);
+    REQUIRE(begin != std::string::npos);
+    const auto from = begin + offer.size();
+    const std::string offered = message.substr(from, message.find(')', from) - from);
+    INFO(offered);
+    const auto open = wrong.rfind('{'), close = wrong.find('}');
+    CHECK(failure("return " + wrong.substr(0, open) + "{" + offered + wrong.substr(close)).empty());
+  }
+}
+
 TEST_CASE("worlds and robots are made of shapes") {
   const Problem here = problem(
       "problem { name = 'here', world = world { bounds = {0, 0, 8, 6}, { disc {4, 3, 0.5}, { box(1, 4, 2, 5) } }, "

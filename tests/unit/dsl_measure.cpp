@@ -284,9 +284,10 @@ TEST_CASE("a user's functions are told the path, the problem and its space") {
   const std::string density = ", log_density = function() return -math.log(100) end";
   const auto told = [&](const std::string& what) {
     const std::string message = run_failure("sample = function(c) error(tostring(" + what + "), 0) end" + density);
-    const auto begin = message.find("(problem 'room'): ");
+    const std::string run = "(problem 'room', strategy 'rrt', seed 1): ";
+    const auto begin = message.find(run);
     REQUIRE(begin != std::string::npos);
-    return message.substr(begin + 18, message.find('\n') - begin - 18);
+    return message.substr(begin + run.size(), message.find('\n') - begin - run.size());
   };
   CHECK(told("c.problem.name") == "room");
   CHECK(told("c.problem.goal[1]") == "8.0");
@@ -309,14 +310,15 @@ TEST_CASE("what is wrong in a user's function is told with the function, the dra
   const std::string density = ", log_density = function() return -math.log(100) end";
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"sample = function() return nil + 1 end" + density,
-       "sample, draw 1 of 64 (problem 'room'): test.lua:2: attempt to perform arithmetic on a nil value\nstack "
+       "sample, draw 1 of 64 (problem 'room', strategy 'rrt', seed 1): test.lua:2: attempt to perform arithmetic on a "
+       "nil value\nstack "
        "traceback:\n"},
       {"sample = function(c) n = rawget(_G, 'n') or 0 rawset(_G, 'n', n + 1) if n == 40 then error('forty') end "
        "return {n / 10, 1} end" +
            density,
-       "sample, draw 40 of 64 (problem 'room'): test.lua:2: forty\nstack traceback:\n"},
+       "sample, draw 40 of 64 (problem 'room', strategy 'rrt', seed 1): test.lua:2: forty\nstack traceback:\n"},
       {"sample = function() end" + density,
-       "sample, draw 1 of 64 (problem 'room'): it returned nothing, expected a "
+       "sample, draw 1 of 64 (problem 'room', strategy 'rrt', seed 1): it returned nothing, expected a "
        "configuration"},
       {"sample = function() return 3 end" + density, "what it returns must be a list of numbers, got 3"},
       {"sample = function() return {1} end" + density,
@@ -344,6 +346,44 @@ TEST_CASE("what is wrong in a user's function is told with the function, the dra
     CHECK(got.starts_with("test.lua:2: target: "));
     CHECK(got.find(message) != std::string::npos);
   }
+}
+
+TEST_CASE("what is wrong in a user's density is told with the sample and the level that it was asked for") {
+  // The density fails when it is called for the n-th time; the draws come first, then each level's samples.
+  const auto message = [](int n, const std::string& what) {
+    const auto program = load(
+        "local n = 0 return experiment { problems = problem { name = 'room', world = world { bounds = {0, 0, 10, 10}, "
+        "box {4, 0, 6, 6} }, robot = robot.point(), start = {2, 5}, goal = {8, 5} }, "
+        "strategies = { guided = shrink(0.5) >> lazy() >> rrt {} }, measure = target { points = 64, pool = 64, "
+        "sample = function(c) return { 10 * c.random(), 10 * c.random() } end, log_density = function() n = n + 1 "
+        "if n > " +
+        std::to_string(n) + " then " + what + " end return -math.log(100) end } }");
+    try {
+      run(program.experiment);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message(0, "error('late')").find("target: log_density at draw 1 of 64, (") != std::string::npos);
+  std::string all;
+  for (int n = 128; n < 100000; n += 20 + n / 50) {
+    const std::string one = message(n, "error('late')");
+    if (one.empty()) break;
+    CHECK(one.find("(problem 'room', strategy 'guided', seed 1): test.lua:1: late\nstack traceback:\n") !=
+          std::string::npos);
+    all += one;
+  }
+  CHECK(all.find(", node 1") != std::string::npos);
+  CHECK(all.find(", proposal ") != std::string::npos);
+  CHECK(all.find(" of rrt, level 0 (") != std::string::npos);
+  CHECK(all.find(" of lazy() >> rrt, level 1 (") != std::string::npos);
+  CHECK(all.find(" of shrink(0.5) >> lazy() >> rrt, level 2 (") != std::string::npos);
+
+  const std::string endless = message(160, "while true do pcall(error) end");
+  CHECK(endless.find(" of rrt, level 0 (problem 'room', strategy 'guided', seed 1): test.lua:1: it has ") !=
+        std::string::npos);
+  CHECK(endless.find(" and comes to no end; is there a loop without end?") != std::string::npos);
 }
 
 TEST_CASE("help tells of targets, estimators and the construct of a target of one's own") {

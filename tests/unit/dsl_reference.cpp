@@ -126,7 +126,7 @@ TEST_CASE("what is committed of the registry is what it says: scripts/reference 
 TEST_CASE("the stubs are Lua, and give every word and option") {
   const std::string stubs = dsl::reference_stubs();
   CHECK(stubs.starts_with("---@meta\n"));
-  lua::State state(std::size_t{64} << 20U);
+  lua::State state({.memory = std::size_t{64} << 20U});
   CHECK_NOTHROW(state.run([&](lua::Stack& stack) {
     stack.load(stubs, "@trellis.lua");
     stack.call(0);

@@ -66,6 +66,110 @@ TEST_CASE("the rest of Lua is there") {
   CHECK(value("coroutine.wrap(function() coroutine.yield(7) end)()") == "7");
 }
 
+TEST_CASE("trusted scripts reach files, processes and the interpreter; bytecode stays out") {
+  const dsl::SessionOptions trusted{.trust = true};
+  for (const std::string name : {"io.open", "os.time", "debug.traceback"}) {
+    INFO(name);
+    CHECK(value("type(" + name + ")", trusted) == "function");
+  }
+  CHECK(value("string.dump", trusted) == "nil");
+  CHECK(failure("return package", trusted).find("there is no 'package' here") != std::string::npos);
+  CHECK(value("scenes.exists '/etc/passwd'", trusted) == "true");
+  CHECK(failure("return scenes.exists '/etc/passwd'").find("--trust") != std::string::npos);
+}
+
+TEST_CASE("the functions that are made anew do what Lua's do") {
+  CHECK(value("table.concat({1, 'b', 2.5}, '-', 2)") == "b-2.5");
+  CHECK(failure("table.concat({1, {}})").find("invalid value (at index 2) in table for 'concat'") != std::string::npos);
+  CHECK(value("table.concat(table.move({1, 2, 3, 4}, 2, 4, 1), ',')") == "2,3,4,4");
+  CHECK(value("table.concat(table.move({1, 2, 3, 4}, 1, 3, 2), ',')") == "1,1,2,3");
+  CHECK(value("table.concat(table.move({1, 2}, 1, 2, 2, {'x'}), ',')") == "x,1,2");
+  CHECK(values("local t = {1, 2} table.insert(t, 3) table.insert(t, 1, 0) local r = table.remove(t, 2) "
+               "return table.concat(t, ','), r, table.remove(t), table.remove({})") ==
+        std::vector<std::string>{"0,2,3", "1", "3", "nil"});
+  CHECK(failure("table.insert({}, 5, 1)").find("bad argument #2 to 'insert' (position out of bounds)") !=
+        std::string::npos);
+  CHECK(values("local t = {} for i = 1, 1000 do t[i] = i * 7919 % 1009 end table.sort(t) "
+               "for i = 2, #t do if t[i] < t[i - 1] then return 'out of order' end end "
+               "table.sort(t, function(a, b) return a > b end) return t[1] > t[1000]") ==
+        std::vector<std::string>{"true"});
+  CHECK(failure("table.sort { 1, 'a' }").find("attempt to compare") != std::string::npos);
+  CHECK(values("return ('ab'):rep(3, '-'), ('x'):rep(0), ('x'):rep(-1)") ==
+        std::vector<std::string>{"ab-ab-ab", "", ""});
+  CHECK(values("local t = {} for k, v in pairs({ 5, a = 1 }) do t[#t + 1] = tostring(k) .. v end "
+               "return table.concat(t, ','), next({})") == std::vector<std::string>{"15,a1", "nil"});
+  CHECK(values("return xpcall(error, function(e) return e .. '!' end, 'no')") ==
+        std::vector<std::string>{"false", "no!"});
+  CHECK(values("return select('#', pcall(function() return 1, nil end)), pcall(error)") ==
+        std::vector<std::string>{"3", "false", "nil"});
+  // A coroutine may yield across what was protected in it.
+  CHECK(values("local co = coroutine.wrap(function() return pcall(function() coroutine.yield(1) error('late', 0) end) "
+               "end) return co(), co()") == std::vector<std::string>{"1", "false", "late"});
+  CHECK(values("local co = coroutine.create(function(a) local b = coroutine.yield(a + 1) return a + b end) "
+               "local _, x = coroutine.resume(co, 1) local _, y = coroutine.resume(co, 5) "
+               "return x, y, coroutine.status(co), coroutine.resume(co)") ==
+        std::vector<std::string>{"2", "6", "dead", "false", "cannot resume dead coroutine"});
+  CHECK(values("local co = coroutine.create(function() coroutine.yield() end) coroutine.resume(co) "
+               "return coroutine.close(co), coroutine.status(co)") == std::vector<std::string>{"true", "dead"});
+  CHECK(failure("coroutine.wrap(function() error('inside') end)()").find("test.lua:1: inside") == 0);
+  CHECK(values("local t = setmetatable({}, { __index = { x = 1 } }) return t.x, getmetatable(t).__index.x") ==
+        std::vector<std::string>{"1", "1"});
+}
+
+TEST_CASE("patterns match as Lua's") {
+  const auto content = [](const std::string& name) {
+    std::ifstream file(fs::path(TRELLIS_GOLDEN) / name);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  };
+  const auto found = values(content("patterns_driver.lua"));
+  REQUIRE(found.size() == 1);
+  CHECK(found.front() == content("patterns.txt"));
+}
+
+TEST_CASE("what a script works is counted, and has an end") {
+  const dsl::SessionOptions little{.instructions = 100'000};
+  CHECK(value("#('x'):rep(1000)", little) == "1000");
+  CHECK(failure("for _ = 1, 1e9 do end", little)
+            .starts_with("test.lua:1: the script has spent 100000 instructions and comes to no end"));
+  // The same script ends at the same place, however fast the machine.
+  const std::string counts = "n = 0 while true do n = n + 1 end";
+  dsl::Session first("", little), second("", little);
+  CHECK_THROWS_AS(first.evaluate(counts, "test.lua"), Error);
+  CHECK_THROWS_AS(second.evaluate(counts, "test.lua"), Error);
+  CHECK(first.evaluate("return n", "test.lua") == second.evaluate("return n", "test.lua"));
+}
+
+TEST_CASE("names that nothing has are found in functions that are never called") {
+  const auto unknown = [](const std::string& text) {
+    dsl::Session session("");
+    session.evaluate(text, "test.lua");
+    return session.unknown_names(text, "test.lua");
+  };
+  using Messages = std::vector<std::string>;
+  CHECK(unknown("local function f(a) return a + math.pi, scenes, strategies end").empty());
+  CHECK(unknown("\nlocal function f()\n  return rtr {}\nend") ==
+        Messages{"test.lua:3: unknown name 'rtr' (did you mean 'rrt'?)"});
+  CHECK(unknown("local function f()\n return function()\n\n return nowhere\n end\n end")
+            .front()
+            .starts_with("test.lua:4: unknown name 'nowhere'"));
+  // What is set anywhere is known, what is local or a field is no global.
+  CHECK(unknown("local function set() later = 1 end local function get() return later end").empty());
+  CHECK(unknown("local t = { inside = 1 } local function f(inside) local x = inside return x, t.inside end").empty());
+  // Lines are told over long stretches too.
+  const std::string text =
+      "local function f()\n do\n local x\n" + std::string(400, '\n') + " x = 1\n end\n return nowhere\nend";
+  CHECK(unknown(text).front().starts_with("test.lua:406: unknown name 'nowhere'"));
+}
+
+TEST_CASE("whoever runs a script can end it") {
+  int asked = 0;
+  dsl::Session session("", {.interrupted = [&asked] { return ++asked > 3; }});
+  CHECK_THROWS_AS(session.evaluate("while true do pcall(function() while true do end end) end", "test.lua"),
+                  Interrupted);
+}
+
 TEST_CASE("an unknown global is an error with the nearest name, a new one can be set") {
   CHECK(failure("return rtr").find("unknown name 'rtr' (did you mean 'rrt'?)") != std::string::npos);
   CHECK(failure("return scene").find("did you mean 'scenes'?") != std::string::npos);
@@ -107,9 +211,13 @@ TEST_CASE("recursion without end is an error") {
 }
 
 TEST_CASE("what a script throws comes with a traceback, what we say does not") {
-  CHECK(failure("error('no luck')").find("test.lua:1: no luck\nstack traceback:") == 0);
+  CHECK(failure("local function f() error('no luck') end\nf()") ==
+        "test.lua:1: no luck\nstack traceback:\n\ttest.lua:1: in local 'f'\n\ttest.lua:2: in main chunk");
+  // Where the traceback would only say the line again, there is none.
+  CHECK(failure("error('no luck')") == "test.lua:1: no luck");
   CHECK(failure("rrt { step = -1 }").find("traceback") == std::string::npos);
-  CHECK(failure("error(setmetatable({}, { __tostring = function() return 'odd' end }))").starts_with("odd\nstack"));
+  CHECK(failure("error(setmetatable({}, { __tostring = function() return 'odd' end }))")
+            .starts_with("odd\nstack traceback:\n\ttest.lua:1: in main chunk"));
 }
 
 TEST_CASE("modules come from the standard library and the script's folder, each once") {
@@ -139,7 +247,7 @@ TEST_CASE("modules come from the standard library and the script's folder, each 
 }
 
 TEST_CASE("a fault of ours is not hidden by a script that catches everything") {
-  lua::State state(std::size_t{16} << 20U);
+  lua::State state({.memory = std::size_t{16} << 20U});
   const auto run = [&] {
     state.run([](lua::Stack& stack) {
       lua::open_libraries(stack);
@@ -159,7 +267,7 @@ TEST_CASE("C++ objects are destroyed when a Lua error passes them") {
     ~Witness() { ++*count; }
   };
   int destroyed = 0;
-  lua::State state(std::size_t{16} << 20U);
+  lua::State state({.memory = std::size_t{16} << 20U});
   state.run([&](lua::Stack& stack) {
     lua::open_libraries(stack);
     stack.push_function([&](lua::Stack& call) {

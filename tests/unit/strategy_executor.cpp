@@ -31,6 +31,8 @@ bool same(const Configurations& a, const Configurations& b) {
   return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
 }
 
+ConvexShape rectangle_polygon(const Box2& box) { return Polygon{rectangle_vertices(box)}; }
+
 void check_run(const Problem& problem, const RunRecord& run) {
   std::uint64_t checks = 0;
   for (const auto& level : run.levels) {
@@ -332,4 +334,15 @@ TEST_CASE("a run can be stopped at any proposal, and has done what the whole run
       CHECK(proposals == at);
     }
   }
+}
+
+TEST_CASE("what cannot be projected is told with the whole way to it", "[executor]") {
+  Body link{{rectangle_polygon({{0, -0.1}, {1, 0.1}})}, -1, {}, 0};
+  const auto arm =
+      test::make_problem("arm", World({{0, 0}, {10, 10}}, {}), Robot("arm", {link}, false, {5, 5}), {0}, {1});
+  const auto written = GuideSpec::make("skeleton", {}, {}, {"script.lua", 7});
+  CHECK_THROWS_WITH(
+      execute(written >> guide("shrink") >> guide("lazy") >> rrt(), arm, 1),
+      "script.lua:7: in skeleton() >> shrink(0.5) >> lazy() >> rrt, level 3 (problem 'arm'): skeleton: needs "
+      "a robot whose reference point moves in the plane; this space (SO(2)) has no position");
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -23,11 +24,21 @@ namespace trellis {
 
 /// A target that a user defines. It is a distribution over the root's space, so every level is scored on it lifted.
 struct UserTarget : TargetSettings {
+  /// What its functions are being called for, kept up to date while an experiment is scored.
+  struct Occasion {
+    const Problem* problem = nullptr;
+    std::string strategy;
+    std::uint64_t seed = 0;
+    std::string level;                        ///< whose samples are scored (level_path), "" while the target is drawn
+    std::string role;                         ///< what these are: "node", "proposal"
+    const Configurations* samples = nullptr;  ///< these; nullptr while the target is drawn
+  };
   struct Context {
     const Problem& problem;
-    const Configurations& path;  ///< the run's path
-    std::int64_t draws = 0;      ///< how many are wanted
-    std::uint64_t seed = 0;      ///< for drawing them
+    const Configurations& path;                     ///< the run's path
+    std::int64_t draws = 0;                         ///< how many are wanted
+    std::uint64_t seed = 0;                         ///< for drawing them
+    std::shared_ptr<const Occasion> occasion = {};  ///< of this call, and of those of the density later on
   };
   /// Called from the thread that called run(), in a fixed order.
   std::function<Target::Distribution(const Context&)> make;

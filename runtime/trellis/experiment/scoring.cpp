@@ -73,7 +73,12 @@ class ProblemScoring {
         progress_(progress),
         interrupted_(interrupted),
         seeds_(experiment.seeds.size()),
-        strategies_(experiment.strategies.size()) {}
+        strategies_(experiment.strategies.size()),
+        users_(std::holds_alternative<UserTarget>(measure_.target)) {
+    const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
+                                      [&](const Problem& p) { return p.name == runs_.front()->problem; });
+    occasion_->problem = &*problem;
+  }
 
   void score() {
     for (RunResult* run : runs_) guard(*run);
@@ -114,11 +119,11 @@ class ProblemScoring {
       return make_tube(record, path, tube, measure_seed + run.seed);
     }
     if (const auto* user = std::get_if<UserTarget>(&measure_.target); user != nullptr && root) {
-      const auto problem = std::find_if(experiment_.problems.begin(), experiment_.problems.end(),
-                                        [&](const Problem& p) { return p.name == run.problem; });
       const auto draws = cross ? cross_pool : std::max(user->pool, user->points);
+      const Problem& problem = *occasion_->problem;
+      *occasion_ = {&problem, run.strategy, run.seed, "", "", nullptr};
       return {std::make_shared<const Target>(Target::distribution(
-                  record.space, *user, user->make({*problem, path, draws, measure_seed + run.seed}))),
+                  record.space, *user, user->make({problem, path, draws, measure_seed + run.seed, occasion_}))),
               ""};
     }
     return {nullptr, "the target lies in the root's space"};
@@ -216,6 +221,9 @@ class ProblemScoring {
     Held held = Held::anything;                ///< by the tree
     std::function<double(View)> density = {};  ///< of the expansion
     bool brief = false;                        ///< scored by the headline's estimator and `knn` only
+    /// The samples as they came, where a script's function is to be told which of them it is asked about.
+    Configurations nodes = {};
+    Configurations proposals = {};
   };
   [[nodiscard]] static Sets own_sets(const LevelRecord& record) {
     return {.tree = {record.space, record.search.tree_samples(record.search.nodes)},
@@ -225,13 +233,34 @@ class ProblemScoring {
             .brief = record.level != 0};
   }
   /// \param root  the root's space
-  [[nodiscard]] static Sets root_sets(const LevelRecord& record, const Space& root) {
+  [[nodiscard]] Sets root_sets(const RunResult& run, const LevelRecord& record, const Space& root) const {
     // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
-    return {.tree = {root, record.search.tree_samples(record.root_nodes)},
-            .expansion = {root, expansion(record, record.root_proposals)},
-            .held = record.level == 0 ? held(record) : Held::anything,
-            .density = record.root_proposal_density,
-            .brief = record.level != 0};
+    Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes)},
+              .expansion = {root, expansion(record, record.root_proposals)},
+              .held = record.level == 0 ? held(record) : Held::anything,
+              .density = record.root_proposal_density,
+              .brief = record.level != 0};
+    tell(run, record);
+    if (users_) {
+      sets.nodes = record.search.tree_samples(record.root_nodes);
+      sets.proposals = expansion(record, record.root_proposals);
+    }
+    return sets;
+  }
+
+  /// Says whose samples are being scored. A script's functions run in one thread, and nobody else asks.
+  void tell(const RunResult& run, const LevelRecord& record) const {
+    if (!users_) return;
+    occasion_->strategy = run.strategy;
+    occasion_->seed = run.seed;
+    occasion_->level =
+        level_path(record, [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)].record; });
+  }
+  /// And which ones.
+  void tell(const char* role, const Configurations& samples) const {
+    if (!users_) return;
+    occasion_->role = role;
+    occasion_->samples = &samples;
   }
 
   [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, Held held,
@@ -253,8 +282,12 @@ class ProblemScoring {
   }
 
   [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {
-    return {figure(target, sets.tree, sets.held, {}, sets.brief),
-            figure(target, sets.expansion, Held::anything, sets.density, sets.brief)};
+    Scores found;
+    tell("node", sets.nodes);
+    found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+    tell("proposal", sets.proposals);
+    found.expansion = figure(target, sets.expansion, Held::anything, sets.density, sets.brief);
+    return found;
   }
 
   /// The expansion's samples, of rows that stand for a level's proposals.
@@ -308,7 +341,7 @@ class ProblemScoring {
     for (LevelResult& level : result.levels) {
       const LevelRecord& record = level.record;
       if (root.target || !crossing.empty()) {
-        const Sets sets = root_sets(record, space);
+        const Sets sets = root_sets(result, record, space);
         if (root.target) level.root = scores(*root.target, sets);
         level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets); });
       }
@@ -336,6 +369,7 @@ class ProblemScoring {
         level.root_cross = level.root;
       }
     }
+    tell(result, result.levels.front().record);
     score_equal_number(result.levels.front(), root, crossing);
   }
 
@@ -432,10 +466,14 @@ class ProblemScoring {
                     .expansion = {record.space, proposals},
                     .held = held(record),
                     .density = {},
-                    .brief = true};
+                    .brief = true,
+                    .nodes = nodes,
+                    .proposals = proposals};
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores found;
+      tell("node", sets.nodes);
       if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+      tell("proposal", sets.proposals);
       if (equal_proposals_ > 0) found.expansion = figure(target, sets.expansion, Held::anything, {}, sets.brief);
       return found;
     });
@@ -454,6 +492,8 @@ class ProblemScoring {
   std::vector<std::vector<std::size_t>> donors_;          // of each seed
   std::size_t equal_nodes_ = 0;                           // 0: not wanted
   std::size_t equal_proposals_ = 0;
+  bool users_;  // the target is a script's
+  std::shared_ptr<UserTarget::Occasion> occasion_ = std::make_shared<UserTarget::Occasion>();
 };
 
 }  // namespace

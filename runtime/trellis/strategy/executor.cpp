@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
+#include <trellis/instance/nearest_valid.hpp>
 
 namespace trellis {
 
@@ -33,8 +34,14 @@ class Clock {
 
 class Level;
 
+/// "script.lua:3: ", "" for what was built through C++.
+std::string where(const Origin& origin) {
+  return origin.script.empty() ? "" : fmt::format("{}:{}: ", origin.script, origin.line);
+}
+
 /// What all levels of one run share.
 struct Run {
+  std::string problem;  ///< its name
   std::uint64_t seed = 0;
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
@@ -347,7 +354,7 @@ class ComponentGuidance final : public Prepared {
         resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
-    auto sub = guide_->project(parent.instance());
+    auto sub = project(run, parent, spec);
     run.clock.switch_to(above);
     if (!sub) return;
     level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
@@ -410,6 +417,17 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
+  std::unique_ptr<Instance> project(const Run& run, const Level& parent, const GuideSpec& spec) const {
+    try {
+      return guide_->project(parent_.instance());
+    } catch (const Error& error) {
+      const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+      const std::string path = level_path(parent.record(), at);
+      throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
+                              path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+    }
+  }
+
   /// Solves the instance in S, for as many paths as the guide wants.
   const Solution& solve_below() {
     const Solution* found = &level_->solve();
@@ -646,6 +664,16 @@ std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec&
   return make_guidance_at(run, level, spec, level.record().key + "/0");
 }
 
+/// What could be written instead of a start or goal that is invalid.
+std::string nearest(const Problem& problem, const Configuration& q, const Checker& checker) {
+  for (const double x : q) {
+    if (!std::isfinite(x)) return "another coordinate is no finite number";
+  }
+  const auto found = nearest_valid(problem.space, q, [&](View x) { return checker.valid(x); });
+  if (!found) return "no valid configuration was found in its space";
+  return fmt::format("a valid configuration near by is {}, at a distance of {:.2g}", found->text, found->distance);
+}
+
 constexpr int deepest = 64;
 
 int depth(const GuideSpec& guide) {
@@ -656,6 +684,16 @@ int depth(const GuideSpec& guide) {
 }
 
 }  // namespace
+
+std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at) {
+  std::string path;
+  const LevelRecord* record = &level;
+  while (record->parent >= 0) {
+    path += record->name + " >> ";
+    record = &at(record->parent);
+  }
+  return fmt::format("{}{}, level {}", path, record->planner, level.level);
+}
 
 void check(const Problem& problem) {
   if (!problem.scene) throw Error(fmt::format("problem '{}': has no scene", problem.name));
@@ -689,32 +727,110 @@ void check(const Problem& problem) {
                                 what, j + 1, axes[j].name, q[j]));
       }
       if (!axes[j].periodic && (q[j] < axes[j].lo || q[j] > axes[j].hi)) {
-        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]",
-                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi));
+        throw Error(fmt::format("problem '{}': {} is out of bounds: {} = {:g}, expected it in [{:g}, {:g}]; {}",
+                                problem.name, what, axes[j].name, q[j], axes[j].lo, axes[j].hi,
+                                nearest(problem, q, *checker)));
       }
     }
     if (const auto contact = checker->contact(q)) {
-      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}", problem.name, what, fmt::join(q, ", "),
-                              describe(*contact, *problem.scene)));
+      throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}; {}", problem.name, what,
+                              fmt::join(q, ", "), describe(*contact, *problem.scene), nearest(problem, q, *checker)));
     }
   }
+}
+
+namespace {
+
+void check_depth(const StrategySpec& strategy) {
+  if (strategy.guide() == nullptr || depth(*strategy.guide()) <= deepest) return;
+  throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
+}
+
+std::unique_ptr<Instance> root_instance(const Problem& problem) {
+  auto instance = make_instance(problem);
+  instance->space.normalise(instance->start);
+  instance->space.normalise(instance->goal);
+  return instance;
+}
+
+/// The first place in a guide that was written somewhere.
+std::string where(const GuideSpec& guide) {
+  if (guide.kind() == GuideSpec::Kind::component) return where(guide.origin());
+  for (const auto& term : guide.terms()) {
+    std::string place = where(term.guide);
+    if (!place.empty()) return place;
+  }
+  return "";
+}
+
+void find_unreachable(const GuideSpec& guide, const PlannerSpec& planner, double proposals,
+                      std::vector<std::string>& sentences) {
+  switch (guide.kind()) {
+    case GuideSpec::Kind::component: {
+      const PlannerCommon common = find_planner(planner.name())->common(planner.options());
+      if ((1.0 - common.goal_bias) * (1.0 - common.uniform) <= 0.0) {
+        sentences.push_back(
+            fmt::format("{}{} never draws: {} leaves it no share of its proposals (uniform = {:g}, "
+                        "goal_bias = {:g})",
+                        where(guide), guide.text(), planner.text(), common.uniform, common.goal_bias));
+      } else if (guide.below() != nullptr) {
+        const PlannerSpec& own = *guide.planner();
+        find_unreachable(*guide.below(), own, find_planner(own.name())->common(own.options()).budget.proposals,
+                         sentences);
+      }
+      return;
+    }
+    case GuideSpec::Kind::sequence:
+      for (std::size_t i = 0; i < guide.terms().size(); ++i) {
+        const GuideSpec& part = guide.terms()[i].guide;
+        const double begins = static_cast<double>(i) * static_cast<double>(guide.turn());
+        if (begins < proposals) {
+          find_unreachable(part, planner, proposals, sentences);
+        } else {
+          sentences.push_back(
+              fmt::format("{}{} never draws: its turn begins after {:g} proposals, and {} ends after {:g}", where(part),
+                          part.text(), begins, planner.text(), proposals));
+        }
+      }
+      return;
+    case GuideSpec::Kind::mixture:
+    case GuideSpec::Kind::blend:
+      for (const auto& term : guide.terms()) find_unreachable(term.guide, planner, proposals, sentences);
+      return;
+  }
+}
+
+}  // namespace
+
+void check(const StrategySpec& strategy, const Problem& problem) {
+  check_depth(strategy);
+  if (strategy.guide() == nullptr) return;
+  Run run;
+  run.problem = problem.name;
+  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
+  root.guide_by(*strategy.guide());
+}
+
+std::vector<std::string> unreachable_guides(const StrategySpec& strategy) {
+  std::vector<std::string> sentences;
+  if (strategy.guide() == nullptr) return sentences;
+  const PlannerSpec& planner = strategy.planner();
+  find_unreachable(*strategy.guide(), planner, find_planner(planner.name())->common(planner.options()).budget.proposals,
+                   sentences);
+  return sentences;
 }
 
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options) {
   check(problem);
-  if (strategy.guide() != nullptr && depth(*strategy.guide()) > deepest) {
-    throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
-  }
+  check_depth(strategy);
   const auto begin = std::chrono::steady_clock::now();
   Run run;
+  run.problem = problem.name;
   run.seed = seed;
   run.interrupted = options.interrupted;
   run.watch = options.watch;
-  auto instance = make_instance(problem);
-  instance->space.normalise(instance->start);
-  instance->space.normalise(instance->goal);
-  Level root(run, nullptr, "0", "root", std::move(instance), strategy.planner(), nullptr);
+  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
   double setup = 0.0;
   run.clock.switch_to(&setup);
   if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());

@@ -59,6 +59,10 @@ struct LevelRecord {
   }
 };
 
+/// A level and what it guides, up to the root: "skeleton() >> lazy() >> rrt, level 2".
+/// \param at  the level of a number, of the same run
+std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at);
+
 /// Levels take turns: one that asks for the solution of a level below waits for it. What one of them did in a turn is
 /// what its records hold beyond its turn before.
 struct Turn {
@@ -92,6 +96,14 @@ struct ExecuteOptions {
 /// Checks a problem: finite coordinates of the right number, inside the space, start and goal valid. Throws Error that
 /// names the obstacle a start or goal touches.
 void check(const Problem& problem);
+
+/// Makes the levels of a strategy for a problem, without searching in any: throws Error where a guide cannot make its
+/// space, as `execute` would.
+void check(const StrategySpec& strategy, const Problem& problem);
+
+/// The guides of a strategy that will never draw a proposal, whatever the problem, a sentence each with where they were
+/// written: the planner above leaves them no share, or its budget ends before their turn.
+std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
 
 /// Runs a strategy on a problem. Deterministic in (strategy, problem, seed), times apart. Throws Error for a problem
 /// that does not pass `check`.

@@ -1,0 +1,1 @@
+return ("x"):rep(4e6):byte(1, -1)

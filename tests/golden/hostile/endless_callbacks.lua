@@ -1,0 +1,2 @@
+local function deep() return (("x"):gsub("x", deep)) end
+deep()

@@ -1,0 +1,2 @@
+local function deep() return coroutine.wrap(deep)() end
+deep()

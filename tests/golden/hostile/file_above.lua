@@ -1,0 +1,1 @@
+return rrt {}, scenes.load "../../../etc/passwd"

@@ -1,0 +1,1 @@
+return scenes.exists "/etc/shadow"

@@ -1,0 +1,1 @@
+return (rrt {}).tree(42)

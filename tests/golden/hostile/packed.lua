@@ -1,0 +1,1 @@
+while true do pcall(string.pack, "c2000000000", "") end

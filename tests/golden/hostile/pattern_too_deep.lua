@@ -1,0 +1,1 @@
+return ("x"):rep(1000):find(("(x"):rep(300))

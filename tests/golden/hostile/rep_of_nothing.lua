@@ -1,0 +1,2 @@
+-- Nothing, often, is nothing.
+return ("").rep("", math.maxinteger)

@@ -1,0 +1,1 @@
+return rrt.__index, getmetatable(rrt).__gc
