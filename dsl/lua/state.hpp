@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -22,9 +24,9 @@ namespace trellis::lua {
 /// instruction counts as many; the time is there for what is slow all the same.
 struct Limits {
   std::uint64_t instructions = std::numeric_limits<std::uint64_t>::max();
-  double seconds = std::numeric_limits<double>::infinity();
-  std::string subject = "the script";  ///< what messages say has spent them
-  std::string advice;                  ///< what to do about it
+  double seconds = std::numeric_limits<double>::infinity();  ///< of the processor's time
+  std::string subject = "the script";                        ///< what messages say has spent them
+  std::string advice;                                        ///< what to do about it
 };
 
 /// A Lua interpreter with limits on its memory and its work. One thread at a time. Lives in a shared pointer where
@@ -65,6 +67,7 @@ class State : public std::enable_shared_from_this<State> {
 
   void spend(lua_State* state, std::uint64_t instructions);
   void look_around(lua_State* state);
+  [[nodiscard]] bool worked_too_long();
   void end(lua_State* state, const std::string& why);
   [[noreturn]] static void unwind(lua_State* state);
   [[nodiscard]] std::string out_of_memory() const;
@@ -77,13 +80,18 @@ class State : public std::enable_shared_from_this<State> {
   std::string raised_;        ///< the last message of ours; it needs no traceback
 
   Limits limits_;
-  std::uint64_t spent_ = 0;                  ///< instructions of this run
-  unsigned calls_ = 0;                       ///< of `spend` since the clock was looked at
-  Clock::time_point begin_;                  ///< of this run
-  Clock::time_point looked_;                 ///< when the clock was looked at last
-  bool ended_ = false;                       ///< the script is being ended: nothing it does stops that
-  std::string ended_by_;                     ///< the message of that
-  std::atomic<Clock::rep> stuck_after_ = 0;  ///< when Options::stuck is to be called; 0: nothing runs
+  std::uint64_t spent_ = 0;   ///< instructions of this run
+  unsigned calls_ = 0;        ///< of `spend` since the clock was looked at
+  Clock::time_point begin_;   ///< of this run
+  Clock::time_point looked_;  ///< when the clock was looked at last
+  bool ended_ = false;        ///< the script is being ended: nothing it does stops that
+  std::string ended_by_;      ///< the message of that
+  double begin_cpu_ = -1.0;   ///< processor time when this run was seen to last; negative before
+  // For the watchdog:
+  std::uint64_t runs_ = 0;
+  std::atomic<std::uint64_t> at_work_ = 0;  ///< the run that is at work; 0: none
+  std::atomic<double> watched_seconds_ = 0.0;
+  std::atomic<clockid_t> clock_ = 0;  ///< of the processor time of the thread that runs it
   std::jthread watchdog_;
 };
 
