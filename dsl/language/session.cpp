@@ -66,7 +66,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_algebra(stack);
   open_world(stack);
   open_problem(stack);
-  open_measure(stack, call_limits(options.instructions), given);
+  open_measure(stack, call_limits(options.instructions), given ? given : std::make_shared<std::vector<Callback>>());
   open_publication(stack);
   open_experiment(stack);
   open_help(stack, options.print);

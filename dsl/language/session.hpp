@@ -41,7 +41,7 @@ struct Construct;
 /// standard library defines, as it is loaded; `given` collects the functions that scripts hand over.
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
                    std::function<void(const Construct&)> described = {},
-                   const std::shared_ptr<std::vector<Callback>>& given = std::make_shared<std::vector<Callback>>());
+                   const std::shared_ptr<std::vector<Callback>>& given = {});
 
 /// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
 /// clock, and come to an end. One thread at a time.
