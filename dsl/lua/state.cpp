@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstdlib>
-#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -228,9 +227,8 @@ std::string State::out_of_memory() const {
 void State::watch(const std::stop_token& stop) {
   constexpr auto interval = std::chrono::milliseconds(100);
   constexpr double grace = 5.0;  // seconds beyond the limit, for what is slow to end
-  std::mutex mutex;
   std::condition_variable_any asleep;
-  std::unique_lock lock(mutex);
+  std::unique_lock lock(watching_);
   std::uint64_t seen = 0;
   double begin = 0.0;
   while (!stop.stop_requested()) {

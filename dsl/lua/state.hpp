@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -92,6 +93,7 @@ class State : public std::enable_shared_from_this<State> {
   std::atomic<std::uint64_t> at_work_ = 0;  ///< the run that is at work; 0: none
   std::atomic<double> watched_seconds_ = 0.0;
   std::atomic<clockid_t> clock_ = 0;  ///< of the processor time of the thread that runs it
+  std::mutex watching_;               ///< held by the watchdog but while it sleeps
   std::jthread watchdog_;
 };
 
