@@ -95,6 +95,8 @@ using Book = std::shared_ptr<ScenarioBook>;
 
 /// More than anybody writes by hand: a loop without end.
 constexpr std::size_t most_steps = 10'000;
+constexpr std::size_t most_trials = 10'000;
+constexpr std::size_t most_runs = 1'000'000;
 
 struct GivenSettings {
   std::int64_t shortcut = 0;
@@ -511,6 +513,14 @@ int make_when(const Book& book, Stack& call) {
   if (book->seeds) seeds = trial::seeds(*book->seeds, seeds.front());
   std::vector<Trial> trials;
   std::string names;
+  // What is written down is none of the script's memory, so it has bounds of its own.
+  const std::size_t all = arguments.count() + book->trials.size();
+  std::size_t runs = arguments.count() * seeds.size();
+  for (const Trial& trial : book->trials) runs += trial.setup().seeds.size();
+  if (all > most_trials || runs > most_runs) {
+    throw Error(fmt::format("when: a scenario has at most {} trials with {} runs in all, got {} with {}", most_trials,
+                            most_runs, all, runs));
+  }
   arguments.each([&](std::size_t i, Value element) {
     const auto* candidate = element.get<Candidate>();
     if (candidate == nullptr) {

@@ -235,6 +235,9 @@ TEST_CASE("what scenarios are given is checked") {
   CHECK(says("at_least \"much\"") == "at_least: takes a number, got \"much\"");
   CHECK(says("has_efficiency(below(2))").starts_with("has_efficiency: a level belongs first"));
   CHECK(says("has_efficiency(\"root\", below(2), { role = \"three\" })").find("tree") != std::string::npos);
+  CHECK(says("local it = given { problem = scenes.cup(), strategies = { a = rrt {} } } "
+             "while true do when { it.a, it.a, seeds = 300000 } end") ==
+        "when: a scenario has at most 10000 trials with 1000000 runs in all, got 4 with 1200000");
   CHECK(says("while true do end").find("is there a loop without end?") != std::string::npos);
 }
 
