@@ -18,6 +18,7 @@
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
 

@@ -5,7 +5,7 @@
 //
 //   console   `$ command` by bash, at a terminal; `trellis> input` and `..> input` in a session that a `$ trellis repl`
 //             began, perhaps in a block before; the lines below are what is printed. A command must succeed unless a
-//             message 'trellis: ...' is shown
+//             message 'trellis: ...' or 'FAILED: ...' is shown
 //   sh        commands that succeed
 //   lua       with a `return`: a script, by `trellis run`. Without: inputs of a session, after those of the blocks before;
 //             where a line has `--> x`, its expression gives x, is a guide or a strategy, or fails (`error: part of it`)
@@ -19,6 +19,8 @@
 //   <!-- quoted from: PATH -->    it stands so in a file of the repository
 //   <!-- terminal: 80 x 30 -->    the size of the terminal from here on
 //   <!-- not run: WHY -->         it is compiled only
+//
+// TRELLIS_DOCUMENT=docs/tutorial.md in the environment reads one document only.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -197,7 +199,7 @@ class Reader {
       quote(block.text, value);
     } else if (mark == "not run") {
       if (block.language == "lua") compile(block.text);
-      if (block.language != "lua" && block.language != "text" && block.language != "json") parse(block);
+      if (block.language == "sh" || block.language == "console") parse(block);
     } else if (block.language == "lua") {
       lua(block, mark == "laws");
     } else if (block.language == "sh") {
@@ -317,9 +319,11 @@ class Reader {
   void command(const Step& step) {
     const Printed printed = bash(step.typed);
     agree(step, printed.text);
-    const bool fails = std::regex_search("\n" + step.shown, std::regex("\ntrellis: (?!warning)"));
+    const std::string shown = "\n" + step.shown;
+    const bool refused = std::regex_search(shown, std::regex("\ntrellis: (?!warning)"));
+    const bool failed = shown.find("\nFAILED: ") != std::string::npos;
     INFO("$ " << step.typed << "\n" << printed.text);
-    CHECK(printed.status == (fails ? 2 : 0));
+    CHECK(printed.status == (refused ? 2 : failed ? 1 : 0));
   }
   /// `sent`: the echo of the input, what it printed, and the next prompt.
   void compare(const std::string& sent) {
