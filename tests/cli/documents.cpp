@@ -7,8 +7,10 @@
 //             began, perhaps in a block before; the lines below are what is printed. A command must succeed unless a
 //             message 'trellis: ...' or 'FAILED: ...' is shown
 //   sh        commands that succeed
-//   lua       with a `return`: a script, by `trellis run`. Without: inputs of a session, after those of the blocks before;
-//             where a line has `--> x`, its expression gives x, is a guide or a strategy, or fails (`error: part of it`)
+//   lua       with a `return`: a script, by `trellis run`. Without: inputs of a session, after those of the blocks
+//   before;
+//             where a line has `--> x`, its expression gives x, is a guide or a strategy, or fails (`error: part of
+//             it`)
 //
 // A comment above the fence says otherwise, unseen by readers:
 //
@@ -73,9 +75,7 @@ std::pair<std::string, std::string> parts_of(const std::string& mark) {
   return {mark.substr(0, colon), mark.substr(colon + 2)};
 }
 
-bool is_script(const Block& block) {
-  return std::regex_search("\n" + block.text, std::regex("\nreturn[ \n]"));
-}
+bool is_script(const Block& block) { return std::regex_search("\n" + block.text, std::regex("\nreturn[ \n]")); }
 
 /// What the inputs of a document's blocks may call.
 constexpr const char* prelude = R"LUA(
@@ -177,7 +177,8 @@ class Reader {
   void read(const Block& block) {
     const auto [mark, value] = parts_of(block.mark);
     for (const std::string& name : files_) {
-      if (block.text.find(name) != std::string::npos || block.text.find("\"" + stem(name) + "\"") != std::string::npos) {
+      if (block.text.find(name) != std::string::npos ||
+          block.text.find("\"" + stem(name) + "\"") != std::string::npos) {
         used_.push_back(name);
       }
     }
@@ -310,9 +311,9 @@ class Reader {
   }
   void begin(const Step& step) {
     std::istringstream words(step.typed.substr(std::string("trellis ").size()));
-    session_ = std::make_unique<Terminal>(
-        place_ / "", std::vector<std::string>(std::istream_iterator<std::string>(words), {}), environment_, columns_,
-        rows_);
+    session_ =
+        std::make_unique<Terminal>(place_ / "", std::vector<std::string>(std::istream_iterator<std::string>(words), {}),
+                                   environment_, columns_, rows_);
     const std::string greeting = session_->wait_for(Terminal::prompt);
     agree(step, greeting.substr(0, greeting.rfind(Terminal::prompt)));
   }
@@ -372,7 +373,8 @@ TEST_CASE("every block of the documents says what it is", "[documents]") {
       if (mark.empty() || mark == "terminal" || mark == "laws") {
         CHECK(runs);
       } else {
-        const bool means = mark == "file" || mark == "end of" || mark == "golden" || mark == "quoted from" || mark == "not run";
+        const bool means =
+            mark == "file" || mark == "end of" || mark == "golden" || mark == "quoted from" || mark == "not run";
         CHECK(means);
         CHECK_FALSE(value.empty());
       }
@@ -425,7 +427,8 @@ TEST_CASE("what is shown is compared but for times and what is left out", "[docu
   CHECK_FALSE(shows("its options are: step, ..., seconds\n", "its options are: step, uniform, second\n"));
   CHECK_FALSE(shows("a..., b\n", "b, a, b\n"));
   CHECK(shows("level  checks    ms\n───\n0 root   2723  3.44\n", "level  checks     ms\n────\n0 root   2723  13.44\n"));
-  CHECK_FALSE(shows("level  checks    ms\n───\n0 root   2723  3.44\n", "level  checks    ms\n───\n0 root   2724  3.44\n"));
+  CHECK_FALSE(
+      shows("level  checks    ms\n───\n0 root   2723  3.44\n", "level  checks    ms\n───\n0 root   2724  3.44\n"));
   CHECK(shows("done\n", "\r\x1b[K[#.] 1/2\r\x1b[K[##] 2/2\r\x1b[Kdone\r\n"));
   CHECK(shows("│ ms\n   3\n", "\x1b[31m│\x1b[0m ms\r\n   4\r\n"));
 }

@@ -130,8 +130,8 @@ inline bool shows_line(std::string shown, const std::string& line) {
   return first ? shown == line : line.size() >= at + shown.size() && line.ends_with(shown);
 }
 
-/// Whether a document that shows `shown` tells the truth about a program that printed `printed`. A line '...' stands for
-/// any number of lines, '...' within a line for any text.
+/// Whether a document that shows `shown` tells the truth about a program that printed `printed`. A line '...' stands
+/// for any number of lines, '...' within a line for any text.
 inline bool shows(const std::string& shown, const std::string& printed) {
   const auto expected = comparable(shown);
   const auto actual = comparable(printed);
@@ -140,7 +140,8 @@ inline bool shows(const std::string& shown, const std::string& printed) {
   reached[0] = true;
   for (const std::string& line : expected) {
     std::vector<bool> next(actual.size() + 1, false);
-    const bool any = line.find_first_not_of(' ') != std::string::npos && line.substr(line.find_first_not_of(' ')) == "...";
+    const bool any =
+        line.find_first_not_of(' ') != std::string::npos && line.substr(line.find_first_not_of(' ')) == "...";
     for (std::size_t j = 0; j <= actual.size(); ++j) {
       if (any) {
         next[j] = reached[j] || (j > 0 && next[j - 1]);
