@@ -83,6 +83,7 @@ class Terminal {
   int finish() {
     while (read(static_cast<int>(std::chrono::milliseconds(patience).count()))) {
     }
+    if (silent_) ::kill(child_, SIGKILL);  // else it would be waited for without end
     int status = 0;
     ::waitpid(child_, &status, 0);
     child_ = -1;
@@ -96,7 +97,10 @@ class Terminal {
 
   bool read(int milliseconds) {
     pollfd input{screen_, POLLIN, 0};
-    if (::poll(&input, 1, milliseconds) <= 0) return false;
+    if (::poll(&input, 1, milliseconds) <= 0) {
+      silent_ = true;
+      return false;
+    }
     char block[4096];
     const ssize_t size = ::read(screen_, block, sizeof block);
     if (size <= 0) return false;
@@ -107,6 +111,7 @@ class Terminal {
   int screen_ = -1;
   pid_t child_ = -1;
   std::string sent_;
+  bool silent_ = false;
 };
 
 }  // namespace trellis::test
