@@ -8,9 +8,8 @@
 //             message 'trellis: ...' or 'FAILED: ...' is shown
 //   sh        commands that succeed
 //   lua       with a `return`: a script, by `trellis run`. Without: inputs of a session, after those of the blocks
-//   before;
-//             where a line has `--> x`, its expression gives x, is a guide or a strategy, or fails (`error: part of
-//             it`)
+//             before; where a line has `--> x`, its expression gives x, is a guide or a strategy, or fails
+//             (`error: part of it`)
 //
 // A comment above the fence says otherwise, unseen by readers:
 //
