@@ -47,6 +47,7 @@ std::string_view to_string(Component::Kind kind) {
     case Component::Kind::target: return "target";
     case Component::Kind::estimator: return "estimator";
     case Component::Kind::scene: return "scene";
+    case Component::Kind::motion: return "motion model";
   }
   throw Fault("unknown kind of component");
 }

@@ -55,7 +55,7 @@ std::string expectation(const Option& option);
 
 /// A planner, guide, combinator, target or other part that a script can name.
 struct Component {
-  enum class Kind { planner, guide, combinator, target, estimator, scene };
+  enum class Kind { planner, guide, combinator, target, estimator, scene, motion };
 
   Kind kind = Kind::guide;
   std::string name;

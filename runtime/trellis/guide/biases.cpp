@@ -157,7 +157,10 @@ std::int64_t never(const Options&) { return 0; }
 
 GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
                         std::string density, bool closed_form) {
-  return {&component, make, "", never,
+  return {&component,
+          make,
+          "",
+          never,
           {.category = GuideClaims::Category::sampling,
            .f = "S = {0}",
            .h = std::move(h),

@@ -30,8 +30,8 @@ class Shrink final : public PathGuide {
     auto instance = same_instance(parent);
     instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
-    instance->validity = std::make_shared<CollisionValidity>(
-        make_checker(parent.collision, instance->scene, parent.space, parent.resolution));
+    instance->validity =
+        make_validity(parent.collision, instance->scene, parent.space, parent.resolution, parent.motion_model);
     return instance;
   }
 
