@@ -21,9 +21,8 @@ struct ControlAxis {
   double hi = 0.0;
 };
 
-/// How a robot moves where it cannot move straight to any configuration: dx/dt = f(x, u), integrated by explicit Euler
-/// in steps of dt. A state x is a configuration (x, y, theta, perhaps theta of a trailer) followed by velocities.
-/// Immutable.
+/// How a robot that cannot move straight to any configuration moves: dx/dt = f(x, u), in steps of explicit Euler. A
+/// state x is a configuration (x, y, theta, perhaps theta of a trailer) followed by velocities. Immutable.
 class MotionModel {
  public:
   MotionModel(const MotionModel&) = delete;
