@@ -15,7 +15,7 @@ namespace trellis {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Words that hold only up to rounding are kept; where they lead is looked at anyway.
+/// What is less is taken for rounding; where a word leads is looked at anyway.
 constexpr double slack = 1e-9;
 
 /// In (-pi, pi].
@@ -33,7 +33,11 @@ struct Polar {
   double r;
   double angle;
 };
-Polar polar(double x, double y) { return {std::hypot(x, y), std::atan2(y, x)}; }
+/// The direction of what is there by rounding only is 0.
+Polar polar(double x, double y) {
+  const double r = std::hypot(x, y);
+  return {r, r < slack ? 0.0 : std::atan2(y, x)};
+}
 
 CurvePose driven(const CurvePose& from, const CurvePiece& piece, double radius) {
   const double turned = piece.turn * piece.length / radius;
@@ -49,6 +53,16 @@ CurvePose driven(const CurvePose& from, const CurvePiece& piece, double radius) 
 class Shortest {
  public:
   explicit Shortest(const CurvePose& goal) : goal_(goal) {}
+
+  /// As `offer`, and without the whole turns that rounding makes of no turn at all.
+  void offer_forwards(std::vector<CurvePiece> pieces) {
+    offer(pieces);
+    constexpr double nearly = 1e-7;
+    for (CurvePiece& piece : pieces) {
+      if (piece.turn != 0 && piece.length > 2.0 * pi - nearly) piece.length = 0.0;
+    }
+    offer(pieces);
+  }
 
   void offer(const std::vector<CurvePiece>& pieces) {
     Curve curve{pieces, 1.0};
@@ -232,19 +246,19 @@ Curve dubins(const CurvePose& from, const CurvePose& to, double radius) {
     // To the right is to the left with the goal mirrored.
     const CurvePose g{goal.x, turn * goal.y, turn * goal.theta};
     const auto [same, angle] = polar(g.x - std::sin(g.theta), g.y - 1.0 + std::cos(g.theta));
-    shortest.offer({{whole_turn(angle), turn}, {same, 0}, {whole_turn(g.theta - angle), turn}});
+    shortest.offer_forwards({{whole_turn(angle), turn}, {same, 0}, {whole_turn(g.theta - angle), turn}});
     const auto [other, across] = polar(g.x + std::sin(g.theta), g.y - 1.0 - std::cos(g.theta));
-    if (other >= 2.0) {
-      const double straight = std::sqrt(other * other - 4.0);
+    if (other >= 2.0 - slack) {
+      const double straight = std::sqrt(std::max(0.0, other * other - 4.0));
       const double first = whole_turn(across + std::atan2(2.0, straight));
-      shortest.offer({{first, turn}, {straight, 0}, {whole_turn(first - g.theta), -turn}});
+      shortest.offer_forwards({{first, turn}, {straight, 0}, {whole_turn(first - g.theta), -turn}});
     }
-    if (same <= 4.0) {
+    if (same <= 4.0 + slack) {
       // The middle turn is the long way round.
-      const double half = std::acos(same / 4.0);
+      const double half = std::acos(std::min(1.0, same / 4.0));
       const double first = whole_turn(angle + 0.5 * pi + half);
       const double middle = pi + 2.0 * half;
-      shortest.offer({{first, turn}, {middle, -turn}, {whole_turn(g.theta - first + middle), turn}});
+      shortest.offer_forwards({{first, turn}, {middle, -turn}, {whole_turn(g.theta - first + middle), turn}});
     }
   }
   return scaled(shortest.take(), radius);
