@@ -27,17 +27,6 @@ StrategySpec strategy(const std::vector<GuideSpec>& guides, const std::vector<Op
   return all >> planner;
 }
 
-/// Aisles with two bends: the direct way to the goal ends at a rack.
-Problem depot() {
-  Problem problem = test::make_problem(
-      "depot",
-      World(Box2{{0, 0}, {8, 6}}, {{"long rack", Box2{{2.4, 0}, {2.8, 4.4}}}, {"far rack", Box2{{5, 1.6}, {5.4, 6}}}}),
-      test::rectangle_robot(0.5, 0.3), {1.2, 1, 1.57}, {7, 5, 1.57});
-  problem = test::driven(problem, "unicycle2");
-  problem.goal_tolerance = 0.5;
-  return problem;
-}
-
 /// A car that only goes forwards is to turn about where it stands: it has to drive far off any straight way there.
 Problem turn_about() {
   Problem problem = test::make_problem("turn about", World(Box2{{0, 0}, {10, 10}}, {}), test::rectangle_robot(0.5, 0.3),
@@ -66,15 +55,23 @@ Interval times(const StrategySpec& a, const StrategySpec& b, const Problem& prob
 }  // namespace
 
 SCENARIO("a path of the robot without its motion model guides the one with it", "[kinodynamic][holonomic]") {
-  GIVEN("aisles with two bends, and a cart whose state has velocities") {
-    const auto problem = depot();
+  GIVEN("a wall like a cup between start and goal, and a car that turns in a radius") {
+    const auto problem = test::driven(test::cup_problem(), "car");
     THEN("holonomic spends fewer validity checks than the unguided planner") {
       const Interval ratio = times(strategy({}), strategy({GuideSpec::make("holonomic", {})}), problem);
       CAPTURE(std::exp(ratio.value), std::exp(ratio.lo), std::exp(ratio.hi));
       CHECK(ratio.hi < 0.0);
     }
-    THEN("so does a lead of triangles") {
-      const Interval ratio = times(strategy({}), strategy({GuideSpec::make("decomposition", {})}), problem);
+  }
+}
+
+SCENARIO("a lead of triangles brings what has momentum through a passage", "[kinodynamic][decomposition]") {
+  GIVEN("a narrow corridor, and a unicycle whose speeds are part of its state") {
+    const auto problem = test::driven(test::simple_passage_problem(), "unicycle2");
+    const std::vector<Options::Entry> budget = {{"proposals", 20000.0}};
+    THEN("decomposition spends fewer validity checks than the unguided planner") {
+      const Interval ratio =
+          times(strategy({}, budget), strategy({GuideSpec::make("decomposition", {})}, budget), problem);
       CAPTURE(std::exp(ratio.value), std::exp(ratio.lo), std::exp(ratio.hi));
       CHECK(ratio.hi < 0.0);
     }
@@ -129,10 +126,12 @@ TEST_CASE("a planner that cannot respect the motion model is refused, and one th
           "[kinodynamic]") {
   const Problem driven = test::driven(test::cup_problem());
   const StrategySpec straight(PlannerSpec::make("rrt", {}));
-  const auto says = Contains("rrt joins configurations by straight motions") && Contains("motion model unicycle1") &&
-                    Contains("kinodynamic_rrt") && Contains("holonomic()") && Contains("level 0");
-  CHECK_THROWS_WITH(check(straight, driven), says);
-  CHECK_THROWS_WITH(execute(straight, driven, 1), says);
+  for (const bool running : {false, true}) {
+    const auto refused = [&] { running ? static_cast<void>(execute(straight, driven, 1)) : check(straight, driven); };
+    CHECK_THROWS_WITH(refused(), Contains("rrt joins configurations by straight motions") &&
+                                     Contains("motion model unicycle1") && Contains("kinodynamic_rrt") &&
+                                     Contains("holonomic()") && Contains("level 0"));
+  }
   CHECK_THROWS_WITH(check(strategy({}), test::cup_problem()),
                     Contains("kinodynamic_rrt drives a motion model") && Contains("motion.unicycle1"));
   // The level that shrink makes keeps the motion model, and says who searches it.

@@ -72,6 +72,7 @@ class FibredDensity final : public Density {
       : projection_(std::move(projection)), base_(std::move(base)) {}
 
   [[nodiscard]] double at(View q) const override {
+    if (!projection_->parent().contains(q)) return 0.0;
     Configuration s(projection_->space().dimension());
     projection_->project(q, s);
     return base_->at(s) * std::exp(-projection_->log_fibre_volume());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -18,7 +19,12 @@ namespace trellis {
 namespace {
 
 struct HolonomicSettings : PathGuideSettings {
+  HolonomicSettings() {
+    patience = 500;
+    resolves = 3;
+  }
   std::string heading = "along";
+  std::string speed = "forwards";
 };
 
 const Settings<HolonomicSettings>& holonomic_settings() {
@@ -31,7 +37,11 @@ const Settings<HolonomicSettings>& holonomic_settings() {
                                   "kinodynamic motion planning")
           .choice("heading", &HolonomicSettings::heading, {"along", "found"},
                   "the robot's heading on the path that is followed: \"along\", in the direction of travel, which is "
-                  "how a wheeled robot can follow it; \"found\", as the search in S had it")));
+                  "how a wheeled robot can follow it; \"found\", as the search in S had it")
+          .choice(
+              "speed", &HolonomicSettings::speed, {"forwards", "any"},
+              "which speeds are drawn where they are part of the state: \"forwards\", those not below 0 where there "
+              "are any; \"any\", all; other velocities are drawn from all there are")));
   return settings;
 }
 
@@ -55,6 +65,7 @@ class FibredHeuristic final : public Heuristic {
     return 0;
   }
   [[nodiscard]] double density(View q) const override {
+    if (!projection_->parent().contains(q)) return 0.0;
     Configuration s(proposal_.size());
     projection_->project(q, s);
     return h_->density(s) * std::exp(-projection_->log_fibre_volume());
@@ -114,7 +125,9 @@ class FibredHeuristic final : public Heuristic {
 class Holonomic final : public PathGuide {
  public:
   explicit Holonomic(const HolonomicSettings& settings)
-      : PathGuide("holonomic", settings), along_(settings.heading == "along") {}
+      : PathGuide("holonomic", settings),
+        along_(settings.heading == "along"),
+        forwards_(settings.speed == "forwards") {}
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     const std::size_t kept =
@@ -123,7 +136,14 @@ class Holonomic final : public PathGuide {
     std::iota(axes.begin(), axes.end(), std::size_t{0});
     std::string name = parent.space.name();
     if (kept < parent.space.dimension()) name = name.substr(0, name.rfind(" x "));
-    projection_ = std::make_shared<AxisProjection>(parent.space, std::move(axes), std::move(name));
+    projection_ = std::make_shared<AxisProjection>(parent.space, axes, name);
+    std::vector<Axis> drawn = parent.space.axes();
+    for (std::size_t j = kept; j < drawn.size(); ++j) {
+      if (forwards_ && drawn[j].name == "v" && drawn[j].hi > 0.0) {
+        drawn[j].lo = std::max(drawn[j].lo, 0.0);
+      }
+    }
+    drawn_ = std::make_shared<AxisProjection>(Space(parent.space.name(), std::move(drawn)), axes, name);
     auto instance = same_instance(parent);
     instance->space = projection_->space();
     instance->motion_model = nullptr;
@@ -147,7 +167,7 @@ class Holonomic final : public PathGuide {
       static_cast<void>(PathGuide::heuristic(*sub_, sub, found));
       return std::make_unique<UniformHeuristic>("holonomic (found nothing)", parent.space);
     }
-    return std::make_unique<FibredHeuristic>(projection_, PathGuide::heuristic(*sub_, sub, found), parent.start,
+    return std::make_unique<FibredHeuristic>(drawn_, PathGuide::heuristic(*sub_, sub, found), parent.start,
                                              parent.goal);
   }
 
@@ -185,9 +205,11 @@ class Holonomic final : public PathGuide {
 
  private:
   bool along_;
+  bool forwards_;
   bool turns_ = false;  ///< there is a motion model, whose robot has a heading
   std::shared_ptr<const AxisProjection> projection_;
-  Instance* sub_ = nullptr;  ///< owned by the level
+  std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h draws from
+  Instance* sub_ = nullptr;                      ///< owned by the level
 };
 
 }  // namespace
@@ -197,7 +219,7 @@ GuideKind holonomic_kind() {
       GuideClaims::Category::robot,
       "(q, velocities) -> q, joined by straight motions; the identity without a motion model",
       "no end that is valid in C becomes invalid: what bounds velocities is dropped", "examples/kinodynamic.lua");
-  claims.h += "; velocities uniform";
+  claims.h += "; velocities uniform, of speeds those forwards";
   return {&holonomic_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Holonomic>(holonomic_settings().read(o));
