@@ -3,8 +3,9 @@
 -- What a Trellis script finds besides Lua, and what it does not find.
 stds.trellis = {
   read_globals = {
-    "rrt", "rrt_connect", "prm", "lazy_prm", "graph_search",
-    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy",
+    "rrt", "rrt_connect", "prm", "lazy_prm", "kinodynamic_rrt", "graph_search",
+    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "holonomic",
+    "decomposition",
     "tube", "near_optimal", "progress",
     "knn", "exact", "kde", "histogram", "legacy",
     "sequence", "blend", "ablations", "box", "disc", "polygon", "world", "problem", "target", "experiment",
@@ -14,6 +15,11 @@ stds.trellis = {
     robot = {
       fields = {
         "point", "disc", "rectangle", "polygon", "rigid",
+      },
+    },
+    motion = {
+      fields = {
+        "unicycle1", "unicycle2", "car", "car_with_trailer",
       },
     },
     paper = {

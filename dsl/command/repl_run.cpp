@@ -127,7 +127,9 @@ std::string outcome_text(const Run& run) {
       fmt::format("{} and {} in {:.{}f} ms", counted(run.proposals, "proposal"),
                   counted(record.validity_checks, "check"), 1000.0 * record.seconds, record.seconds < 0.01 ? 1 : 0);
   if (!run.ended()) return text + "stopped after " + cost;
-  if (record.solved) return text + fmt::format("solved by {}, a path of {:.2f} m", cost, record.length);
+  const double seconds = record.trajectory.duration();
+  const std::string driven = seconds > 0.0 ? fmt::format(", driven in {:.1f} s", seconds) : "";
+  if (record.solved) return text + fmt::format("solved by {}, a path of {:.2f} m{}", cost, record.length, driven);
   return text + fmt::format("not solved ({}) by {}", to_string(record.status), cost);
 }
 

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include <dsl/language/motion.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/scene/readers.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -27,6 +28,8 @@ struct LoadSettings {
   double weight = 1.0 / std::numbers::pi;
   double resolution = Problem{}.resolution;
   std::string collision = "planar";
+  bool motion = true;
+  double goal_tolerance = ReadOptions{}.goal_tolerance;
 };
 struct ProblemSettings {
   double weight = LoadSettings{}.weight;
@@ -47,13 +50,19 @@ const Settings<ProblemSettings>& problem_settings() {
   static const auto settings =
       with_scene_options(Settings<ProblemSettings>(Component::Kind::scene, "problem", "a planning problem", ""))
           .number("goal_tolerance", &ProblemSettings::goal_tolerance, "m", Range::non_negative(),
-                  "a configuration this near to the goal in the metric is the goal");
+                  "a configuration this near to the goal in the metric is the goal; where the problem has a motion "
+                  "model and "
+                  "this is not given, 0.25, as controls that are held for whole steps hit no goal exactly");
   return settings;
 }
 
 const Settings<LoadSettings>& load_settings() {
   static const auto settings =
-      with_scene_options(Settings<LoadSettings>(Component::Kind::scene, "scenes.load", "reads a scene file", ""));
+      with_scene_options(Settings<LoadSettings>(Component::Kind::scene, "scenes.load", "reads a scene file", ""))
+          .boolean("motion", &LoadSettings::motion,
+                   "robots have the motion models that a file of dynobench names; false: they move straight")
+          .number("goal_tolerance", &LoadSettings::goal_tolerance, "m", Range::positive(),
+                  "of problems with a motion model: a state this near to the goal in the metric is the goal");
   return settings;
 }
 
@@ -85,9 +94,17 @@ int make_problem(Stack& call) {
   if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
   problem.scene = std::make_shared<const Scene>(Scene{*world, *robot});
   problem.space = default_space(*robot, *world, settings.weight);
+  const Value motion = arguments["motion"];
+  if (motion.given()) {
+    const auto* model = motion.get<Motion>();
+    if (model == nullptr) arguments.reject("motion");
+    problem.motion_model = *model;
+    problem.space = state_space(problem.space, **model);
+  }
   problem.start = read_configuration(arguments, "start", problem.space);
   problem.goal = read_configuration(arguments, "goal", problem.space);
-  problem.goal_tolerance = settings.goal_tolerance;
+  problem.goal_tolerance =
+      motion.given() && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance : settings.goal_tolerance;
   problem.resolution = settings.resolution;
   problem.collision = settings.collision;
   check(problem);
@@ -108,6 +125,14 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
       {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
       {"world", [](Stack& call, const Problem& p) { call.push_object(p.scene->world); }},
       {"robot", [](Stack& call, const Problem& p) { call.push_object(p.scene->robot); }},
+      {"motion",
+       [](Stack& call, const Problem& p) {
+         if (p.motion_model) {
+           call.push_object(p.motion_model);
+         } else {
+           call.push_nil();
+         }
+       }},
       {"start", [](Stack& call, const Problem& p) { push_coordinates(call, p.start); }},
       {"goal", [](Stack& call, const Problem& p) { push_coordinates(call, p.goal); }},
       {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
@@ -189,8 +214,11 @@ const Construct& problem_construct() {
       .fields = {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
                  {"world", "trellis.World", "a world", "as world { ... } makes it", true},
                  {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
-                 {"start", "number[]", "a list of numbers", "the start configuration, in metres and radians", true},
-                 {"goal", "number[]", "a list of numbers", "the goal configuration, in metres and radians", true}},
+                 {"start", "number[]", "a list of numbers",
+                  "the start configuration, in metres and radians; with a motion model its velocities follow", true},
+                 {"goal", "number[]", "a list of numbers", "the goal configuration, likewise", true},
+                 {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
+                  "how the robot is driven; without one it moves straight to any configuration"}},
       .options = problem_settings().component(),
       .returns = "trellis.Problem"};
   return construct;
@@ -263,7 +291,8 @@ lua::Callback scene_loader(std::string script_folder, bool trust) {
     }
     const Given given = read_options(load_settings().component(), call, 2, false);
     const auto settings = load_settings().read(Options::validate(load_settings().component(), given.options));
-    auto problems = read_problems(path, {settings.weight, settings.resolution, settings.collision});
+    auto problems = read_problems(
+        path, {settings.weight, settings.resolution, settings.collision, settings.motion, settings.goal_tolerance});
     const Value list = call.push_table();
     for (auto& problem : problems) {
       call.push_object(std::move(problem));

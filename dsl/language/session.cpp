@@ -13,6 +13,7 @@
 #include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
+#include <dsl/language/motion.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/publication.hpp>
 #include <dsl/language/random.hpp>
@@ -66,6 +67,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_random(stack, options.seed);
   open_algebra(stack);
   open_world(stack);
+  open_motion(stack);
   open_problem(stack);
   open_measure(stack, call_limits(options.instructions), given ? given : std::make_shared<std::vector<Callback>>());
   open_publication(stack);

@@ -15,6 +15,7 @@
 #include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
+#include <dsl/language/motion.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/publication.hpp>
 #include <dsl/language/scenario.hpp>
@@ -68,8 +69,8 @@ Word word_of(const Component& component) {
 Word word_of(const Construct& construct) {
   Word word;
   const bool function = !construct.arguments.empty() || construct.name.find('.') != std::string::npos;
-  const bool robot = construct.name.starts_with("robot.");
-  word.kind = function && !robot ? Word::Kind::function : Word::Kind::constructor;
+  const bool value = construct.name.starts_with("robot.") || construct.name.starts_with("motion.");
+  word.kind = function && !value ? Word::Kind::function : Word::Kind::constructor;
   word.name = construct.name;
   word.summary = construct.summary;
   word.source = construct.source.empty() ? construct.options.source : construct.source;
@@ -133,6 +134,7 @@ std::vector<ObjectType> make_types() {
   all.push_back({"trellis.Shape", "an obstacle or a robot's part", "", {}, {}});
   all.push_back({"trellis.World", "a planar workspace", "", {}, {}});
   all.push_back({"trellis.Robot", "what moves", "", {}, {}});
+  all.push_back({"trellis.Motion", "how what moves can be driven", "", {}, {}});
   all.push_back(problem_type());
   for (ObjectType& type : measure_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Claim", "a sentence that the results are to bear out", "", {}, {}});
@@ -196,6 +198,7 @@ std::string default_text(const Option& option) {
 std::vector<const Construct*> constructs() {
   std::vector<const Construct*> all = {&sequence_construct(), &blend_construct(), &ablations_construct()};
   for (const Construct* construct : world_constructs()) all.push_back(construct);
+  for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),
                          &experiment_construct(), &published_construct(), &claim_construct(), &help_construct(),
                          &require_construct()});

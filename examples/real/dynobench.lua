@@ -1,18 +1,16 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Scenes of dynobench: unicycles, a car with a trailer and a planar rotorcraft among boxes. Their geometry is planned
--- here, not their dynamics.
+-- Scenes of dynobench, driven: unicycles of first and second order and a car with a trailer, by the motion models that
+-- the files name. dynobench_geometry.lua beside this plans for their shapes alone.
 --
 --   trellis run examples/real/dynobench.lua --jobs 2
 
 local names = {
-  "car1_v0/kink_0",
-  "car1_v0/parallelpark_0",
-  "quad2d_v0/quad2d_recovery_obs",
-  "quad2d_v0/quad_obs_column",
   "unicycle1_v0/bugtrap_0",
   "unicycle1_v0/parallelpark_0",
   "unicycle1_v1/kink_0",
   "unicycle2_v0/kink_0",
+  "car1_v0/parallelpark_0",
+  "car1_v0/kink_0",
 }
 
 local problems = {}
@@ -24,9 +22,10 @@ end
 return experiment {
   problems   = problems,
   strategies = {
-    rrt    = rrt { step = 0.3 },
-    nested = skeleton() >> shrink(0.5) >> lazy() >> rrt { step = 0.3 },
+    { "unguided",      kinodynamic_rrt {} },
+    { "holonomic",     holonomic() >> kinodynamic_rrt {} },
+    { "decomposition", decomposition() >> kinodynamic_rrt {} },
+    { "nested",        skeleton() >> holonomic() >> kinodynamic_rrt {} },
   },
-  seeds   = 3,
-  measure = tube { delta = 0.3 },
+  seeds = 3,
 }

@@ -31,16 +31,20 @@
 ---what moves
 ---@class trellis.Robot
 
+---how what moves can be driven
+---@class trellis.Motion
+
 ---a planning problem
 ---@class trellis.Problem
 ---@field name string how the report calls it
 ---@field world trellis.World as world { ... } makes it
 ---@field robot trellis.Robot as robot.rectangle(0.6, 0.2) makes it
----@field start number[] the start configuration, in metres and radians
----@field goal number[] the goal configuration, in metres and radians
+---@field start number[] the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal number[] the goal configuration, likewise
+---@field motion trellis.Motion how the robot is driven; without one it moves straight to any configuration
 ---@field resolution number how far the robot's fastest point moves between two checked configurations
 ---@field collision string the collision backend
----@field goal_tolerance number a configuration this near to the goal in the metric is the goal
+---@field goal_tolerance number a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
 
 ---what samples are measured against
 ---@class trellis.Target
@@ -145,6 +149,17 @@
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
+---What `kinodynamic_rrt` takes.
+---@class trellis.kinodynamic_rrt.Options
+---@field controls? integer an integer at least 1 (controls); default 10: random controls, each for a random duration, that are tried for a proposal before one is checked
+---@field longest? number a number greater than 0 (s); default 1: the longest duration of a control; a whole number of the model's steps, at least one
+---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
 ---What `graph_search` takes.
 ---@class trellis.graph_search.Options
 ---@field samples? integer an integer at least 1 (proposals); default 200: proposals drawn per search where it is guided
@@ -218,6 +233,28 @@
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
+
+---What `holonomic` takes.
+---@class trellis.holonomic.Options
+---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
+---@field heading? "along"|"found" one of "along", "found"; default "along": the robot's heading on the path that is followed: "along", in the direction of travel, which is how a wheeled robot can follow it; "found", as the search in S had it
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
+
+---What `decomposition` takes.
+---@class trellis.decomposition.Options
+---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
+---@field size? number a number at least 0 (m); default 0: length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's diagonal for a point
+---@field explore? number a number in [0, 1] (share of proposals); default 0.2: share that is spread evenly over all triangles; the rest keeps to the lead
+---@field ahead? integer an integer at least 1 (triangles); default 2: how far along the lead beyond what the planner has reached proposals are drawn
+---@field patience? integer an integer at least 1 (proposals); default 50: proposals on the lead without reaching a triangle farther along it before another lead is searched
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often another lead may be searched
 
 ---What `tube` takes.
 ---@class trellis.tube.Options
@@ -328,17 +365,54 @@
 ---@field [integer] trellis.Shape|trellis.Shape[] its shapes: box, disc, polygon
 ---@field rotates? boolean true or false; default true: it turns as well as moves
 
+---What `motion.unicycle1` takes.
+---@class trellis.motion.unicycle1.Options
+---@field min_speed? number a number any finite number (m/s); default -0.5: the least speed; negative: it goes backwards
+---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, either way
+
+---What `motion.unicycle2` takes.
+---@class trellis.motion.unicycle2.Options
+---@field min_speed? number a number any finite number (m/s); default -0.5: the least speed; negative: it goes backwards
+---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, either way
+---@field max_acceleration? number a number greater than 0 (m/s^2); default 0.25: the greatest acceleration, either way
+---@field max_angular_acceleration? number a number greater than 0 (rad/s^2); default 0.25: the greatest angular acceleration, either way
+---@field speed_weight? number a number greater than 0 (m per m/s); default 0.25: metres of the metric per unit of speed
+---@field angular_speed_weight? number a number greater than 0 (m per rad/s); default 0.25: metres of the metric per unit of angular speed
+
+---What `motion.car` takes.
+---@class trellis.motion.car.Options
+---@field min_speed? number a number any finite number (m/s); default -0.1: the least speed; negative: it goes backwards
+---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0472: the greatest angle of its front wheels, either way
+
+---What `motion.car_with_trailer` takes.
+---@class trellis.motion.car_with_trailer.Options
+---@field min_speed? number a number any finite number (m/s); default -0.1: the least speed; negative: it goes backwards
+---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0472: the greatest angle of its front wheels, either way
+---@field hitch? number a number greater than 0 (m); default 0.5: from the car's reference point, where the trailer hangs, to the trailer's axle
+---@field max_articulation? number a number in (0, 3.14159] (rad); default 0.785398: the greatest angle between car and trailer
+
 ---What `problem` takes.
 ---@class trellis.problem.Options
 ---@field name? string a string; default "problem": how the report calls it
 ---@field world trellis.World a world: as world { ... } makes it
 ---@field robot trellis.Robot a robot: as robot.rectangle(0.6, 0.2) makes it
----@field start number[] a list of numbers: the start configuration, in metres and radians
----@field goal number[] a list of numbers: the goal configuration, in metres and radians
+---@field start number[] a list of numbers: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal number[] a list of numbers: the goal configuration, likewise
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
 
 ---What `target` takes.
 ---@class trellis.target.Options
@@ -421,42 +495,47 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field motion? boolean true or false; default true: robots have the motion models that a file of dynobench names; false: they move straight
+---@field goal_tolerance? number a number greater than 0 (m); default 0.25: of problems with a motion model: a state this near to the goal in the metric is the goal
 
 ---What `scenes.simple_passage` takes.
 ---@class trellis.scenes.simple_passage.Options
 ---@field name? string a string; default "simple_passage": how the report calls it
 ---@field world? trellis.World a world; default a world of 2 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
----@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians
----@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, in metres and radians
+---@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, likewise
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
 
 ---What `scenes.trap` takes.
 ---@class trellis.scenes.trap.Options
 ---@field name? string a string; default "trap": how the report calls it
 ---@field world? trellis.World a world; default a world of 10 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
----@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians
----@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, in metres and radians
+---@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, likewise
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
 
 ---What `scenes.cup` takes.
 ---@class trellis.scenes.cup.Options
 ---@field name? string a string; default "cup": how the report calls it
 ---@field world? trellis.World a world; default a world of 3 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
----@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians
----@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, in metres and radians
+---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, likewise
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
 
 ---What `strategies.rrt` takes.
 ---@class trellis.strategies.rrt.Options
@@ -640,6 +719,10 @@
 ---@class trellis.robot
 robot = {}
 
+---What makes a motion.
+---@class trellis.motion
+motion = {}
+
 ---The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them
 ---
 ---The lists of methods take what shall differ for each one, by its name: paper.methods { irc = { scales = {0.5} } }.
@@ -698,6 +781,13 @@ function prm(options) end
 ---@param options? trellis.lazy_prm.Options
 ---@return trellis.Planner
 function lazy_prm(options) end
+
+---rapidly-exploring random tree that drives the problem's motion model: from the node nearest to a proposal, under the one of several random controls that comes nearest to it
+---
+---Source: LaValle and Kuffner 2001, Randomized kinodynamic planning
+---@param options? trellis.kinodynamic_rrt.Options
+---@return trellis.Planner
+function kinodynamic_rrt(options) end
 
 ---exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper
 ---
@@ -764,6 +854,20 @@ function shrink(options) end
 ---@param options? trellis.lazy.Options
 ---@return trellis.Guide
 function lazy(options) end
+
+---the robot without its motion model: configurations without velocities, joined by straight motions; velocities are drawn uniformly about the path found
+---
+---Source: Plaku, Kavraki and Vardi 2007, Discrete search leading continuous exploration for kinodynamic motion planning
+---@param options? trellis.holonomic.Options
+---@return trellis.Guide
+function holonomic(options) end
+
+---a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in it and weighed anew by how well they were covered
+---
+---Source: Plaku, Kavraki and Vardi 2010, Motion planning with dynamics by a synergistic combination of layers of planning
+---@param options? trellis.decomposition.Options
+---@return trellis.Guide
+function decomposition(options) end
 
 ---configurations within delta of the final path
 ---
@@ -922,6 +1026,42 @@ function robot.polygon(options) end
 ---@return trellis.Robot
 ---@overload fun(...: trellis.Shape|trellis.Shape[]): trellis.Robot
 function robot.rigid(options) end
+
+---drives at a speed and turns at an angular speed that are its controls
+---
+---    motion.unicycle1 { min_speed = -0.5 }
+---
+---Source: LaValle 2006, Planning Algorithms, section 13.1.2
+---@param options? trellis.motion.unicycle1.Options
+---@return trellis.Motion
+function motion.unicycle1(options) end
+
+---a unicycle whose state holds its speeds and whose controls are accelerations
+---
+---    motion.unicycle2 { min_speed = -0.5 }
+---
+---Source: LaValle 2006, Planning Algorithms, section 13.2.3
+---@param options? trellis.motion.unicycle2.Options
+---@return trellis.Motion
+function motion.unicycle2(options) end
+
+---drives at a speed and steers by its front wheels; its turning radius is bounded
+---
+---    motion.car { min_speed = -0.1 }
+---
+---Source: LaValle 2006, Planning Algorithms, section 13.1.2
+---@param options? trellis.motion.car.Options
+---@return trellis.Motion
+function motion.car(options) end
+
+---a car that pulls a trailer with a heading of its own
+---
+---    motion.car_with_trailer { min_speed = -0.1 }
+---
+---Source: LaValle 2006, Planning Algorithms, section 13.1.2
+---@param options? trellis.motion.car_with_trailer.Options
+---@return trellis.Motion
+function motion.car_with_trailer(options) end
 
 ---a planning problem: what the robot is, where it is, and where it is to go
 ---

@@ -322,7 +322,7 @@ SCENARIO("the circle world that others made, with its 100 queries", "[examples][
 SCENARIO("every dynobench scene is solved by a nested strategy", "[examples][real]") {
   if (!scenes_are_here()) return;
   GIVEN("the eight scenes, robots with and without a trailer") {
-    const Result& result = run("real/dynobench.lua");
+    const Result& result = run("real/dynobench_geometry.lua");
     INFO(result.outcome.err);
     REQUIRE(result.outcome.status == 0);
     std::map<std::string, int> solved;
@@ -334,6 +334,52 @@ SCENARIO("every dynobench scene is solved by a nested strategy", "[examples][rea
       for (const auto& [problem, times] : solved) {
         CAPTURE(problem);
         CHECK(times >= 1);
+      }
+    }
+  }
+}
+
+SCENARIO("driven robots are guided by what forgets that they are driven", "[examples]") {
+  GIVEN("a cart, a sledge and a car among racks, 5 seeds each") {
+    const Result& result = run("kinodynamic.lua");
+    INFO(result.outcome.err);
+    REQUIRE(result.outcome.status == 0);
+    THEN("every guided run arrives, and says how it was driven") {
+      for (const auto* strategy : {"holonomic", "decomposition", "nested"}) {
+        const auto runs = runs_of(result.document, strategy);
+        REQUIRE(runs.size() == 15);
+        for (const auto& run : runs) {
+          CAPTURE(strategy, run["problem"].get<std::string>(), run["seed"].get<int>());
+          REQUIRE(run["solved"] == true);
+          const auto& trajectory = run["trajectory"];
+          std::size_t steps = 0;
+          for (const auto& held : trajectory["steps"]) steps += held.get<std::size_t>();
+          CHECK(run["path"].size() == steps + 1);
+          CHECK(trajectory["controls"].size() == trajectory["steps"].size());
+          CHECK(trajectory["duration_s"].get<double>() == Approx(0.1 * static_cast<double>(steps)));
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[examples][real]") {
+  if (!scenes_are_here()) return;
+  GIVEN("six scenes, with and without a guide") {
+    const Result& result = run("real/dynobench.lua");
+    INFO(result.outcome.err);
+    REQUIRE(result.outcome.status == 0);
+    THEN("each is solved by a guided strategy in every run") {
+      std::map<std::string, int> solved;
+      for (const auto* strategy : {"holonomic", "decomposition", "nested"}) {
+        for (const auto& run : runs_of(result.document, strategy)) {
+          solved[run["problem"].get<std::string>()] += run["solved"] == true ? 1 : 0;
+        }
+      }
+      CHECK(solved.size() == 6);
+      for (const auto& [problem, times] : solved) {
+        CAPTURE(problem);
+        CHECK(times >= 3);
       }
     }
   }

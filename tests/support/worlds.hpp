@@ -66,6 +66,21 @@ inline Problem cup_problem() {
   return make_problem("cup", rectangle_world(cup()), rectangle_robot(), {1, 5, 0}, {9, 5, 0});
 }
 
+/// The problem for a robot that drives: a quick one, so that it crosses these worlds in few steps.
+inline Problem driven(Problem problem, const std::string& model = "unicycle1") {
+  const MotionKind& kind = *find_motion(model);
+  std::vector<Options::Entry> quick = {{"max_speed", 2.0}, {"min_speed", -2.0}};
+  if (model.starts_with("unicycle")) quick.emplace_back("max_angular_speed", 3.0);
+  if (model == "unicycle2") quick.insert(quick.end(), {{"max_acceleration", 4.0}, {"max_angular_acceleration", 6.0}});
+  problem.motion_model = kind.make(Options::validate(*kind.component, quick));
+  problem.space = state_space(problem.space, *problem.motion_model);
+  problem.start.resize(problem.space.dimension());
+  problem.goal.resize(problem.space.dimension());
+  problem.goal_tolerance = 0.6;
+  problem.name += " by " + model;
+  return problem;
+}
+
 /// A point among random discs in R^2; start and goal in the lower left and upper right corner, kept clear.
 inline Problem point_problem(std::uint64_t seed, int discs = 12) {
   Stream stream(seed, "", "point problem");

@@ -22,8 +22,14 @@ Options options_of(const PlannerKind& kind, const std::vector<Options::Entry>& g
   return Options::validate(*kind.component, given);
 }
 
-Outcomes run(const PlannerKind& kind, const Problem& problem, std::uint64_t seed, int solves = 1,
+/// The problem as a planner can have it.
+Problem fitting(const PlannerKind& kind, const Problem& problem) {
+  return kind.kinodynamic && !problem.motion_model ? test::driven(problem) : problem;
+}
+
+Outcomes run(const PlannerKind& kind, const Problem& given_problem, std::uint64_t seed, int solves = 1,
              const std::vector<Options::Entry>& given = {}) {
+  const Problem problem = fitting(kind, given_problem);
   auto instance = make_instance(problem);
   UniformGuidance guidance(instance->space);
   Outcomes out;
@@ -47,7 +53,13 @@ void check_path(const Problem& problem, const Configurations& path) {
   for (std::size_t i = 1; i < path.size(); ++i) CHECK(checker->motion(path[i - 1], path[i]).valid);
 }
 
-std::vector<Problem> problems() { return {test::cup_problem(), test::trap_problem(), test::point_problem(3)}; }
+std::vector<Problem> problems(const PlannerKind& kind) {
+  if (kind.kinodynamic) {
+    return {test::driven(test::cup_problem()), test::driven(test::cup_problem(), "unicycle2"),
+            test::driven(test::cup_problem(), "car")};
+  }
+  return {test::cup_problem(), test::trap_problem(), test::point_problem(3)};
+}
 
 std::vector<const PlannerKind*> sampling_planners() {
   std::vector<const PlannerKind*> kinds;
@@ -61,7 +73,7 @@ std::vector<const PlannerKind*> sampling_planners() {
 
 TEST_CASE("a solved problem comes with a valid path from start to goal", "[planner]") {
   for (const auto* kind : sampling_planners()) {
-    for (const auto& problem : problems()) {
+    for (const auto& problem : problems(*kind)) {
       CAPTURE(kind->component->name, problem.name);
       int solved = 0;
       for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -82,7 +94,8 @@ TEST_CASE("every proposal has one fate, and every check is counted", "[planner]"
     CHECK(out.search.fates.size() == out.search.proposals.size());
     CHECK(out.search.proposal_sources.size() == out.search.proposals.size());
     CHECK(out.checks.validity >= out.checks.motion);
-    CHECK(out.search.nodes.size() >= out.solution.path.size());
+    // A driven path has a state for each step.
+    CHECK((kind->kinodynamic || out.search.nodes.size() >= out.solution.path.size()));
   }
 }
 
@@ -137,7 +150,7 @@ TEST_CASE("asked again after success, a planner looks for another path within th
     const auto twice = run(*kind, problem, 4, 2);
     REQUIRE(once.solution.solved());
     CHECK(twice.search.proposals.size() > once.search.proposals.size());
-    if (twice.solution.solved()) check_path(problem, twice.solution.path);
+    if (twice.solution.solved()) check_path(fitting(*kind, problem), twice.solution.path);
   }
 }
 
@@ -168,7 +181,7 @@ TEST_CASE("every way of a lazy roadmap finds valid paths and says which nodes it
       for (const double enhance : {0.0, 1.0}) {
         CAPTURE(remove, edges, enhance);
         const std::vector<Options::Entry> options = {{"remove", remove}, {"edges", edges}, {"enhance", enhance}};
-        for (const auto& problem : problems()) {
+        for (const auto& problem : problems(kind)) {
           for (std::uint64_t seed = 1; seed <= 3; ++seed) {
             const auto out = run(kind, problem, seed, 1, options);
             REQUIRE(out.solution.solved());

@@ -3,7 +3,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -84,7 +86,8 @@ const std::string car_scene =
     "    start: [0.5, 2, 1.5, -4]\n"
     "    goal: [5, 2, 7, 0]\n";
 const std::string car_model =
-    "shape: box\nshape_trailer: box\nsize: [.5, .25]\nsize_trailer: [.3, .25]\nhitch_lengths: [.5]\n";
+    "shape: box\nshape_trailer: box\nsize: [.5, .25]\nsize_trailer: [.3, .25]\nhitch_lengths: [.5]\n"
+    "dt: 0.1\nl: 0.25\nmax_vel: 0.5\nmin_vel: -0.1\nmax_steering_abs: 1.0\n";
 
 }  // namespace
 
@@ -144,7 +147,11 @@ TEST_CASE("every dynobench scene is read, its start and goal inside the boundary
       const auto& problem = problems[0];
       const Robot& robot = problem.scene->robot;
       CHECK(robot.name() == kind);
-      CHECK(problem.space.dimension() == (kind == "car1_v0" ? 4U : 3U));
+      CHECK(problem.space.dimension() == (kind == "car1_v0" ? 4U : kind == "unicycle2_v0" ? 5U : 3U));
+      CHECK((problem.motion_model == nullptr) == (kind == "quad2d_v0"));
+      const auto plain = read_problems(file.path().string(), {.motion = false});
+      CHECK_FALSE(plain[0].motion_model);
+      CHECK(plain[0].space.dimension() == robot.dimension());
       for (const auto& q : {problem.start, problem.goal}) {
         CHECK(problem.space.contains(q));
         std::vector<Pose2> poses(robot.bodies().size());
@@ -171,6 +178,71 @@ TEST_CASE("every dynobench scene is read, its start and goal inside the boundary
   CHECK(read_problems(folder + "/dynobench/unicycle1_v1/kink_0.yaml", {})[0].name == "kink_0");
 }
 
+namespace {
+
+/// The rows of a list of lists in a solution of dynobench: "states" or "actions".
+std::vector<std::vector<double>> rows_of(const fs::path& file, const std::string& key) {
+  std::ifstream in(file);
+  std::vector<std::vector<double>> rows;
+  bool within = false;
+  for (std::string line; std::getline(in, line);) {
+    if (line.find("  - [") != 0) {
+      within = line == key + ":";
+      continue;
+    }
+    if (!within) continue;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream numbers(line.substr(line.find('[') + 1));
+    rows.emplace_back(std::istream_iterator<double>(numbers), std::istream_iterator<double>());
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("published solutions of dynobench are driven by our motion models as they were", "[scene][readers][motion]") {
+  const std::string folder = scenes();
+  if (folder.empty()) return;
+  int replayed = 0;
+  for (const std::string kind : {"unicycle1_v0", "unicycle1_v1", "unicycle2_v0", "car1_v0"}) {
+    for (const auto& file : fs::directory_iterator(fs::path(folder) / "dynobench" / kind)) {
+      if (!file.is_directory()) continue;
+      const auto problem = read_problems(file.path().string() + ".yaml", {})[0];
+      REQUIRE(problem.motion_model);
+      const auto& model = *problem.motion_model;
+      const Space& space = problem.space;
+      for (const auto& solution : fs::directory_iterator(file.path())) {
+        if (solution.path().filename().string().find("solution") == std::string::npos) continue;
+        INFO(solution.path().string());
+        ++replayed;
+        const auto states = rows_of(solution.path(), "states");
+        Trajectory trajectory{Configurations(model.controls().size()), {}, model.dt()};
+        for (auto control : rows_of(solution.path(), "actions")) {
+          const auto printed = control;
+          model.clamp(control);
+          // Six digits were printed.
+          for (std::size_t j = 0; j < control.size(); ++j) CHECK(std::abs(control[j] - printed[j]) < 1e-5);
+          trajectory.controls.push(control);
+          trajectory.steps.push_back(1);
+        }
+        REQUIRE(states.size() > 30);
+        REQUIRE(trajectory.steps.size() + 1 == states.size());
+        const auto ours = replay(model, space, problem.start, trajectory);
+        std::vector<double> difference(space.dimension());
+        double worst = 0.0;
+        for (std::size_t i = 0; i < states.size(); ++i) {
+          space.difference(ours[i], states[i], difference);
+          for (const double d : difference) worst = std::max(worst, std::abs(d));
+        }
+        CHECK(worst < 1e-4);
+        CHECK(space.distance(ours.back(), problem.goal) < 0.01);
+        CHECK(space.distance(ours.back(), problem.goal) < problem.goal_tolerance);
+      }
+    }
+  }
+  CHECK(replayed == 12);
+}
+
 TEST_CASE("options reach the problems", "[scene][readers]") {
   const Folder folder;
   folder.write("my_queries.txt", queries);
@@ -186,7 +258,12 @@ TEST_CASE("options reach the problems", "[scene][readers]") {
   const auto car = read_problems(folder.write("car1_v0/a.yaml", car_scene), {.weight = 0.3})[0];
   CHECK(car.space.axes()[3].weight == 0.3);
 
+  CHECK(car.goal_tolerance == 0.25);
+  CHECK(car.motion_model->controls()[1].hi == 1.0);
+  CHECK(read_problems(folder.write("car1_v0/b.yaml", car_scene), {.goal_tolerance = 0.1})[0].goal_tolerance == 0.1);
+
   CHECK_THAT(fault_of(file, {.weight = -1}), Contains("weight"));
+  CHECK_THAT(fault_of(file, {.goal_tolerance = 0}), Contains("goal_tolerance"));
   CHECK_THAT(fault_of(file, {.resolution = 0}), Contains("resolution"));
 }
 

@@ -14,5 +14,7 @@ GuideKind identity_kind();
 GuideKind skeleton_kind();
 GuideKind shrink_kind();
 GuideKind lazy_kind();
+GuideKind holonomic_kind();
+GuideKind decomposition_kind();
 
 }  // namespace trellis

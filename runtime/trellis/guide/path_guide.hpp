@@ -59,6 +59,9 @@ Settings<S> with_several_paths(Settings<S> settings) {
   return settings;
 }
 
+/// What guides of this kind claim alike: h, its density and feedback, and what happens without a path.
+GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
+
 /// The radius that the option `radius` stands for in an instance.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 
@@ -203,6 +206,8 @@ class PathGuide : public Guide {
  protected:
   /// f of the instance.
   virtual std::unique_ptr<Instance> reduced(const Instance& parent) = 0;
+  /// The path of the space that is followed where `path` was found.
+  virtual Configurations followed(Configurations path) const { return path; }
   /// A copy of the instance with everything but its validity's own state: what f starts from.
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
   /// The heuristic in use; nullptr where nothing was found to go by.

@@ -30,8 +30,8 @@ class Shrink final : public PathGuide {
     auto instance = same_instance(parent);
     instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
-    instance->validity = std::make_shared<CollisionValidity>(
-        make_checker(parent.collision, instance->scene, parent.space, parent.resolution));
+    instance->validity =
+        make_validity(parent.collision, instance->scene, parent.space, parent.resolution, parent.motion_model);
     return instance;
   }
 
@@ -45,7 +45,11 @@ GuideKind shrink_kind() {
   return {
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
-      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }};
+      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
+      path_claims(GuideClaims::Category::robot, "q -> q, for the robot scaled about its reference point",
+                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
+                  "reference point",
+                  "examples/nested.lua")};
 }
 
 }  // namespace trellis

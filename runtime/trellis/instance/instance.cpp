@@ -1,14 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/instance/instance.hpp>
 
+#include <utility>
+
 namespace trellis {
+
+namespace {
+
+/// The validity of states: within the bounds of the space and the limits of the motion model, and free of collision.
+class StateValidity final : public Validity {
+ public:
+  StateValidity(std::shared_ptr<Validity> configurations, Space space, std::shared_ptr<const MotionModel> model)
+      : configurations_(std::move(configurations)), space_(std::move(space)), model_(std::move(model)) {}
+  [[nodiscard]] bool state(View x) override { return keeps_limits(x) && configurations_->state(x); }
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    if (!keeps_limits(b)) return {false, 1, 1.0};
+    return configurations_->motion(a, b);
+  }
+  [[nodiscard]] double clearance(View x) override { return configurations_->clearance(x); }
+
+ private:
+  [[nodiscard]] bool keeps_limits(View x) const { return space_.contains(x) && model_->admits(x); }
+
+  std::shared_ptr<Validity> configurations_;
+  Space space_;
+  std::shared_ptr<const MotionModel> model_;
+};
+
+}  // namespace
+
+std::uint32_t Instance::drive(View from, View control, std::uint32_t steps, Configurations& states,
+                              Configuration* blocked) {
+  Configuration x(from.begin(), from.end());
+  Configuration next(x.size());
+  for (std::uint32_t k = 0; k < steps; ++k) {
+    motion_model->step(space, x, control, next);
+    const MotionReport report = motion(x, next);
+    if (!report.valid) {
+      if (blocked != nullptr) {
+        blocked->resize(x.size());
+        space.interpolate(x, next, report.invalid_at, *blocked);
+      }
+      return k;
+    }
+    states.push(next);
+    std::swap(x, next);
+  }
+  return steps;
+}
+
+std::shared_ptr<Validity> make_validity(const std::string& collision, const std::shared_ptr<const Scene>& scene,
+                                        const Space& space, double resolution,
+                                        const std::shared_ptr<const MotionModel>& motion_model) {
+  auto configurations = std::make_shared<CollisionValidity>(make_checker(collision, scene, space, resolution));
+  if (!motion_model) return configurations;
+  return std::make_shared<StateValidity>(std::move(configurations), space, motion_model);
+}
 
 std::unique_ptr<Instance> make_instance(const Problem& problem) {
   auto instance = std::make_unique<Instance>();
   instance->space = problem.space;
   instance->scene = problem.scene;
-  instance->validity = std::make_shared<CollisionValidity>(
-      make_checker(problem.collision, problem.scene, problem.space, problem.resolution));
+  instance->motion_model = problem.motion_model;
+  instance->validity =
+      make_validity(problem.collision, problem.scene, problem.space, problem.resolution, problem.motion_model);
   instance->start = problem.start;
   instance->goal = problem.goal;
   instance->goal_tolerance = problem.goal_tolerance;

@@ -46,12 +46,13 @@ struct Graph {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
     double cost = 0.0;
-    Configurations points;  ///< the edge's polyline, both ends included
+    Configurations points;  ///< the edge's polyline, both ends included; empty: straight
   };
   Configurations vertices;
   std::vector<Edge> edges;  ///< undirected
   std::uint32_t start = 0;  ///< vertices
   std::uint32_t goal = 0;
+  bool verified = true;  ///< its edges are known to be valid; else the search looks at those that it goes along
 };
 
 /// Checks spent, in total or by one level.
@@ -60,7 +61,7 @@ struct Checks {
   std::uint64_t motion = 0;    ///< motions checked
 };
 
-/// A motion planning instance (C, validity, s, t): what a planner solves and what a guide projects.
+/// A motion planning instance (C, validity, s, t, motion model): what a planner solves and what a guide projects.
 class Instance {
  public:
   Space space;
@@ -72,7 +73,8 @@ class Instance {
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
   std::string collision = "planar";
-  std::vector<std::size_t> position_axes;  ///< axes that hold the reference point's position; empty: none
+  std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states
+  std::vector<std::size_t> position_axes;           ///< axes that hold the reference point's position; empty: none
 
   /// Counted validity.
   [[nodiscard]] bool valid(View q) {
@@ -87,9 +89,25 @@ class Instance {
     }
     return report;
   }
+  /// Drives from a valid state under a control for so many steps, as far as that is valid: appends the state after each
+  /// valid step. Each step counts as a motion. \param blocked  if not null: receives the first state found invalid
+  /// \return the steps driven. Needs a motion model.
+  std::uint32_t drive(View from, View control, std::uint32_t steps, Configurations& states,
+                      Configuration* blocked = nullptr);
+
+  /// Counted as the validity check that it is at least.
+  [[nodiscard]] double clearance(View q) {
+    if (validity->spends_checks()) ++checks.validity;
+    return validity->clearance(q);
+  }
 
   Checks checks;
 };
+
+/// Validity by collision checks, and where there is a motion model by its limits and the bounds of its states.
+std::shared_ptr<Validity> make_validity(const std::string& collision, const std::shared_ptr<const Scene>& scene,
+                                        const Space& space, double resolution,
+                                        const std::shared_ptr<const MotionModel>& motion_model);
 
 /// The instance of a problem in the configuration space of the real robot. Does not validate the problem.
 std::unique_ptr<Instance> make_instance(const Problem& problem);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <unordered_map>
@@ -53,6 +54,10 @@ class DensityRecord {
   /// A share that has no closed form.
   void add_unknown(double share) { now_.unknown += share; }
   void add(const std::shared_ptr<const Density>& density, double share);
+  /// What h over another space says of itself, its densities made into ones over this space by `lift`, which gives the
+  /// same object for the same density. h has no uniform part.
+  using Lift = std::function<std::shared_ptr<const Density>(const std::shared_ptr<const Density>&)>;
+  void add_lifted(const Guidance& h, double share, const Lift& lift);
 
   /// The proposals counted.
   [[nodiscard]] double total() const { return past_.total + served_; }
@@ -85,6 +90,7 @@ class DensityRecord {
 
   double served_ = 0.0;          ///< by h as it is now
   std::uint64_t epoch_ = never;  ///< of h as it is now
+  const Lift* lift_ = nullptr;   ///< while what is over another space is added
   Weights now_;                  ///< one proposal's
   std::vector<std::pair<std::uint32_t, double>> now_terms_;
   Weights past_;

@@ -11,5 +11,6 @@ PlannerKind rrt_connect_kind();
 PlannerKind prm_kind();
 PlannerKind lazy_prm_kind();
 PlannerKind graph_search_kind();
+PlannerKind kinodynamic_rrt_kind();
 
 }  // namespace trellis

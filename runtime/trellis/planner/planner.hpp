@@ -93,6 +93,8 @@ struct Solution {
   /// From start to goal when solved; else the way to what the search reached nearest to the goal (at least the start,
   /// where it is valid).
   Configurations path;
+  /// How the path is driven, where the instance has a motion model: replayed from the start it is the path.
+  Trajectory trajectory;
   [[nodiscard]] bool solved() const { return status == Status::solved; }
 };
 
@@ -133,6 +135,8 @@ struct PlannerKind {
   bool graph = false;
   /// Its nodes may be invalid: it looks at a few of them only.
   bool unverified = false;
+  /// Drives a motion model (and plans for nothing else); the others join configurations by straight motions.
+  bool kinodynamic = false;
 };
 
 /// All planners, in the order of the reference.

@@ -308,6 +308,7 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
 std::string outcome(const RunResult& run) {
   std::string text = run.run.solved ? fmt::format("solved, path of {} m", fixed(run.run.length, 2))
                                     : fmt::format("not solved: {}", to_string(run.run.status));
+  if (run.run.trajectory.dt > 0.0) text += fmt::format(", driven in {} s", fixed(run.run.trajectory.duration(), 1));
   text += fmt::format(" · {} validity checks · {} ms", run.run.validity_checks, milliseconds(run.run.seconds));
   return text;
 }

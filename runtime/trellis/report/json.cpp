@@ -210,21 +210,31 @@ Json level_json(const LevelResult& level) {
           {"metrics", metrics_json(level.metrics)}};
 }
 
+/// How the path is driven: controls, each held for a number of steps of dt seconds.
+Json trajectory_json(const Trajectory& trajectory) {
+  return {{"dt", number(trajectory.dt)},
+          {"duration_s", number(trajectory.duration())},
+          {"steps", trajectory.steps},
+          {"controls", array(trajectory.controls)}};
+}
+
 Json run_json(const RunResult& run) {
   Json levels = Json::array();
   for (const auto& level : run.levels) levels.push_back(level_json(level));
-  return {{"problem", run.problem},
-          {"strategy", run.strategy},
-          {"seed", run.seed},
-          {"status", status_name(run.run.status)},
-          {"solved", run.run.solved},
-          {"time_s", number(run.run.seconds)},
-          {"path", run.run.solved ? array(run.run.path) : Json::array()},
-          {"length", run.run.solved ? number(run.run.length) : Json(nullptr)},
-          {"validity_checks", run.run.validity_checks},
-          {"motion_checks", run.run.motion_checks},
-          {"shortcut_checks", run.run.shortcut_checks},
-          {"levels", std::move(levels)}};
+  Json json = {{"problem", run.problem},
+               {"strategy", run.strategy},
+               {"seed", run.seed},
+               {"status", status_name(run.run.status)},
+               {"solved", run.run.solved},
+               {"time_s", number(run.run.seconds)},
+               {"path", run.run.solved ? array(run.run.path) : Json::array()},
+               {"length", run.run.solved ? number(run.run.length) : Json(nullptr)},
+               {"validity_checks", run.run.validity_checks},
+               {"motion_checks", run.run.motion_checks},
+               {"shortcut_checks", run.run.shortcut_checks},
+               {"levels", std::move(levels)}};
+  if (run.run.trajectory.dt > 0.0) json["trajectory"] = trajectory_json(run.run.trajectory);
+  return json;
 }
 
 Json interval_json(const Interval& interval) {
@@ -398,6 +408,7 @@ Json experiment_json(const Experiment& experiment) {
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
                         {"collision", p.collision}});
+    if (p.motion_model) problems.back()["motion"] = p.motion_model->text();
   }
   Json strategies = Json::array();
   for (const auto& [name, spec] : experiment.strategies) {

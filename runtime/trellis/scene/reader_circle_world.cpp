@@ -119,7 +119,9 @@ std::vector<Problem> read_circle_world(const SourceText& text, const ReadOptions
 
   std::vector<Problem> problems;
   for (auto& [name, query] : queries_of(query_text)) {
-    problems.push_back(problem_in(fmt::format("circles/{}", name), scene, options, *query.ends[0], *query.ends[1]));
+    problems.push_back(problem_in(fmt::format("circles/{}", name), scene, options));
+    problems.back().start = *query.ends[0];
+    problems.back().goal = *query.ends[1];
   }
   return problems;
 }

@@ -109,19 +109,21 @@ Box2 box_about(Vec2 centre, Vec2 size) { return {centre - 0.5 * size, centre + 0
 
 Polygon rectangle_about(Vec2 centre, Vec2 size) { return {rectangle_vertices(box_about(centre, size))}; }
 
-/// What is kept of a robot of the format: the dynamics are dropped, the first coordinates of its state remain.
+/// A robot of the format. Without a motion model of ours only the first coordinates of its state are kept.
 struct Kind {
   const char* type;
-  bool trailer;
-  std::size_t state;  // length of the state in the file
+  const char* motion;  // nullptr: none
+  std::size_t state;   // length of the state in the file
   const char* meaning;
+
+  [[nodiscard]] bool trailer() const { return motion != nullptr && motion == std::string_view("car_with_trailer"); }
 };
 
-constexpr std::array<Kind, 5> kinds = {{{"unicycle1_v0", false, 3, "x, y, theta"},
-                                        {"unicycle1_v1", false, 3, "x, y, theta"},
-                                        {"unicycle2_v0", false, 5, "x, y, theta, speed, angular speed"},
-                                        {"car1_v0", true, 4, "x, y, theta, theta of the trailer"},
-                                        {"quad2d_v0", false, 6, "x, y, theta and three velocities"}}};
+constexpr std::array<Kind, 5> kinds = {{{"unicycle1_v0", "unicycle1", 3, "x, y, theta"},
+                                        {"unicycle1_v1", "unicycle1", 3, "x, y, theta"},
+                                        {"unicycle2_v0", "unicycle2", 5, "x, y, theta, speed, angular speed"},
+                                        {"car1_v0", "car_with_trailer", 4, "x, y, theta, theta of the trailer"},
+                                        {"quad2d_v0", nullptr, 6, "x, y, theta and three velocities"}}};
 
 const Kind& kind_of(const Entry& type) {
   const std::string word = type.word();
@@ -138,18 +140,19 @@ const Kind& kind_of(const Entry& type) {
       fmt::format("the robot's type '{}' is not known{}, expected one of {}", word, did_you_mean(word, known), all));
 }
 
-Robot robot_of(const Kind& kind, const std::string& scene_path) {
+SourceText model_of(const Kind& kind, const std::string& scene_path) {
   const auto folder = std::filesystem::path(scene_path).parent_path();
   const auto path = (folder / ".." / "shared" / "models" / (std::string(kind.type) + ".yaml")).lexically_normal();
-  const SourceText text = SourceText::load(path.string());
-  const Entry model = Entry::root(text);
+  return SourceText::load(path.string());
+}
 
+Robot robot_of(const Kind& kind, const Entry& model) {
   model.at("shape").require("box");
   Body body;
   body.parts = {rectangle_about({}, model.at("size").extents())};
   body.angle_axis = 2;
   std::vector<Body> bodies = {body};
-  if (kind.trailer) {
+  if (kind.trailer()) {
     model.at("shape_trailer").require("box");
     const double hitch = model.at("hitch_lengths").numbers(1, "from the car's centre to the trailer's")[0];
     // The trailer hangs at the car's centre and has a heading of its own.
@@ -161,6 +164,37 @@ Robot robot_of(const Kind& kind, const std::string& scene_path) {
     bodies.push_back(std::move(trailer));
   }
   return {kind.type, std::move(bodies)};
+}
+
+/// Our motion model with the numbers of the file; nullptr where we have none.
+std::shared_ptr<const MotionModel> motion_of(const Kind& kind, const Entry& model) {
+  if (kind.motion == nullptr) return nullptr;
+  std::vector<Options::Entry> given;
+  const auto give = [&](const char* option, const char* key) { given.emplace_back(option, model.at(key).number()); };
+  give("min_speed", "min_vel");
+  give("max_speed", "max_vel");
+  give("dt", "dt");
+  if (kind.trailer()) {
+    give("wheelbase", "l");
+    give("max_steering", "max_steering_abs");
+    given.emplace_back("hitch", model.at("hitch_lengths").numbers(1, "from the car's centre to the trailer's")[0]);
+  } else {
+    give("max_angular_speed", "max_angular_vel");
+    const Entry least = model.at("min_angular_vel");
+    if (least.number() != -model.at("max_angular_vel").number()) {
+      throw least.error(
+          fmt::format("'min_angular_vel' is {}, expected the negative of 'max_angular_vel'", least.number()));
+    }
+  }
+  if (kind.motion == std::string_view("unicycle2")) {
+    give("max_acceleration", "max_acc_abs");
+    give("max_angular_acceleration", "max_angular_acc");
+    const auto weights = model.at("distance_weights").numbers(4, "of position, angle, speed and angular speed");
+    given.emplace_back("speed_weight", weights[2]);
+    given.emplace_back("angular_speed_weight", weights[3]);
+  }
+  const MotionKind& motion = *find_motion(kind.motion);
+  return motion.make(Options::validate(*motion.component, given));
 }
 
 World world_of(const Entry& environment) {
@@ -194,11 +228,25 @@ std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& o
   Configuration start = robot.at("start").numbers(kind.state, kind.meaning);
   Configuration goal = robot.at("goal").numbers(kind.state, kind.meaning);
 
-  const auto scene = std::make_shared<const Scene>(Scene{std::move(world), robot_of(kind, text.path)});
-  start.resize(scene->robot.dimension());
-  goal.resize(scene->robot.dimension());
+  const SourceText model_text = model_of(kind, text.path);
+  const Entry model = Entry::root(model_text);
+  const auto scene = std::make_shared<const Scene>(Scene{std::move(world), robot_of(kind, model)});
+  const auto motion = options.motion ? motion_of(kind, model) : nullptr;
+  const std::size_t dimension = motion ? motion->dimension() : scene->robot.dimension();
+  start.resize(dimension);
+  goal.resize(dimension);
   std::string name = file.has("name") ? file.at("name").word() : std::filesystem::path(text.path).stem().string();
-  return {problem_in(std::move(name), scene, options, std::move(start), std::move(goal))};
+  Problem problem = problem_in(std::move(name), scene, options);
+  if (motion) {
+    problem.motion_model = motion;
+    problem.space = state_space(problem.space, *motion);
+    problem.goal_tolerance = options.goal_tolerance;
+  }
+  problem.space.normalise(start);
+  problem.space.normalise(goal);
+  problem.start = std::move(start);
+  problem.goal = std::move(goal);
+  return {std::move(problem)};
 }
 
 }  // namespace trellis

@@ -28,9 +28,8 @@ struct SourceText {
 /// Words separated by blanks.
 std::vector<std::string> words_of(const std::string& line);
 
-/// A problem in the robot's default space, its angles brought into the space.
-Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options,
-                   Configuration start, Configuration goal);
+/// A problem in the robot's default space, without start and goal.
+Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options);
 
 /// Whether the second line is the heading "x y r".
 bool is_circle_world(const SourceText& text);

@@ -43,17 +43,12 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options,
-                   Configuration start, Configuration goal) {
+Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options) {
   Problem problem;
   problem.name = std::move(name);
   problem.space =
       default_space(scene->robot, scene->world, options.weight == 0.0 ? 1.0 / std::numbers::pi : options.weight);
   problem.scene = std::move(scene);
-  problem.start = std::move(start);
-  problem.goal = std::move(goal);
-  problem.space.normalise(problem.start);
-  problem.space.normalise(problem.goal);
   problem.resolution = options.resolution;
   problem.collision = options.collision;
   return problem;
@@ -66,6 +61,9 @@ std::vector<Problem> read_problems(const std::string& path, const ReadOptions& o
   }
   if (!std::isfinite(options.resolution) || options.resolution <= 0.0) {
     throw Error(fmt::format("reading {}: resolution must be greater than 0, got {}", path, options.resolution));
+  }
+  if (!std::isfinite(options.goal_tolerance) || options.goal_tolerance <= 0.0) {
+    throw Error(fmt::format("reading {}: goal_tolerance must be greater than 0, got {}", path, options.goal_tolerance));
   }
   const SourceText text = SourceText::load(path);
   return is_circle_world(text) ? read_circle_world(text, options) : read_dynobench(text, options);

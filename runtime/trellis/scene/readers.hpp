@@ -12,6 +12,8 @@ struct ReadOptions {
   double weight = 0.0;               ///< metres per radian of angular axes; 0: the default, 1/pi
   double resolution = 0.05;          ///< see Problem
   std::string collision = "planar";  ///< see Problem
+  bool motion = true;            ///< problems have the motion models that the files name, where there is such a model
+  double goal_tolerance = 0.25;  ///< of problems with a motion model: their files give none
 };
 
 /// Reads a scene file made by others and returns its problems, at least one. Which reader is meant is told from the

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
+#include <trellis/motion/motion_model.hpp>
 #include <trellis/scene/shapes.hpp>
 #include <trellis/space/space.hpp>
 
@@ -118,6 +119,8 @@ struct Problem {
   double goal_tolerance = 1e-6;      ///< a configuration this near (metric) to the goal is the goal
   double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
+  /// nullptr: the robot moves straight from any configuration to any other. Else `space` holds its states.
+  std::shared_ptr<const MotionModel> motion_model = nullptr;
 };
 
 /// The default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise

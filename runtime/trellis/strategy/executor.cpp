@@ -34,6 +34,23 @@ class Clock {
 
 class Level;
 
+/// Throws Error where a planner does not respect an instance's motion model, or has none to drive.
+void check_planner(const PlannerKind& kind, const Instance& instance) {
+  const std::string& name = kind.component->name;
+  if (!instance.motion_model) {
+    if (!kind.kinodynamic) return;
+    throw Error(
+        fmt::format("{} drives a motion model and this space has none: give the problem one (motion = "
+                    "motion.unicycle1 {{}}), or use a planner that joins by straight motions, as rrt",
+                    name));
+  }
+  if (kind.kinodynamic) return;
+  throw Error(
+      fmt::format("{} joins configurations by straight motions and this space has the motion model {}: use "
+                  "kinodynamic_rrt here, or drop the model below it (holonomic() >> kinodynamic_rrt {{}})",
+                  name, instance.motion_model->name()));
+}
+
 /// "script.lua:3: ", "" for what was built through C++.
 std::string where(const Origin& origin) {
   return origin.script.empty() ? "" : fmt::format("{}:{}: ", origin.script, origin.line);
@@ -132,6 +149,9 @@ class LevelGuidance final : public Guidance {
   void observe(const Outcome& outcome, bool mine) override {
     if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
   }
+  void found(double length) override {
+    if (guide_ != nullptr) guide_->found(length);
+  }
 
   [[nodiscard]] std::vector<std::string> sources() const override {
     std::vector<std::string> all = {"goal", "uniform", "informed path"};
@@ -184,6 +204,7 @@ class WatchedGuidance final : public Guidance {
   [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
   void record(DensityRecord& record, double share) const override { h_.record(record, share); }
   void observe(const Outcome& outcome, bool mine) override { h_.observe(outcome, mine); }
+  void found(double length) override { h_.found(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return h_.sources(); }
 
  private:
@@ -205,6 +226,8 @@ class Level {
         planner_spec_(planner),
         common_(kind_.common(planner.options())),
         guidance_(*instance_, common_) {
+    if (!kind_.graph) instance_->graph = nullptr;
+    check_planner(kind_, *instance_);
     record_.level = static_cast<int>(run.levels.size());
     record_.parent = parent != nullptr ? parent->record_.level : -1;
     record_.depth = parent != nullptr ? parent->record_.depth + 1 : 0;
@@ -242,6 +265,7 @@ class Level {
     budget.proposals = std::min(budget.proposals, static_cast<double>(record_.search.proposals.size()) + proposals);
     Solution found = planner_->solve(budget);
     found_ = found.solved();
+    if (found_) guidance_.found(path_length(instance_->space, found.path));
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
     run_.at_work = asking;
@@ -357,7 +381,11 @@ class ComponentGuidance final : public Prepared {
     auto sub = project(run, parent, spec);
     run.clock.switch_to(above);
     if (!sub) return;
-    level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
+    try {
+      level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
+    } catch (const Error& error) {
+      fail(run, parent, spec, error);
+    }
     level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
@@ -400,6 +428,10 @@ class ComponentGuidance final : public Prepared {
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
 
+  void found(double length) override {
+    if (heuristic_) heuristic_->found(length);
+  }
+
   [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
   [[nodiscard]] Configurations guiding_path() const override {
     return heuristic_ ? heuristic_->lifted_path() : Configurations{};
@@ -421,16 +453,20 @@ class ComponentGuidance final : public Prepared {
     try {
       return guide_->project(parent_.instance());
     } catch (const Error& error) {
-      const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
-      const std::string path = level_path(parent.record(), at);
-      throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
-                              path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+      fail(run, parent, spec, error);
     }
+  }
+
+  [[noreturn]] void fail(const Run& run, const Level& parent, const GuideSpec& spec, const Error& error) const {
+    const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+    const std::string path = level_path(parent.record(), at);
+    throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
+                            path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
   }
 
   /// Solves the instance in S, for as many paths as the guide wants.
   const Solution& solve_below() {
-    const Solution* found = &level_->solve();
+    const Solution* found = &level_->solve(guide_->effort());
     while (const std::int64_t more = guide_->another(level_->found() ? found : nullptr)) {
       found = &level_->solve(static_cast<double>(more));
     }
@@ -457,6 +493,9 @@ class PartsGuidance : public Prepared {
   }
   void observe(const Outcome& outcome, bool mine) override {
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  }
+  void found(double length) override {
+    for (auto& part : parts_) part->found(length);
   }
   [[nodiscard]] std::uint64_t epoch() const override {
     std::uint64_t sum = 0;
@@ -707,6 +746,11 @@ void check(const Problem& problem) {
     throw Error(fmt::format("problem '{}': resolution must be a number greater than 0, in m, got {}", problem.name,
                             problem.resolution));
   }
+  if (problem.motion_model && problem.space.dimension() != problem.motion_model->dimension()) {
+    throw Error(fmt::format("problem '{}': the states of {} have {} coordinates and the space {} has {}", problem.name,
+                            problem.motion_model->text(), problem.motion_model->dimension(), problem.space.name(),
+                            problem.space.dimension()));
+  }
   if (!(problem.goal_tolerance >= 0.0) || !std::isfinite(problem.goal_tolerance)) {
     throw Error(fmt::format("problem '{}': goal_tolerance must be a number of at least 0, in m, got {}", problem.name,
                             problem.goal_tolerance));
@@ -732,6 +776,10 @@ void check(const Problem& problem) {
                                 nearest(problem, q, *checker)));
       }
     }
+    if (problem.motion_model && !problem.motion_model->admits(q)) {
+      throw Error(fmt::format("problem '{}': {} ({:g}) is out of the limits of {}", problem.name, what,
+                              fmt::join(q, ", "), problem.motion_model->text()));
+    }
     if (const auto contact = checker->contact(q)) {
       throw Error(fmt::format("problem '{}': {} ({:g}) is in collision with {}; {}", problem.name, what,
                               fmt::join(q, ", "), describe(*contact, *problem.scene), nearest(problem, q, *checker)));
@@ -746,8 +794,13 @@ void check_depth(const StrategySpec& strategy) {
   throw Error(fmt::format("the hierarchy is deeper than {} levels; is it built in an endless loop?", deepest));
 }
 
-std::unique_ptr<Instance> root_instance(const Problem& problem) {
+std::unique_ptr<Instance> root_instance(const StrategySpec& strategy, const Problem& problem) {
   auto instance = make_instance(problem);
+  try {
+    check_planner(*find_planner(strategy.planner().name()), *instance);
+  } catch (const Error& error) {
+    throw Error(fmt::format("in {}, level 0 (problem '{}'): {}", strategy.text(), problem.name, error.what()));
+  }
   instance->space.normalise(instance->start);
   instance->space.normalise(instance->goal);
   return instance;
@@ -804,11 +857,10 @@ void find_unreachable(const GuideSpec& guide, const PlannerSpec& planner, double
 
 void check(const StrategySpec& strategy, const Problem& problem) {
   check_depth(strategy);
-  if (strategy.guide() == nullptr) return;
   Run run;
   run.problem = problem.name;
-  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
-  root.guide_by(*strategy.guide());
+  Level root(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);
+  if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
 }
 
 std::vector<std::string> unreachable_guides(const StrategySpec& strategy) {
@@ -830,7 +882,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   run.seed = seed;
   run.interrupted = options.interrupted;
   run.watch = options.watch;
-  Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
+  Level root(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);
   double setup = 0.0;
   run.clock.switch_to(&setup);
   if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
@@ -848,7 +900,9 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   const Checks planned = root.instance().checks;
   if (record.solved) {
     record.path = found.path;
-    if (options.shortcut > 0) {
+    record.trajectory = found.trajectory;
+    // What is driven cannot be cut short by straight motions.
+    if (options.shortcut > 0 && !problem.motion_model) {
       Stream stream(seed, "0", "shortcut");
       record.path = shortcut(root.instance(), record.path, options.shortcut, stream);
       record.shortcut_checks = root.instance().checks.validity - planned.validity;

@@ -79,6 +79,7 @@ struct RunRecord {
   double seconds = 0.0;
   Configurations path;                ///< from start to goal; empty when unsolved
   double length = 0.0;                ///< of `path` in the metric
+  Trajectory trajectory;              ///< how the path is driven, where the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
   std::uint64_t shortcut_checks = 0;  ///< validity checks that shortcutting spent, not in the sums above
@@ -87,7 +88,7 @@ struct RunRecord {
 };
 
 struct ExecuteOptions {
-  std::int64_t shortcut = 0;          ///< rounds of shortcutting on the found path
+  std::int64_t shortcut = 0;          ///< rounds of shortcutting on the found path; not of one that is driven
   std::function<bool()> interrupted;  ///< polled between proposals; true ends the run with Status::interrupted
   /// Shown h as it was when it drew a proposal, before the outcome is known, and the level that it drew for.
   std::function<void(const LevelRecord& level, const Guidance& h)> watch;

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct HolonomicSettings : PathGuideSettings {
+  HolonomicSettings() {
+    patience = 500;
+    resolves = 3;
+  }
+  std::string heading = "along";
+  std::string speed = "forwards";
+};
+
+const Settings<HolonomicSettings>& holonomic_settings() {
+  static const Settings<HolonomicSettings> settings = with_several_paths(with_path_options(
+      Settings<HolonomicSettings>(Component::Kind::guide, "holonomic",
+                                  "the robot without its motion model: configurations without velocities, joined by "
+                                  "straight motions; velocities "
+                                  "are drawn uniformly about the path found",
+                                  "Plaku, Kavraki and Vardi 2007, Discrete search leading continuous exploration for "
+                                  "kinodynamic motion planning")
+          .choice("heading", &HolonomicSettings::heading, {"along", "found"},
+                  "the robot's heading on the path that is followed: \"along\", in the direction of travel, which is "
+                  "how a wheeled robot can follow it; \"found\", as the search in S had it")
+          .choice(
+              "speed", &HolonomicSettings::speed, {"forwards", "any"},
+              "which speeds are drawn where they are part of the state: \"forwards\", those not below 0 where there "
+              "are any; \"any\", all; other velocities are drawn from all there are")));
+  return settings;
+}
+
+/// h over configurations with the velocities drawn from the fibre.
+class FibredHeuristic final : public Heuristic {
+ public:
+  FibredHeuristic(std::shared_ptr<const AxisProjection> projection, std::unique_ptr<Heuristic> h, Configuration start,
+                  Configuration goal)
+      : projection_(std::move(projection)),
+        h_(std::move(h)),
+        start_(std::move(start)),
+        goal_(std::move(goal)),
+        proposal_(projection_->space().dimension()),
+        near_(proposal_.size()),
+        added_(proposal_.size()),
+        blocked_(proposal_.size()) {}
+
+  Source sample(Stream& stream, MutableView out) override {
+    h_->sample(stream, proposal_);
+    projection_->lift(proposal_, stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override {
+    if (!projection_->parent().contains(q)) return 0.0;
+    Configuration s(proposal_.size());
+    projection_->project(q, s);
+    return h_->density(s) * std::exp(-projection_->log_fibre_volume());
+  }
+  /// An atom of h fills its fibre: where there are velocities it is singular all the same.
+  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
+  void record(DensityRecord& record, double share) const override {
+    record.add_lifted(*h_, share, [this](const std::shared_ptr<const Density>& density) { return fibred(density); });
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    Outcome below;
+    below.fate = outcome.fate;
+    below.from_goal = outcome.from_goal;
+    below.proposal = projected(outcome.proposal, proposal_);
+    below.near = projected(outcome.near, near_);
+    below.added = projected(outcome.added, added_);
+    below.blocked_at = projected(outcome.blocked_at, blocked_);
+    h_->observe(below, mine);
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return h_->sources(); }
+  [[nodiscard]] bool stale() const override { return h_->stale(); }
+  [[nodiscard]] Configurations lifted_path() const override {
+    return projection_->lifted(h_->lifted_path(), start_, goal_);
+  }
+
+ private:
+  [[nodiscard]] View projected(View q, Configuration& s) const {
+    if (q.empty()) return {};
+    projection_->project(q, s);
+    return s;
+  }
+
+  /// The same object for the same density, as long as it was among the last few.
+  [[nodiscard]] std::shared_ptr<const Density> fibred(const std::shared_ptr<const Density>& density) const {
+    constexpr std::size_t few = 64;
+    for (const auto& [base, made] : made_) {
+      if (base == density) return made;
+    }
+    if (made_.size() == few) made_.clear();
+    made_.emplace_back(density, std::make_shared<FibredDensity>(projection_, density));
+    return made_.back().second;
+  }
+
+  std::shared_ptr<const AxisProjection> projection_;
+  std::unique_ptr<Heuristic> h_;
+  Configuration start_;
+  Configuration goal_;
+  mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> made_;
+  // What is projected, so that drawing and observing allocate nothing.
+  Configuration proposal_;
+  Configuration near_;
+  Configuration added_;
+  Configuration blocked_;
+};
+
+class Holonomic final : public PathGuide {
+ public:
+  explicit Holonomic(const HolonomicSettings& settings)
+      : PathGuide("holonomic", settings),
+        along_(settings.heading == "along"),
+        forwards_(settings.speed == "forwards") {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    const std::size_t kept =
+        parent.motion_model ? parent.motion_model->configuration_dimension() : parent.space.dimension();
+    std::vector<std::size_t> axes(kept);
+    std::iota(axes.begin(), axes.end(), std::size_t{0});
+    std::string name = parent.space.name();
+    if (kept < parent.space.dimension()) name = name.substr(0, name.rfind(" x "));
+    projection_ = std::make_shared<AxisProjection>(parent.space, axes, name);
+    std::vector<Axis> drawn = parent.space.axes();
+    for (std::size_t j = kept; j < drawn.size(); ++j) {
+      if (forwards_ && drawn[j].name == "v" && drawn[j].hi > 0.0) {
+        drawn[j].lo = std::max(drawn[j].lo, 0.0);
+      }
+    }
+    drawn_ = std::make_shared<AxisProjection>(Space(parent.space.name(), std::move(drawn)), axes, name);
+    auto instance = same_instance(parent);
+    instance->space = projection_->space();
+    instance->motion_model = nullptr;
+    instance->start.resize(kept);
+    instance->goal.resize(kept);
+    // The limits of the model do not bind here. What presumes validity does so of states: its space is another.
+    if (parent.motion_model) {
+      instance->validity = make_validity(parent.collision, parent.scene, instance->space, parent.resolution, nullptr);
+    }
+    turns_ = along_ && parent.motion_model != nullptr;
+    sub_ = instance.get();
+    return instance;
+  }
+
+  void project(View q, MutableView s) const override { projection_->project(q, s); }
+  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    if (found->path.size() < 2) {
+      static_cast<void>(PathGuide::heuristic(*sub_, sub, found));
+      return std::make_unique<UniformHeuristic>("holonomic (found nothing)", parent.space);
+    }
+    return std::make_unique<FibredHeuristic>(drawn_, PathGuide::heuristic(*sub_, sub, found), parent.start,
+                                             parent.goal);
+  }
+
+  void learn(const Outcome& outcome) override {
+    if (outcome.added.empty()) return;
+    Configuration s(projection_->space().dimension());
+    projection_->project(outcome.added, s);
+    Outcome below;
+    below.added = s;
+    PathGuide::learn(below);
+  }
+
+ protected:
+  /// Turns the path into the direction of travel: each leg is passed with the heading of its direction, the ends keep
+  /// theirs. A trailer follows behind.
+  Configurations followed(Configurations path) const override {
+    if (!turns_ || path.size() < 2) return path;
+    Configurations turned(path.dimension());
+    turned.push(std::as_const(path).front());
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      Configuration a(path[i].begin(), path[i].end());
+      Configuration b(path[i + 1].begin(), path[i + 1].end());
+      const double dx = b[0] - a[0];
+      const double dy = b[1] - a[1];
+      if (dx == 0.0 && dy == 0.0) continue;
+      for (std::size_t j = 2; j < path.dimension(); ++j) a[j] = b[j] = std::atan2(dy, dx);
+      projection_->space().normalise(a);
+      projection_->space().normalise(b);
+      turned.push(a);
+      turned.push(b);
+    }
+    turned.push(std::as_const(path).back());
+    return turned;
+  }
+
+ private:
+  bool along_;
+  bool forwards_;
+  bool turns_ = false;  ///< there is a motion model, whose robot has a heading
+  std::shared_ptr<const AxisProjection> projection_;
+  std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h draws from
+  Instance* sub_ = nullptr;                      ///< owned by the level
+};
+
+}  // namespace
+
+GuideKind holonomic_kind() {
+  GuideClaims claims = path_claims(
+      GuideClaims::Category::robot,
+      "(q, velocities) -> q, joined by straight motions; the identity without a motion model",
+      "no end that is valid in C becomes invalid: what bounds velocities is dropped", "examples/kinodynamic.lua");
+  claims.h += "; velocities uniform, of speeds those forwards";
+  return {&holonomic_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return std::make_unique<Holonomic>(holonomic_settings().read(o));
+          },
+          "rrt_connect", [](const Options& o) { return holonomic_settings().read(o).resolves; }, std::move(claims)};
+}
+
+}  // namespace trellis

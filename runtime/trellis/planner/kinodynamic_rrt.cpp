@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <trellis/base/error.hpp>
+#include <trellis/motion/steering.hpp>
+#include <trellis/planner/kinds.hpp>
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct KinodynamicRrtSettings : CommonSettings {
+  std::int64_t controls = 10;
+  double longest = 1.0;
+  double connect = 1.0;
+};
+
+const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
+  static const Settings<KinodynamicRrtSettings> settings = with_common(
+      Settings<KinodynamicRrtSettings>(
+          Component::Kind::planner, "kinodynamic_rrt",
+          "rapidly-exploring random tree that drives the problem's motion model: from the node nearest to a proposal, "
+          "under the one of several random controls that comes nearest to it",
+          "LaValle and Kuffner 2001, Randomized kinodynamic planning")
+          .integer("controls", &KinodynamicRrtSettings::controls, "controls", Range::at_least(1),
+                   "random controls, each for a random duration, that are tried for a proposal before one is checked")
+          .number("longest", &KinodynamicRrtSettings::longest, "s", Range::positive(),
+                  "the longest duration of a control; a whole number of the model's steps, at least one")
+          .number("connect", &KinodynamicRrtSettings::connect, "m in the metric", Range::non_negative(),
+                  "from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and "
+                  "Shepp where the model can go backwards: with unicycle1 and car only; 0: never"));
+  return settings;
+}
+
+class KinodynamicRrt final : public Planner {
+ public:
+  KinodynamicRrt(const KinodynamicRrtSettings& settings, Task task)
+      : settings_(settings),
+        task_(std::move(task)),
+        model_(*task_.instance.motion_model),
+        most_steps_(static_cast<std::size_t>(
+            std::clamp(std::floor(settings.longest / model_.dt() + 1e-9), 1.0, most_steps_allowed))),
+        sample_(dimension()),
+        state_(dimension()),
+        control_(model_.controls().size()),
+        best_control_(model_.controls().size()) {}
+
+  Solution solve(const Budget& budget) override {
+    auto& instance = task_.instance;
+    Meter meter(task_, budget);
+    if (!ends_checked_) {
+      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+      ends_checked_ = true;
+    }
+    // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
+    if (!tree_ || solved_ || epoch_ != instance.validity->epoch()) plant();
+    while (!solved_) {
+      if (const auto reason = meter.spent()) return finish(*reason);
+      iterate();
+    }
+    return finish(Status::solved);
+  }
+
+ private:
+  static constexpr double most_steps_allowed = 1e6;
+
+  /// How a node was reached from its parent.
+  struct Edge {
+    std::uint32_t parent = 0;
+    std::uint32_t control = 0;  ///< row of `controls_`
+    std::uint32_t steps = 0;
+  };
+
+  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
+
+  void plant() {
+    tree_.emplace(task_);
+    edges_.clear();
+    controls_ = Configurations(model_.controls().size());
+    solved_ = false;
+    epoch_ = task_.instance.validity->epoch();
+    best_ = tree_->add(task_.instance.start, 0);
+    edges_.push_back({});
+    best_distance_ = task_.instance.space.distance(task_.instance.start, task_.instance.goal);
+    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+  }
+
+  /// Draws controls and durations; keeps the one whose end is nearest to the proposal. Checks nothing.
+  std::uint32_t choose_control(View from) {
+    const auto& space = task_.instance.space;
+    double least = std::numeric_limits<double>::infinity();
+    std::uint32_t chosen = 0;
+    for (std::int64_t i = 0; i < settings_.controls; ++i) {
+      model_.sample_control(task_.proposals, control_);
+      const auto steps = static_cast<std::uint32_t>(1 + task_.proposals.below(most_steps_));
+      std::copy(from.begin(), from.end(), state_.begin());
+      for (std::uint32_t k = 0; k < steps; ++k) model_.step(space, state_, control_, state_);
+      const double distance = space.squared_distance(state_, sample_);
+      if (distance >= least) continue;
+      least = distance;
+      chosen = steps;
+      best_control_ = control_;
+    }
+    return chosen;
+  }
+
+  /// Drives towards the proposal, as far as that is valid and no farther than into the goal.
+  void iterate() {
+    auto& instance = task_.instance;
+    const auto& space = instance.space;
+    propose(task_, sample_);
+    const auto near = tree_->nearest(sample_);
+    const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
+    const std::uint32_t wanted = choose_control(from);
+    Configurations states(dimension());
+    Configuration blocked;
+    auto driven = instance.drive(from, best_control_, wanted, states, &blocked);
+    Outcome outcome;
+    outcome.proposal = sample_;
+    outcome.near = from;
+    outcome.blocked_at = blocked;
+    if (driven == 0) {
+      settle(task_, outcome, tree_->row(near.id));
+      return;
+    }
+    for (std::uint32_t k = 0; k < driven; ++k) {
+      if (space.distance(std::as_const(states)[k], instance.goal) > instance.goal_tolerance) continue;
+      driven = k + 1;
+      outcome.blocked_at = {};
+    }
+    const View added = std::as_const(states)[driven - 1];
+    const std::uint32_t id = tree_->add(added, near.id);
+    edges_.push_back({near.id, controls_.push(best_control_), driven});
+    note(id);
+    outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
+    outcome.added = added;
+    if (!solved_ && space.distance(added, instance.goal) <= settings_.connect) connect(id, added);
+    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+  }
+
+  /// Drives the shortest curve from a node to the goal; it becomes part of the tree where it gets there.
+  void connect(std::uint32_t id, View from) {
+    auto& instance = task_.instance;
+    const auto way = steer(model_, from, instance.goal);
+    if (!way) return;
+    Configurations states(dimension());
+    std::vector<std::uint32_t> ends;  // of its pieces: states so far
+    Configuration at(from.begin(), from.end());
+    bool arrived = false;
+    for (std::size_t i = 0; i < way->steps.size() && !arrived; ++i) {
+      const std::size_t before = states.size();
+      const auto driven = instance.drive(at, way->controls[i], way->steps[i], states);
+      std::size_t end = before;
+      while (end < states.size() && !arrived) {
+        arrived = instance.space.distance(std::as_const(states)[end++], instance.goal) <= instance.goal_tolerance;
+      }
+      if (!arrived && driven < way->steps[i]) return;
+      at.assign(std::as_const(states)[end - 1].begin(), std::as_const(states)[end - 1].end());
+      ends.push_back(static_cast<std::uint32_t>(end));
+    }
+    if (!arrived) return;
+    std::uint32_t parent = id;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const std::uint32_t steps = ends[i] - (i > 0 ? ends[i - 1] : 0);
+      const std::uint32_t node = tree_->add(std::as_const(states)[ends[i] - 1], parent);
+      edges_.push_back({parent, controls_.push(way->controls[i]), steps});
+      note(node);
+      parent = node;
+    }
+  }
+
+  /// Remembers how near the new node is to the goal.
+  void note(std::uint32_t id) {
+    const double distance = task_.instance.space.distance((*tree_)[id], task_.instance.goal);
+    if (distance < best_distance_) {
+      best_distance_ = distance;
+      best_ = id;
+    }
+    if (distance <= task_.instance.goal_tolerance) solved_ = true;
+  }
+
+  [[nodiscard]] Solution finish(Status status) const {
+    std::vector<std::uint32_t> way;
+    for (std::uint32_t at = best_; at != 0; at = edges_[at].parent) way.push_back(at);
+    Solution solution{status, {}, {Configurations(controls_.dimension()), {}, model_.dt()}};
+    solution.trajectory.steps.reserve(way.size());
+    for (auto it = way.rbegin(); it != way.rend(); ++it) {
+      solution.trajectory.controls.push(controls_[edges_[*it].control]);
+      solution.trajectory.steps.push_back(edges_[*it].steps);
+    }
+    const auto& instance = task_.instance;
+    solution.path = replay(model_, instance.space, instance.start, solution.trajectory);
+    return solution;
+  }
+
+  KinodynamicRrtSettings settings_;
+  Task task_;
+  const MotionModel& model_;
+  std::size_t most_steps_;  ///< of one control
+  std::optional<Tree> tree_;
+  std::vector<Edge> edges_;  ///< of each node; that of the root leads nowhere
+  Configurations controls_;
+  Configuration sample_;
+  Configuration state_;
+  Configuration control_;
+  Configuration best_control_;
+  std::uint32_t best_ = 0;
+  double best_distance_ = std::numeric_limits<double>::infinity();
+  std::uint64_t epoch_ = 0;
+  bool solved_ = false;
+  bool ends_checked_ = false;
+};
+
+}  // namespace
+
+PlannerKind kinodynamic_rrt_kind() {
+  PlannerKind kind;
+  kind.component = &kinodynamic_rrt_settings().component();
+  kind.common = [](const Options& o) { return kinodynamic_rrt_settings().read(o).common(); };
+  kind.make = [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+    if (!task.instance.motion_model) throw Fault("kinodynamic_rrt needs an instance with a motion model");
+    return std::make_unique<KinodynamicRrt>(kinodynamic_rrt_settings().read(o), std::move(task));
+  };
+  kind.kinodynamic = true;
+  return kind;
+}
+
+}  // namespace trellis

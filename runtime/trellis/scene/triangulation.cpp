@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/triangulation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/constrained_delaunay.hpp>
+
+namespace trellis {
+
+namespace {
+
+constexpr double most_triangles = 1e6;
+constexpr int disc_vertices = 16;
+
+/// A shape's vertices, those of a disc on a polygon about it.
+std::vector<Vec2> outline(const ConvexShape& shape) {
+  if (const auto* polygon = std::get_if<Polygon>(&shape)) return polygon->vertices;
+  const auto& disc = std::get<Disc>(shape);
+  const double radius = disc.radius / std::cos(std::numbers::pi / disc_vertices);
+  std::vector<Vec2> vertices;
+  vertices.reserve(disc_vertices);
+  for (int i = 0; i < disc_vertices; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / disc_vertices;
+    vertices.push_back({disc.centre.x + radius * std::cos(angle), disc.centre.y + radius * std::sin(angle)});
+  }
+  return vertices;
+}
+
+/// Whether p lies in a convex counter-clockwise polygon, or no farther than `margin` outside of it.
+bool within(const std::vector<Vec2>& polygon, Vec2 p, double margin) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 side = polygon[(i + 1) % polygon.size()] - polygon[i];
+    if (cross(side, p - polygon[i]) < -margin * norm(side)) return false;
+  }
+  return true;
+}
+
+bool inside(const Box2& box, Vec2 p, double margin) {
+  return p.x >= box.lo.x + margin && p.x <= box.hi.x - margin && p.y >= box.lo.y + margin && p.y <= box.hi.y - margin;
+}
+
+/// What is triangulated: outlines in stretches of about `size`, and a lattice of points in the free space.
+class Input {
+ public:
+  Input(const std::vector<std::vector<Vec2>>& obstacles, const Box2& bounds, double size) : size_(size) {
+    add(rectangle_vertices(bounds));
+    for (const auto& obstacle : obstacles) add(obstacle);
+    constexpr double clear = 0.4;
+    const double row = size * std::numbers::sqrt3 / 2.0;
+    std::size_t number = 0;
+    for (double y = bounds.lo.y + row; y < bounds.hi.y; y += row, ++number) {
+      for (double x = bounds.lo.x + (number % 2 == 0 ? size : 0.5 * size); x < bounds.hi.x; x += size) {
+        const Vec2 p{x, y};
+        const bool free =
+            inside(bounds, p, clear * size) &&
+            std::none_of(obstacles.begin(), obstacles.end(), [&](const auto& o) { return within(o, p, clear * size); });
+        if (free) points.push_back(p);
+      }
+    }
+  }
+
+  std::vector<Vec2> points;
+  std::vector<std::pair<std::size_t, std::size_t>> segments;
+
+ private:
+  void add(const std::vector<Vec2>& loop) {
+    const std::size_t first = points.size();
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2 a = loop[i];
+      const Vec2 side = loop[(i + 1) % loop.size()] - a;
+      const auto stretches = static_cast<std::size_t>(std::max(1.0, std::round(norm(side) / size_)));
+      for (std::size_t k = 0; k < stretches; ++k) {
+        points.push_back(a + (static_cast<double>(k) / static_cast<double>(stretches)) * side);
+      }
+    }
+    for (std::size_t i = first; i < points.size(); ++i) segments.emplace_back(i, i + 1 < points.size() ? i + 1 : first);
+  }
+
+  double size_;
+};
+
+}  // namespace
+
+Triangulation::Triangulation(const World& world, double size) : bounds_(world.bounds()), cell_(size) {
+  const Vec2 extent = bounds_.hi - bounds_.lo;
+  // Two triangles to a lattice point, each of which stands for size^2 * sqrt(3) / 2.
+  if (!(size > 0.0) || 4.0 * extent.x * extent.y / (std::numbers::sqrt3 * size * size) > most_triangles) {
+    throw Error(fmt::format("triangles of {:g} m would be more than {:g} in a world of {:g} x {:g} m", size,
+                            most_triangles, extent.x, extent.y));
+  }
+  std::vector<std::vector<Vec2>> obstacles;
+  obstacles.reserve(world.parts().size());
+  for (const auto& part : world.parts()) obstacles.push_back(outline(part.shape));
+  const Input input(obstacles, bounds_, size);
+  const auto all = constrained_delaunay(input.points, input.segments);
+
+  std::vector<std::optional<std::uint32_t>> number(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Triangle triangle{all[i].corners, {}, 0.0};
+    triangle.area = 0.5 * cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
+    const Vec2 middle = triangle.centroid();
+    const bool free = triangle.area > 0.0 && inside(bounds_, middle, 0.0) &&
+                      std::none_of(obstacles.begin(), obstacles.end(),
+                                   [&](const auto& obstacle) { return within(obstacle, middle, 0.0); });
+    if (!free) continue;
+    number[i] = static_cast<std::uint32_t>(triangles_.size());
+    area_ += triangle.area;
+    triangles_.push_back(triangle);
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!number[i]) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t across = all[i].neighbours[k];
+      if (across != DelaunayTriangle::none) triangles_[*number[i]].neighbours[k] = number[across];
+    }
+  }
+
+  columns_ = static_cast<std::size_t>(std::ceil(extent.x / cell_));
+  rows_ = static_cast<std::size_t>(std::ceil(extent.y / cell_));
+  cells_.resize(columns_ * rows_);
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    const auto& c = triangles_[t].corners;
+    const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x});
+    const auto [low, high] = std::minmax({c[0].y, c[1].y, c[2].y});
+    for (std::size_t j = bucket(low, bounds_.lo.y, rows_); j <= bucket(high, bounds_.lo.y, rows_); ++j) {
+      for (std::size_t i = bucket(left, bounds_.lo.x, columns_); i <= bucket(right, bounds_.lo.x, columns_); ++i) {
+        cells_[j * columns_ + i].push_back(t);
+      }
+    }
+  }
+}
+
+std::size_t Triangulation::bucket(double x, double lo, std::size_t n) const {
+  const double place = std::floor((x - lo) / cell_);
+  return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(n - 1)));
+}
+
+std::optional<std::uint32_t> Triangulation::find(Vec2 p) const {
+  if (!inside(bounds_, p, 0.0)) return std::nullopt;
+  for (const std::uint32_t t :
+       cells_[bucket(p.y, bounds_.lo.y, rows_) * columns_ + bucket(p.x, bounds_.lo.x, columns_)]) {
+    const auto& c = triangles_[t].corners;
+    if (cross(c[1] - c[0], p - c[0]) >= 0.0 && cross(c[2] - c[1], p - c[1]) >= 0.0 &&
+        cross(c[0] - c[2], p - c[2]) >= 0.0) {
+      return t;
+    }
+  }
+  return std::nullopt;
+}
+
+Vec2 Triangulation::sample(std::uint32_t triangle, Stream& stream) const {
+  const auto& c = triangles_[triangle].corners;
+  double u = stream.uniform();
+  double v = stream.uniform();
+  if (u + v > 1.0) {
+    u = 1.0 - u;
+    v = 1.0 - v;
+  }
+  const Vec2 p = c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0]);
+  // Rounding does not carry it out of the world.
+  return {std::clamp(p.x, bounds_.lo.x, bounds_.hi.x), std::clamp(p.y, bounds_.lo.y, bounds_.hi.y)};
+}
+
+}  // namespace trellis

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <trellis/base/random.hpp>
+#include <trellis/scene/scene.hpp>
+
+namespace trellis {
+
+/// A decomposition of a world's free space into triangles that meet in whole sides.
+class Triangulation {
+ public:
+  struct Triangle {
+    std::array<Vec2, 3> corners;  ///< counter-clockwise
+    /// Across the side opposite each corner; none where that is an obstacle's or the boundary.
+    std::array<std::optional<std::uint32_t>, 3> neighbours;
+    double area = 0.0;  ///< square metres
+
+    [[nodiscard]] Vec2 centroid() const { return (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]); }
+  };
+
+  /// \param size  metres that the sides of triangles are about as long as, where there is room; discs are polygons
+  ///              about them. Throws Error where that makes more than a million triangles.
+  Triangulation(const World& world, double size);
+
+  [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
+  /// Square metres.
+  [[nodiscard]] double area() const { return area_; }
+  /// The triangle that holds p, one of them on a side; none in obstacles and outside of the boundary.
+  [[nodiscard]] std::optional<std::uint32_t> find(Vec2 p) const;
+  /// Uniform in a triangle.
+  [[nodiscard]] Vec2 sample(std::uint32_t triangle, Stream& stream) const;
+
+ private:
+  [[nodiscard]] std::size_t bucket(double x, double lo, std::size_t n) const;
+
+  std::vector<Triangle> triangles_;
+  double area_ = 0.0;
+  Box2 bounds_;
+  // A grid over the world: the triangles whose boxes meet each cell.
+  double cell_ = 1.0;
+  std::size_t columns_ = 0;
+  std::size_t rows_ = 0;
+  std::vector<std::vector<std::uint32_t>> cells_;
+};
+
+}  // namespace trellis
