@@ -87,11 +87,12 @@ std::string catalogue_markdown() {
       }
     }
     if (table.empty()) continue;
-    text += fmt::format("\n## {}\n\n| | Source | f | h | Density | Feedback | Example |\n|---|---|---|---|---|---|---|\n{}",
-                        to_string(category), table);
+    text +=
+        fmt::format("\n## {}\n\n| | Source | f | h | Density | Feedback | Example |\n|---|---|---|---|---|---|---|\n{}",
+                    to_string(category), table);
     if (!edges.empty()) {
-      text += fmt::format("\n| | A start or goal that f maps to what is invalid in S | No path in S |\n|---|---|---|\n{}",
-                          edges);
+      text += fmt::format(
+          "\n| | A start or goal that f maps to what is invalid in S | No path in S |\n|---|---|---|\n{}", edges);
     }
   }
   return text;

@@ -19,16 +19,16 @@ struct GuideClaims {
   };
 
   Category category = Category::sampling;
-  std::string f;                         ///< in a line
-  std::string h;                         ///< in a line
-  bool closed_form = false;              ///< of the density
-  std::string density;                   ///< of what
-  std::string feedback;                  ///< what observe and learn do
-  bool relaxes = true;                   ///< f maps what is valid in C to what is valid in S
-  std::string invalid_ends;              ///< what becomes of a start or goal that f maps to what is invalid in S
+  std::string f;             ///< in a line
+  std::string h;             ///< in a line
+  bool closed_form = false;  ///< of the density
+  std::string density;       ///< of what
+  std::string feedback;      ///< what observe and learn do
+  bool relaxes = true;       ///< f maps what is valid in C to what is valid in S
+  std::string invalid_ends;  ///< what becomes of a start or goal that f maps to what is invalid in S
   Fallback fallback = Fallback::none;
-  std::string no_path;                   ///< what happens where S has no path
-  std::string example;                   ///< a script: "examples/nested.lua"
+  std::string no_path;  ///< what happens where S has no path
+  std::string example;  ///< a script: "examples/nested.lua"
 };
 
 /// "robot modification".

@@ -110,7 +110,8 @@ GuideKind lazy_kind() {
                                    "they are presumed valid, until C finds something invalid within `margin` of them",
                                    "examples/nested.lua");
   claims.feedback =
-      "what C finds invalid is taken out of S; a leg of the path beside it is checked in C, once, and S is solved again "
+      "what C finds invalid is taken out of S; a leg of the path beside it is checked in C, once, and S is solved "
+      "again "
       "where that is invalid";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
