@@ -117,8 +117,8 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
 }
 
 SCENARIO("the other examples run to their end", "[examples]") {
-  for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua", "workspace.lua",
-                           "widen.lua", "drop.lua", "aggregate.lua"}) {
+  for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua",
+                           "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua"}) {
     GIVEN(name) {
       const Result& result = run(name);
       INFO(result.outcome.err);

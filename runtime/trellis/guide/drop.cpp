@@ -28,7 +28,9 @@ const Settings<DropSettings>& drop_settings() {
           "the world without some of its obstacles; each comes back when it is found to be in the way",
           "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; with feedback as in "
           "Bohlin and Kavraki 2000")
-          .names("obstacles", &DropSettings::obstacles, "names of obstacles that are left out; none: all of them are")
+          .names("obstacles", &DropSettings::obstacles,
+                 "names of obstacles that are left out, as the world gives them (name = ...) or messages (\"obstacle "
+                 "3\"); none: all")
           .positional({"obstacles"}));
   return settings;
 }
@@ -42,9 +44,8 @@ class Drop final : public PathGuide {
     const auto& obstacles = parent.scene->world.obstacles();
     for (const auto& name : names_) require(obstacles, name);
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      if (names_.empty() || std::find(names_.begin(), names_.end(), obstacles[i].name) != names_.end()) {
-        dropped_.push_back(i);
-      }
+      const auto named = [&](const std::string& name) { return is_called(obstacles[i], name); };
+      if (names_.empty() || std::any_of(names_.begin(), names_.end(), named)) dropped_.push_back(i);
     }
     validity_ = std::make_shared<ChangingWorld>(parent, world(parent, kept(parent)));
     left_out_ = std::make_unique<ChangingWorld>(parent, world(parent, dropped_));
@@ -88,11 +89,23 @@ class Drop final : public PathGuide {
   }
 
  private:
+  /// "left door" of "obstacle 3 (left door)": what it was called where the world was made.
+  static std::string given_name(const Obstacle& obstacle) {
+    const std::size_t open = obstacle.name.find(" (");
+    if (open == std::string::npos || !obstacle.name.ends_with(')')) return obstacle.name;
+    return obstacle.name.substr(open + 2, obstacle.name.size() - open - 3);
+  }
+  static bool is_called(const Obstacle& obstacle, const std::string& name) {
+    return obstacle.name == name || given_name(obstacle) == name || obstacle.name.starts_with(name + " (");
+  }
+
   static void require(const std::vector<Obstacle>& obstacles, const std::string& name) {
     std::vector<std::string> known;
     known.reserve(obstacles.size());
-    for (const auto& obstacle : obstacles) known.push_back(obstacle.name);
-    if (std::find(known.begin(), known.end(), name) != known.end()) return;
+    for (const auto& obstacle : obstacles) {
+      if (is_called(obstacle, name)) return;
+      known.push_back(given_name(obstacle));
+    }
     throw Error(fmt::format("drop: the world has no obstacle '{}'{}; it has: {}", name, did_you_mean(name, known),
                             fmt::join(known, ", ")));
   }
