@@ -13,9 +13,13 @@ return experiment {
     { "unguided",    tree },
     -- robot modification
     { "shrink",      shrink(0.5) >> tree },
+    { "workspace",   workspace() >> tree },
     { "skeleton",    skeleton() >> tree },
     -- environment modification
+    { "widen",       widen(0.15) >> tree },
     { "lazy",        lazy() >> tree },
+    { "drop",        drop() >> tree },
+    { "aggregate",   aggregate() >> tree },
     -- S = C
     { "identity",    identity() >> tree },
     -- sampling, S = {0}
@@ -23,6 +27,10 @@ return experiment {
     { "goal_bias",   goal_bias(0.3) >> tree },
     { "gaussian",    gaussian(0.3) >> tree },
     { "bridge_test", bridge_test(0.6) >> tree },
+    { "obstacle_based", obstacle_based() >> tree },
+    { "medial_axis", medial_axis() >> tree },
+    { "halton",      halton() >> tree },
+    { "informed",    informed { cost = 13 } >> tree },
     -- combinators
     { "nesting",     skeleton() >> shrink(0.5) >> tree },
     { "mixture",     (0.5 * skeleton() + 0.5 * shrink(0.5)) >> tree },

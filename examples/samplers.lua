@@ -4,17 +4,24 @@
 --   trellis run examples/samplers.lua
 --
 -- Each of them draws with nine of ten guided proposals; the rest stays uniform. What they look at to find a sample
--- (pairs, bridges) is paid in validity checks, which the table counts.
+-- (pairs, bridges, rays) is paid in validity checks, which the table counts.
 
 local samplers = {
   uniform     = uniform(),
   goal_bias   = goal_bias(0.3),
   gaussian    = gaussian(0.3),
   bridge_test = bridge_test(0.6),
+  obstacle_based = obstacle_based(),
+  medial_axis = medial_axis(),
+  halton = halton(),
+  -- what a path shorter than 13 m may pass through
+  informed = informed { cost = 13 },
 }
 
 local strategies = {}
 for name, guide in pairs(samplers) do strategies[name] = guide >> rrt { step = 0.5 } end
+-- A search that goes on after its first path tells it how long that was: here each of S's, once the tree in C is stuck.
+strategies.shorter = informed() >> identity { planner = rrt { step = 0.5 }, patience = 20 } >> rrt { step = 0.5 }
 
 return experiment {
   problems   = { scenes.simple_passage() },

@@ -232,13 +232,17 @@ std::string stub_function(const Word& word) {
   if (!word.returns.empty()) text += fmt::format("---@return {}\n", word.returns);
   if (!word.positional.empty()) {
     std::string unnamed;
+    std::string rest = fmt::format("options?: {}", options_class(word));
     for (const auto& name : word.positional) {
       const auto option =
           std::find_if(word.options.begin(), word.options.end(), [&](const Option& o) { return o.name == name; });
-      const bool names = option->type == Option::Type::names;
-      unnamed += names ? "...: string, " : fmt::format("{}: {}, ", name, stub_type(*option));
+      if (option->type == Option::Type::names) {
+        rest = "...: string";  // as many as there are, so nothing can follow
+      } else {
+        unnamed += fmt::format("{}: {}, ", name, stub_type(*option));
+      }
     }
-    text += fmt::format("---@overload fun({}options?: {}){}\n", unnamed, options_class(word), result);
+    text += fmt::format("---@overload fun({}{}){}\n", unnamed, rest, result);
   }
   if (!word.element.empty()) text += fmt::format("---@overload fun(...: {}){}\n", word.element, result);
   return text + fmt::format("function {}({}) end\n\n", word.name, parameters);

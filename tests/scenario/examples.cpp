@@ -175,7 +175,8 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
 }
 
 SCENARIO("the other examples run to their end", "[examples]") {
-  for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua"}) {
+  for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua",
+                           "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua"}) {
     GIVEN(name) {
       const Result& result = run(name);
       INFO(result.outcome.err);

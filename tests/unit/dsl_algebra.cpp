@@ -32,6 +32,18 @@ TEST_CASE("a spec reads as it is written") {
   }
 }
 
+TEST_CASE("names of obstacles are a list, with or without the option's name") {
+  CHECK(value("drop { 'a', 'b' } == drop { obstacles = { 'a', 'b' } }") == "true");
+  CHECK(value("drop('a', 'b') == drop { 'a', 'b' }") == "true");
+  CHECK(value("drop {} == drop { obstacles = {} }") == "true");
+  CHECK(value("tostring(drop { 'a', 'b', patience = 5 })") == "drop { \"a\", \"b\", patience = 5 }");
+  CHECK(value("tostring(drop { 'a', 'b' })") == "drop(\"a\", \"b\")");
+  CHECK_THAT(failure("drop { 'a', 3 }"), Catch::Contains("expected a name, got 3"));
+  CHECK_THAT(failure("drop { obstacles = { 1 } }"), Catch::Contains("must be a list of names"));
+  CHECK_THAT(failure("drop { 'a', 'a' }"), Catch::Contains("one is there twice"));
+  CHECK_THAT(failure("drop { 'a', obstacles = { 'b' } }"), Catch::Contains("given twice"));
+}
+
 TEST_CASE("composition is associative") {
   const std::string parts = "local a, b, c, p = skeleton(), shrink(0.5), lazy(), rrt { step = 0.5 } return ";
   const auto holds = [&](const std::string& law) { return values(parts + law) == std::vector<std::string>{"true"}; };

@@ -143,7 +143,7 @@ std::pair<double, double> mass(const Heuristic& h, const Space& space, std::uint
     squares += p * p;
   }
   const double mean = sum / points;
-  return {mean, std::sqrt((squares / points - mean * mean) / points)};
+  return {mean, std::sqrt(std::max(0.0, squares / points - mean * mean) / points)};
 }
 
 /// h is a distribution over C: it draws inside, and has the mass that it claims.

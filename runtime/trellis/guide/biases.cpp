@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/bias.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 
@@ -131,50 +132,26 @@ class NearObstacle final : public Heuristic {
   Configuration b_;
 };
 
-/// A guide that is a function from the parent instance to h.
-template <class Make>
-class Bias final : public Guide {
- public:
-  explicit Bias(Make make) : make_(std::move(make)) {}
-  std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
-  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
-  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
-  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
-    return make_(parent);
-  }
-
- private:
-  Make make_;
-};
-
-template <class Make>
-std::unique_ptr<Guide> bias(Make make) {
-  return std::make_unique<Bias<Make>>(std::move(make));
-}
-
-std::int64_t never(const Options&) { return 0; }
+}  // namespace
 
 GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
-                        std::string density, bool closed_form) {
+                        std::string density, bool closed_form, std::string feedback) {
   return {&component,
           make,
           "",
-          never,
+          [](const Options&) { return std::int64_t{0}; },
           {.category = GuideClaims::Category::sampling,
            .f = "S = {0}",
            .h = std::move(h),
            .closed_form = closed_form,
            .density = std::move(density),
-           .feedback = "none",
+           .feedback = std::move(feedback),
            .relaxes = true,
            .invalid_ends = "nothing is projected",
            .fallback = GuideClaims::Fallback::none,
            .no_path = "nothing is searched",
            .example = "examples/samplers.lua"}};
 }
-
-}  // namespace
 
 GuideKind uniform_kind() {
   return sampling_kind(

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/position.hpp>
 #include <trellis/scene/triangulation.hpp>
 
 namespace trellis {
@@ -50,7 +50,7 @@ const Settings<DecompositionSettings>& decomposition_settings() {
 /// Triangles, and the position in the plane of what lies in them, in a space.
 struct Decomposition {
   Triangulation triangulation;
-  AxisProjection projection;
+  PositionProjection projection;
   /// Of positions: metric coordinates per square metre.
   double scale;
 
@@ -248,31 +248,16 @@ class DecompositionGuide final : public Guide {
   explicit DecompositionGuide(const DecompositionSettings& settings) : settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    if (parent.position_axes.size() != 2) {
-      throw Error("decomposition: needs a robot whose reference point moves in the plane; this space (" +
-                  parent.space.name() + ") has no position");
-    }
     const World& world = parent.scene->world;
     const auto& axes = parent.space.axes();
-    decomposition_ = std::make_shared<const Decomposition>(Decomposition{
-        Triangulation(world, side_length(parent)), AxisProjection(parent.space, parent.position_axes, "R^2"),
-        axes[parent.position_axes[0]].weight * axes[parent.position_axes[1]].weight});
+    decomposition_ = std::make_shared<const Decomposition>(
+        Decomposition{Triangulation(world, side_length(parent)), PositionProjection("decomposition", parent),
+                      axes[parent.position_axes[0]].weight * axes[parent.position_axes[1]].weight});
     const std::size_t count = decomposition_->triangulation.triangles().size();
     if (count == 0) throw Error("decomposition: the world leaves no free space");
     coverage_ = {std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
 
-    auto instance = std::make_unique<Instance>();
-    instance->space = decomposition_->projection.space();
-    instance->scene = std::make_shared<Scene>(Scene{world, Robot::point()});
-    instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
-    instance->start.resize(2);
-    instance->goal.resize(2);
-    project(parent.start, instance->start);
-    project(parent.goal, instance->goal);
-    instance->goal_tolerance = parent.goal_tolerance;
-    instance->resolution = parent.resolution;
-    instance->collision = parent.collision;
-    instance->position_axes = {0, 1};
+    auto instance = decomposition_->projection.point_instance(parent);
     make_graph(*instance);
     instance->graph = graph_;
     if (const auto triangle = decomposition_->find(parent.start)) coverage_.nodes[*triangle] = 1.0;

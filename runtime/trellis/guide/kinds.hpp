@@ -10,10 +10,18 @@ GuideKind uniform_kind();
 GuideKind goal_bias_kind();
 GuideKind gaussian_kind();
 GuideKind bridge_test_kind();
+GuideKind obstacle_based_kind();
+GuideKind medial_axis_kind();
+GuideKind halton_kind();
+GuideKind informed_kind();
 GuideKind identity_kind();
+GuideKind workspace_kind();
 GuideKind skeleton_kind();
 GuideKind shrink_kind();
+GuideKind widen_kind();
 GuideKind lazy_kind();
+GuideKind drop_kind();
+GuideKind aggregate_kind();
 GuideKind holonomic_kind();
 GuideKind decomposition_kind();
 

@@ -93,6 +93,8 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
+  /// Of what is drawn now.
+  [[nodiscard]] const std::shared_ptr<const Density>& tube_density() const { return tube_.density(); }
 
  private:
   void choose_stretches();

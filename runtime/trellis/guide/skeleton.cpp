@@ -9,9 +9,9 @@
 #include <queue>
 
 #include <trellis/base/error.hpp>
-#include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
+#include <trellis/guide/position.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/skeleton.hpp>
 
@@ -407,25 +407,9 @@ class SkeletonGuide final : public Guide {
   explicit SkeletonGuide(const SkeletonSettings& settings) : settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    if (parent.position_axes.size() != 2) {
-      throw Error("skeleton: needs a robot whose reference point moves in the plane; this space (" +
-                  parent.space.name() + ") has no position");
-    }
-    projection_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
+    projection_ = std::make_shared<PositionProjection>("skeleton", parent);
     reached_.emplace(projection_->space());
-    auto instance = std::make_unique<Instance>();
-    instance->space = projection_->space();
-    instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, Robot::point()});
-    instance->validity = std::make_shared<CollisionValidity>(
-        make_checker(parent.collision, instance->scene, instance->space, parent.resolution));
-    instance->start.resize(2);
-    instance->goal.resize(2);
-    projection_->project(parent.start, instance->start);
-    projection_->project(parent.goal, instance->goal);
-    instance->goal_tolerance = parent.goal_tolerance;
-    instance->resolution = parent.resolution;
-    instance->collision = parent.collision;
-    instance->position_axes = {0, 1};
+    auto instance = projection_->point_instance(parent);
     graph_ = std::make_shared<Graph>(
         GraphBuilder(*cached_medial_axis(parent.scene->world), settings_.clearance, *instance).take());
     instance->graph = graph_;

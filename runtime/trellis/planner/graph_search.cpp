@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <queue>
+#include <tuple>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/planner/kinds.hpp>
@@ -20,8 +23,9 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
   static const Settings<GraphSearchSettings> settings = with_common(
       Settings<GraphSearchSettings>(
           Component::Kind::planner, "graph_search",
-          "exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper",
-          "Dijkstra 1959")
+          "exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; "
+          "edges that nobody has looked at are checked as the search comes to them (A*)",
+          "Dijkstra 1959; Hart, Nilsson and Raphael 1968")
           .integer("samples", &GraphSearchSettings::samples, "proposals", Range::at_least(1),
                    "proposals drawn per search where it is guided"));
   return settings;
@@ -41,31 +45,18 @@ class GraphSearch final : public Planner {
       adjacency[graph.edges[e].from].push_back(e);
       adjacency[graph.edges[e].to].push_back(e);
     }
-    std::vector<double> distance(n, std::numeric_limits<double>::infinity());
     std::vector<std::uint32_t> parent(n, none);
     std::vector<char> done(n, 0);
-    using Entry = std::pair<double, std::uint32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    distance[graph.start] = 0.0;
-    queue.emplace(0.0, graph.start);
     if (seen_.empty()) seen_.assign(graph.edges.size(), 0);
-    while (!queue.empty()) {
-      const auto [d, v] = queue.top();
-      queue.pop();
-      if (done[v] != 0) continue;
-      done[v] = 1;
-      for (const std::uint32_t e : adjacency[v]) {
-        record(graph, e);
-        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
-        if (d + cost[e] < distance[next]) {
-          distance[next] = d + cost[e];
-          parent[next] = e;
-          queue.emplace(distance[next], next);
-        }
-      }
-      if (v == graph.goal) break;
+    if (rows_.empty()) rows_.assign(n, no_node);
+    std::optional<Status> ended;
+    if (graph.verified) {
+      dijkstra(graph, cost, adjacency, parent, done);
+    } else {
+      if (auto found = invalid_ends(task_.instance)) return *found;
+      ended = verify(graph, cost, adjacency, parent, done, meter);
     }
-    Solution solution{done[graph.goal] != 0 ? Status::solved : Status::no_path,
+    Solution solution{done[graph.goal] != 0 ? Status::solved : ended.value_or(Status::no_path),
                       Configurations(task_.instance.space.dimension())};
     std::uint32_t end = graph.goal;
     if (!solution.solved()) {
@@ -93,12 +84,111 @@ class GraphSearch final : public Planner {
       const std::size_t count = edge.points.size();
       for (std::size_t i = 1; i < count; ++i) solution.path.push(edge.points[forward ? i : count - 1 - i]);
       at = forward ? edge.to : edge.from;
+      if (count == 0) solution.path.push(graph.vertices[at]);
     }
     return solution;
   }
 
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  using Adjacency = std::vector<std::vector<std::uint32_t>>;  ///< of each vertex its edges
+
+  void dijkstra(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
+                std::vector<std::uint32_t>& parent, std::vector<char>& done) {
+    std::vector<double> distance(graph.vertices.size(), std::numeric_limits<double>::infinity());
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    distance[graph.start] = 0.0;
+    queue.emplace(0.0, graph.start);
+    while (!queue.empty()) {
+      const auto [d, v] = queue.top();
+      queue.pop();
+      if (done[v] != 0) continue;
+      done[v] = 1;
+      for (const std::uint32_t e : adjacency[v]) {
+        record(graph, e);
+        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
+        if (d + cost[e] < distance[next]) {
+          distance[next] = d + cost[e];
+          parent[next] = e;
+          queue.emplace(distance[next], next);
+        }
+      }
+      if (v == graph.goal) break;
+    }
+  }
+
+  /// A* over edges that may be invalid: the edge to a vertex is looked at when the vertex is next, and the vertex is
+  /// reached another way where it is invalid. An edge is looked at once as long as nothing changes what is valid.
+  /// Returns why it ended before its time, if it did.
+  std::optional<Status> verify(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
+                               std::vector<std::uint32_t>& parent, std::vector<char>& done, Meter& meter) {
+    Instance& instance = task_.instance;
+    if (instance.validity->epoch() != epoch_) {
+      epoch_ = instance.validity->epoch();
+      std::fill(seen_.begin(), seen_.end(), 0);
+    }
+    // What is left of the way costs at least its length at the cheapest rate.
+    double rate = 1.0;
+    for (std::size_t e = 0; e < cost.size(); ++e) {
+      if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
+    }
+    const auto ahead = [&](std::uint32_t v) {
+      return rate * instance.space.distance(std::as_const(graph.vertices)[v], instance.goal);
+    };
+    struct Entry {
+      double estimate = 0.0;
+      double cost = 0.0;
+      std::uint32_t vertex = 0;
+      std::uint32_t edge = 0;  ///< that it is come to by
+    };
+    const auto later = [](const Entry& a, const Entry& b) {
+      return std::tie(a.estimate, b.cost, a.vertex, a.edge) > std::tie(b.estimate, a.cost, b.vertex, b.edge);
+    };
+    std::priority_queue<Entry, std::vector<Entry>, decltype(later)> queue(later);
+    queue.push({ahead(graph.start), 0.0, graph.start, none});
+    while (!queue.empty()) {
+      const Entry entry = queue.top();
+      queue.pop();
+      const std::uint32_t v = entry.vertex;
+      if (done[v] != 0) continue;
+      if (const auto status = meter.spent()) return status;
+      if (entry.edge != none && !is_valid(graph, entry.edge, v)) continue;
+      done[v] = 1;
+      parent[v] = entry.edge;
+      add_node(graph, v, entry.edge);
+      if (v == graph.goal) break;
+      for (const std::uint32_t e : adjacency[v]) {
+        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
+        if (done[next] == 0) queue.push({entry.cost + cost[e] + ahead(next), entry.cost + cost[e], next, e});
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Whether the edge that leads to the vertex is valid.
+  bool is_valid(const Graph& graph, std::uint32_t e, std::uint32_t to) {
+    constexpr char good = 1;
+    constexpr char bad = 2;
+    if (seen_[e] == 0) {
+      const std::uint32_t from = graph.edges[e].from == to ? graph.edges[e].to : graph.edges[e].from;
+      const View a = std::as_const(graph.vertices)[from];
+      const View b = std::as_const(graph.vertices)[to];
+      seen_[e] = task_.instance.motion(a, b).valid ? good : bad;
+    }
+    return seen_[e] == good;
+  }
+
+  /// The first time that a vertex is reached it becomes a node of the level.
+  void add_node(const Graph& graph, std::uint32_t v, std::uint32_t edge) {
+    if (rows_[v] != no_node) return;
+    auto& search = task_.search;
+    rows_[v] = search.nodes.push(graph.vertices[v]);
+    search.parents.push_back(no_node);
+    if (edge == none) return;
+    const std::uint32_t from = graph.edges[edge].from == v ? graph.edges[edge].to : graph.edges[edge].from;
+    search.edges.push_back({rows_[from], rows_[v]});
+  }
 
   /// The edges' costs, those near the guidance's proposals made cheaper: an edge whose ends drew a share s of them
   /// costs length / (1 + s * vertices), so that one with as many as the mean vertex costs half.
@@ -147,7 +237,9 @@ class GraphSearch final : public Planner {
 
   GraphSearchSettings settings_;
   Task task_;
-  std::vector<char> seen_;
+  std::vector<char> seen_;           ///< per edge: recorded, or 1: found valid, 2: invalid
+  std::vector<std::uint32_t> rows_;  ///< per vertex of a graph that nobody verified: its node
+  std::uint64_t epoch_ = 0;          ///< of the validity that `seen_` tells of
 };
 
 }  // namespace

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include <trellis/guide/changing_world.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/scene/aggregate.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct AggregateSettings : PathGuideSettings {
+  double error = 0.0;
+  std::int64_t refinements = 3;
+  double effort = 2000;
+};
+
+const Settings<AggregateSettings>& aggregate_settings() {
+  static const Settings<AggregateSettings> settings = with_path_options(
+      Settings<AggregateSettings>(Component::Kind::guide, "aggregate",
+                                  "obstacles near one another are merged into convex hulls, coarse at first: every "
+                                  "path found in S is valid in C",
+                                  "Ghosh, Thomas, Morales, Rodriguez and Amato 2016, Motion planning using "
+                                  "hierarchical aggregation of workspace "
+                                  "obstacles")
+          .number(
+              "error", &AggregateSettings::error, "m", Range::non_negative(),
+              "how far a hull may be from the obstacles that it stands for, at first; 0: the robot's bounding radius, "
+              "or 2 % of the world's diagonal for a point")
+          .integer("refinements", &AggregateSettings::refinements, "times", {.lo = 0, .hi = 16},
+                   "how often the error is halved where S has no path; then S has the obstacles themselves")
+          .number("effort", &AggregateSettings::effort, "proposals", Range::at_least(1),
+                  "budget of the search among hulls of one error, and among the obstacles themselves")
+          .positional({"error"}));
+  return settings;
+}
+
+class Aggregate final : public PathGuide {
+ public:
+  explicit Aggregate(const AggregateSettings& settings)
+      : PathGuide("aggregate", settings), settings_(settings), left_(settings.refinements) {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    auto instance = same_instance(parent);
+    world_ = parent.scene->world;
+    const double robot = parent.scene->robot.bounding_radius();
+    const double plain = robot > 0.0 ? robot : 0.02 * norm(world_.bounds().hi - world_.bounds().lo);
+    error_ = settings_.error > 0.0 ? settings_.error : plain;
+    validity_ = std::make_shared<ChangingWorld>(parent, aggregated(world_, error_));
+    instance->validity = validity_;
+    // A hull may hold the start or the goal. Where C does too, no refinement helps.
+    while (!(instance->valid(instance->start) && instance->valid(instance->goal)) && refine()) {
+    }
+    instance->scene = validity_->scene();
+    return instance;
+  }
+
+  [[nodiscard]] double effort() const override { return settings_.effort; }
+
+  /// Where S has no path its hulls become finer.
+  std::int64_t another(const Solution* found) override {
+    if (found != nullptr || !refine()) return 0;
+    return static_cast<std::int64_t>(settings_.effort);
+  }
+
+ private:
+  /// To the half of the error, at the end to none; whether it was not none before.
+  bool refine() {
+    if (error_ == 0.0) return false;
+    error_ = left_ > 0 ? 0.5 * error_ : 0.0;
+    --left_;
+    validity_->set(aggregated(world_, error_));
+    return true;
+  }
+
+  AggregateSettings settings_;
+  World world_;  ///< of the parent
+  double error_ = 0.0;
+  std::int64_t left_;  ///< refinements
+  std::shared_ptr<ChangingWorld> validity_;
+};
+
+}  // namespace
+
+GuideKind aggregate_kind() {
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::environment, "q -> q, among hulls of obstacles",
+                  "hulls are refined until start and goal are valid, to the obstacles themselves if need be; S has no "
+                  "path where they are invalid among these",
+                  "examples/aggregate.lua");
+  claims.relaxes = false;
+  claims.no_path =
+      "the error is halved and S solved again, `refinements` times, then without hulls; without a path there, h goes "
+      "along the way to what came nearest to the goal";
+  return {&aggregate_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return std::make_unique<Aggregate>(aggregate_settings().read(o));
+          },
+          "rrt_connect", [](const Options& o) { return aggregate_settings().read(o).resolves; }, std::move(claims)};
+}
+
+}  // namespace trellis

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What guides with S = {0} have in common: a function from the parent's instance to h, and no space.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/guide.hpp>
+
+namespace trellis {
+
+/// A guide that is a function from the parent instance to h.
+template <class Make, class Check>
+class Bias final : public Guide {
+ public:
+  Bias(Make make, Check check) : make_(std::move(make)), check_(std::move(check)) {}
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    check_(parent);
+    return nullptr;
+  }
+  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return make_(parent);
+  }
+
+ private:
+  Make make_;
+  Check check_;
+};
+
+/// \param check  throws Error for an instance that it cannot be made for
+template <class Make, class Check>
+std::unique_ptr<Guide> bias(Make make, Check check) {
+  return std::make_unique<Bias<Make, Check>>(std::move(make), std::move(check));
+}
+template <class Make>
+std::unique_ptr<Guide> bias(Make make) {
+  return bias(std::move(make), [](const Instance&) {});
+}
+
+/// A kind of such guides. \param feedback  what observe does
+GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
+                        std::string density, bool closed_form, std::string feedback = "none");
+
+}  // namespace trellis

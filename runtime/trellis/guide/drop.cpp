@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/changing_world.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct DropSettings : PathGuideSettings {
+  DropSettings() { resolves = 100; }
+  std::vector<std::string> obstacles;
+};
+
+const Settings<DropSettings>& drop_settings() {
+  static const Settings<DropSettings> settings = with_path_options(
+      Settings<DropSettings>(
+          Component::Kind::guide, "drop",
+          "the world without some of its obstacles; each comes back when it is found to be in the way",
+          "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; with feedback as in "
+          "Bohlin and Kavraki 2000")
+          .names("obstacles", &DropSettings::obstacles,
+                 "names of obstacles that are left out, as the world gives them (name = ...) or messages (\"obstacle "
+                 "3\"); none: all")
+          .positional({"obstacles"}));
+  return settings;
+}
+
+class Drop final : public PathGuide {
+ public:
+  explicit Drop(const DropSettings& settings) : PathGuide("drop", settings), names_(settings.obstacles) {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    auto instance = same_instance(parent);
+    const auto& obstacles = parent.scene->world.obstacles();
+    for (const auto& name : names_) require(obstacles, name);
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      const auto named = [&](const std::string& name) { return is_called(obstacles[i], name); };
+      if (names_.empty() || std::any_of(names_.begin(), names_.end(), named)) dropped_.push_back(i);
+    }
+    validity_ = std::make_shared<ChangingWorld>(parent, world(parent, kept(parent)));
+    left_out_ = std::make_unique<ChangingWorld>(parent, world(parent, dropped_));
+    instance->validity = validity_;
+    instance->scene = validity_->scene();
+    return instance;
+  }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    auto h = PathGuide::heuristic(parent, sub, found);
+    parent_ = &parent;
+    path_ = found->path;
+    return h;
+  }
+
+  /// What C found invalid beside the path found in S may be due to an obstacle that was left out. It comes back before
+  /// S is solved again; at once where the path runs into it there. What is in the way elsewhere stays out.
+  void learn(const Outcome& outcome) override {
+    PathGuide::learn(outcome);
+    if (outcome.blocked_at.empty() || dropped_.empty() || path_heuristic() == nullptr) return;
+    const std::vector<std::size_t> legs = legs_beside(outcome.blocked_at);
+    if (legs.empty()) return;
+    // The obstacles in the way, one after another. Each look is a check in C.
+    bool found = false;
+    while (!dropped_.empty()) {
+      ++parent_->checks.validity;
+      const auto hit = left_out_->contact(outcome.blocked_at);
+      if (!hit || !hit->obstacle) break;
+      back_.push_back(dropped_[*hit->obstacle]);
+      dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(*hit->obstacle));
+      left_out_->set(world(*parent_, dropped_));
+      found = true;
+    }
+    if (found && runs_into_what_is_back(legs)) path_heuristic()->refute();
+  }
+
+  void before_resolve() override {
+    if (back_.empty()) return;
+    back_.clear();
+    validity_->set(world(*parent_, kept(*parent_)));
+  }
+
+ private:
+  /// "left door" of "obstacle 3 (left door)": what it was called where the world was made.
+  static std::string given_name(const Obstacle& obstacle) {
+    const std::size_t open = obstacle.name.find(" (");
+    if (open == std::string::npos || !obstacle.name.ends_with(')')) return obstacle.name;
+    return obstacle.name.substr(open + 2, obstacle.name.size() - open - 3);
+  }
+  static bool is_called(const Obstacle& obstacle, const std::string& name) {
+    return obstacle.name == name || given_name(obstacle) == name || obstacle.name.starts_with(name + " (");
+  }
+
+  static void require(const std::vector<Obstacle>& obstacles, const std::string& name) {
+    std::vector<std::string> known;
+    known.reserve(obstacles.size());
+    for (const auto& obstacle : obstacles) {
+      if (is_called(obstacle, name)) return;
+      known.push_back(given_name(obstacle));
+    }
+    throw Error(fmt::format("drop: the world has no obstacle '{}'{}; it has: {}", name, did_you_mean(name, known),
+                            fmt::join(known, ", ")));
+  }
+
+  /// The obstacles of S, as it will be when it is solved next.
+  [[nodiscard]] std::vector<std::size_t> kept(const Instance& parent) const {
+    std::vector<std::size_t> rest;
+    for (std::size_t i = 0; i < parent.scene->world.obstacles().size(); ++i) {
+      if (std::find(dropped_.begin(), dropped_.end(), i) == dropped_.end()) rest.push_back(i);
+    }
+    return rest;
+  }
+
+  static World world(const Instance& parent, const std::vector<std::size_t>& chosen) {
+    std::vector<Obstacle> obstacles;
+    obstacles.reserve(chosen.size());
+    for (const std::size_t i : chosen) obstacles.push_back(parent.scene->world.obstacles()[i]);
+    return World(parent.scene->world.bounds(), std::move(obstacles));
+  }
+
+  /// Of the path, those within two of its tube's radii of q.
+  [[nodiscard]] std::vector<std::size_t> legs_beside(View q) const {
+    const double reach = 2.0 * path_heuristic()->radius();
+    std::vector<std::size_t> legs;
+    for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
+      const Foot foot = nearest_on_motion(parent_->space, path_[i], path_[i + 1], q);
+      if (foot.squared_distance <= reach * reach) legs.push_back(i);
+    }
+    return legs;
+  }
+
+  bool runs_into_what_is_back(const std::vector<std::size_t>& legs) {
+    ChangingWorld back(*parent_, world(*parent_, back_));
+    for (const std::size_t i : legs) {
+      const MotionReport report = back.motion(std::as_const(path_)[i], std::as_const(path_)[i + 1]);
+      parent_->checks.validity += report.checks;
+      ++parent_->checks.motion;
+      if (!report.valid) return true;
+    }
+    return false;
+  }
+
+  std::vector<std::string> names_;
+  std::vector<std::size_t> dropped_;  ///< obstacles of the parent's world that S is without, or soon will not be
+  std::vector<std::size_t> back_;     ///< found in the way since S was solved last
+  Instance* parent_ = nullptr;
+  Configurations path_;                      ///< found in S
+  std::shared_ptr<ChangingWorld> validity_;  ///< of S
+  std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among the dropped obstacles alone
+};
+
+}  // namespace
+
+GuideKind drop_kind() {
+  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, without the obstacles named",
+                                   "S has no path; no end that is valid in C becomes invalid", "examples/drop.lua");
+  claims.feedback =
+      "an obstacle that C found in the way beside the path comes back before S is solved again, which is at once where "
+      "the path runs into it";
+  return {&drop_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Drop>(drop_settings().read(o)); },
+          "rrt_connect", [](const Options& o) { return drop_settings().read(o).resolves; }, std::move(claims)};
+}
+
+}  // namespace trellis

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <trellis/guide/bias.hpp>
+#include <trellis/guide/kernels.hpp>
+#include <trellis/guide/kinds.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// By how much the hyperspheroids may be larger than the space.
+constexpr double most_reflections = 64.0;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct InformedSettings {
+  double cost = infinity;
+};
+
+const Settings<InformedSettings>& informed_settings() {
+  static const Settings<InformedSettings> settings =
+      Settings<InformedSettings>(
+          Component::Kind::guide, "informed",
+          "only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and "
+          "goal; uniform while no path is known; S = {0}",
+          "Gammell, Srinivasa and Barfoot 2014, Informed RRT*")
+          .number("cost", &InformedSettings::cost, "m in the metric", Range::positive(),
+                  "length that paths of interest are below, before one is known; infinite: none");
+  return settings;
+}
+
+/// Where the sum of distances to start and goal is at most a cost, uniform. In metric coordinates this is a prolate
+/// hyperspheroid; round periodic axes there is one for each way round that is short enough. What of it lies beyond a
+/// wall is reflected, which brings it nearer to both foci: it stays inside.
+class InformedSet final : public Density {
+ public:
+  InformedSet(const Space& space, View start, View goal, double cost)
+      : space_(space), cost_(cost), start_(metric(start)) {
+    std::vector<double> difference(start.size());
+    space.difference(start, goal, difference);
+    std::vector<double> focus(start.size());
+    for (std::size_t j = 0; j < focus.size(); ++j) focus[j] = start_[j] + space.axes()[j].weight * difference[j];
+    add_images(0, focus);
+  }
+
+  /// In metric coordinates; the ways round overlap, and what lies in two of them counts twice.
+  [[nodiscard]] double volume() const { return volume_; }
+
+  void sample(Stream& stream, MutableView out) const {
+    double u = stream.uniform() * volume_;
+    std::size_t i = 0;
+    while (i + 1 < parts_.size() && u >= parts_[i].volume) u -= parts_[i++].volume;
+    const Part& part = parts_[i];
+    const std::size_t d = out.size();
+    // Uniform on the unit ball, stretched, and the first axis mirrored on to that between the foci.
+    std::vector<double> y(d);
+    double squares = 0.0;
+    for (double& x : y) {
+      x = stream.normal();
+      squares += x * x;
+    }
+    const double radius = std::pow(stream.uniform(), 1.0 / static_cast<double>(d)) / std::sqrt(squares);
+    for (std::size_t j = 0; j < d; ++j) y[j] *= radius * (j == 0 ? part.along : part.across);
+    double product = 0.0;
+    for (std::size_t j = 0; j < d; ++j) product += part.mirror[j] * y[j];
+    for (std::size_t j = 0; j < d; ++j) {
+      y[j] += part.centre[j] - 2.0 * product * part.mirror[j];
+      out[j] = y[j] / space_.axes()[j].weight;
+    }
+    space_.reflect(out);
+  }
+
+  [[nodiscard]] double at(View q) const override {
+    std::vector<double> y(q.size());
+    double count = 0.0;
+    for (const Part& part : parts_) count += images(part, q, 0, y);
+    return count / volume_;
+  }
+
+ private:
+  struct Part {
+    std::vector<double> focus;  ///< an image of the goal
+    std::vector<double> centre;
+    std::vector<double> mirror;  ///< normal of the plane that mirrors the first axis on to that of the foci
+    std::vector<double> extent;  ///< half its width along each axis
+    double along = 0.0;          ///< semi-axis
+    double across = 0.0;
+    double volume = 0.0;
+  };
+
+  [[nodiscard]] std::vector<double> metric(View q) const {
+    std::vector<double> y(q.begin(), q.end());
+    for (std::size_t j = 0; j < y.size(); ++j) y[j] *= space_.axes()[j].weight;
+    return y;
+  }
+
+  /// The goal's images round the periodic axes from j on, as far as a path may go round.
+  void add_images(std::size_t j, std::vector<double>& focus) {
+    if (j == focus.size()) {
+      add(focus);
+      return;
+    }
+    const Axis& axis = space_.axes()[j];
+    if (!axis.periodic) {
+      add_images(j + 1, focus);
+      return;
+    }
+    const double first = focus[j];
+    const double period = axis.weight * axis.period();
+    const auto least = static_cast<std::int64_t>(std::ceil((start_[j] - cost_ - first) / period));
+    const auto most = static_cast<std::int64_t>(std::floor((start_[j] + cost_ - first) / period));
+    for (std::int64_t k = least; k <= most; ++k) {
+      focus[j] = first + static_cast<double>(k) * period;
+      add_images(j + 1, focus);
+    }
+    focus[j] = first;
+  }
+
+  void add(const std::vector<double>& focus) {
+    const std::size_t d = focus.size();
+    double squares = 0.0;
+    for (std::size_t j = 0; j < d; ++j) squares += (focus[j] - start_[j]) * (focus[j] - start_[j]);
+    const double apart = std::sqrt(squares);
+    if (apart >= cost_) return;
+    Part part;
+    part.focus = focus;
+    part.along = 0.5 * cost_;
+    part.across = 0.5 * std::sqrt((cost_ - apart) * (cost_ + apart));
+    part.volume = std::exp(log_unit_ball(d)) * part.along * std::pow(part.across, static_cast<double>(d - 1));
+    part.mirror.assign(d, 0.0);
+    for (std::size_t j = 0; j < d; ++j) {
+      const double u = apart > 0.0 ? (focus[j] - start_[j]) / apart : (j == 0 ? 1.0 : 0.0);
+      part.centre.push_back(0.5 * (start_[j] + focus[j]));
+      part.mirror[j] = (j == 0 ? 1.0 : 0.0) - u;
+      part.extent.push_back(
+          std::sqrt((part.along * part.along - part.across * part.across) * u * u + part.across * part.across));
+    }
+    double length = 0.0;
+    for (const double x : part.mirror) length += x * x;
+    if (length > 0.0) {
+      for (double& x : part.mirror) x /= std::sqrt(length);
+    }
+    volume_ += part.volume;
+    parts_.push_back(std::move(part));
+  }
+
+  /// How many of the points that come to lie on q, wrapped or reflected, are in the part. Coordinates before j of one
+  /// such point are in y.
+  [[nodiscard]] double images(const Part& part, View q, std::size_t j, std::vector<double>& y) const {
+    if (j == q.size()) {
+      double to_start = 0.0;
+      double to_goal = 0.0;
+      for (std::size_t k = 0; k < y.size(); ++k) {
+        to_start += (y[k] - start_[k]) * (y[k] - start_[k]);
+        to_goal += (y[k] - part.focus[k]) * (y[k] - part.focus[k]);
+      }
+      return std::sqrt(to_start) + std::sqrt(to_goal) <= cost_ ? 1.0 : 0.0;
+    }
+    const Axis& axis = space_.axes()[j];
+    const double width = axis.weight * (axis.hi - axis.lo);
+    const double inside = axis.weight * q[j];
+    double count = 0.0;
+    const auto copies = [&](double first, double period) {
+      const auto least = static_cast<std::int64_t>(std::ceil((part.centre[j] - part.extent[j] - first) / period));
+      const auto most = static_cast<std::int64_t>(std::floor((part.centre[j] + part.extent[j] - first) / period));
+      for (std::int64_t k = least; k <= most; ++k) {
+        y[j] = first + static_cast<double>(k) * period;
+        count += images(part, q, j + 1, y);
+      }
+    };
+    if (axis.periodic) {
+      copies(inside, width);
+    } else {
+      copies(inside, 2.0 * width);
+      copies(2.0 * axis.weight * axis.lo - inside, 2.0 * width);
+    }
+    return count;
+  }
+
+  Space space_;
+  double cost_;
+  std::vector<double> start_;
+  std::vector<Part> parts_;
+  double volume_ = 0.0;
+};
+
+class Informed final : public Heuristic {
+ public:
+  Informed(const Instance& parent, double cost)
+      : parent_(parent), uniform_(parent.space), given_(cost), least_(least_bound(parent)) {
+    bound(given_);
+  }
+
+  Source sample(Stream& stream, MutableView out) override {
+    // What was a path may be none any more.
+    if (found_at_ && *found_at_ != parent_.validity->epoch()) {
+      found_at_.reset();
+      bound(given_);
+    }
+    if (!set_) {
+      uniform_.sample(stream, out);
+      return 1;
+    }
+    set_->sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override { return set_ ? set_->at(q) : uniform_.density(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  void record(DensityRecord& record, double share) const override {
+    if (set_) {
+      record.add(set_, share);
+    } else {
+      uniform_.record(record, share);
+    }
+  }
+  void found(double length) override {
+    const bool known = found_at_ && *found_at_ == parent_.validity->epoch();
+    if (known && length >= bound_) return;
+    found_at_ = parent_.validity->epoch();
+    bound(std::min(length, given_));
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"informed", "informed: uniform"}; }
+
+ private:
+  /// Below this the set would be thinner than what validity is looked at with.
+  static double least_bound(const Instance& parent) {
+    return std::hypot(parent.space.distance(parent.start, parent.goal), 2.0 * parent.resolution);
+  }
+
+  void bound(double cost) {
+    ++epoch_;
+    bound_ = cost;
+    set_.reset();
+    if (cost >= 2.0 * parent_.space.diameter()) return;
+    auto set = std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal, std::max(cost, least_));
+    // One that is far larger than the space would be reflected many times, and leave nothing out.
+    if (set->volume() < most_reflections * std::exp(parent_.space.log_volume())) set_ = std::move(set);
+  }
+
+  const Instance& parent_;
+  UniformGuidance uniform_;
+  double given_;  ///< bound, before a path is known
+  double least_;
+  double bound_ = infinity;
+  std::optional<std::uint64_t> found_at_;  ///< the validity's epoch at which the path was found that gave the bound
+  std::shared_ptr<const InformedSet> set_;
+  std::uint64_t epoch_ = 0;
+};
+
+}  // namespace
+
+GuideKind informed_kind() {
+  return sampling_kind(
+      informed_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        const double cost = informed_settings().read(o).cost;
+        return bias(
+            [cost](Instance& parent) -> std::unique_ptr<Heuristic> { return std::make_unique<Informed>(parent, cost); },
+            [cost](const Instance& parent) {
+              const double straight = parent.space.distance(parent.start, parent.goal);
+              if (cost >= straight) return;
+              throw Error(
+                  fmt::format("informed: option 'cost' is {:g}, and the straight way from start to "
+                              "goal is {:g} m in the metric: no path is as short",
+                              cost, straight));
+            });
+      },
+      "uniform where start and goal are no farther together than the best path known is long; before one is known, "
+      "and where that is all of C, uniform on C",
+      "of the hyperspheroids about start and goal, one for each way round, reflected at the walls", true,
+      "told of each path found, it draws from what a shorter one could pass through; a path that stopped being valid "
+      "is forgotten");
+}
+
+}  // namespace trellis

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/rays.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace trellis {
+
+WayOut::WayOut(Instance& instance) : instance_(instance), direction_(instance.space.dimension(), 0.0) {}
+
+void WayOut::draw_direction(Stream& stream) {
+  const auto& axes = instance_.space.axes();
+  double squares = 0.0;
+  while (squares <= 0.0) {
+    squares = 0.0;
+    for (double& x : direction_) {
+      x = stream.normal();
+      squares += x * x;
+    }
+  }
+  for (std::size_t j = 0; j < direction_.size(); ++j) direction_[j] /= std::sqrt(squares) * axes[j].weight;
+}
+
+void WayOut::set_direction(double angle) {
+  const auto& axes = instance_.space.axes();
+  std::fill(direction_.begin(), direction_.end(), 0.0);
+  const std::size_t x = instance_.position_axes[0];
+  const std::size_t y = instance_.position_axes[1];
+  direction_[x] = std::cos(angle) / axes[x].weight;
+  direction_[y] = std::sin(angle) / axes[y].weight;
+}
+
+bool WayOut::at(View q, double distance, MutableView out) const {
+  for (std::size_t j = 0; j < out.size(); ++j) out[j] = q[j] + distance * direction_[j];
+  instance_.space.normalise(out);
+  return instance_.space.contains(out);
+}
+
+double WayOut::walk(View q, MutableView out) {
+  const double farthest = instance_.space.diameter();
+  double inside = 0.0;
+  double outside = instance_.resolution;
+  while (true) {
+    if (outside > farthest || !at(q, outside, out)) return std::numeric_limits<double>::infinity();
+    if (instance_.valid(out)) break;
+    inside = outside;
+    outside *= 2.0;
+  }
+  while (outside - inside > instance_.resolution) {
+    const double middle = 0.5 * (inside + outside);
+    at(q, middle, out);
+    (instance_.valid(out) ? outside : inside) = middle;
+  }
+  at(q, outside, out);
+  return outside;
+}
+
+}  // namespace trellis

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/position.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct WorkspaceSettings {
+  double cell = 0.0;
+  double radius = 0.0;
+  double window = 0.2;
+  std::int64_t patience = 100;
+  std::int64_t resolves = 10;
+};
+
+const Settings<WorkspaceSettings>& workspace_settings() {
+  static const Settings<WorkspaceSettings> settings =
+      Settings<WorkspaceSettings>(
+          Component::Kind::guide, "workspace",
+          "the robot as a free point: the shortest way of its reference point among the obstacles, on a grid or by the "
+          "planner given",
+          "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
+          "Sandstrom, "
+          "Bregger and Amato 2016")
+          .number(
+              "cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
+              "side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer "
+              "side of the space. Without effect where a planner is given that searches no graph")
+          .number(
+              "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
+              "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
+              "of the space's diameter for a point")
+          .number(
+              "window", &WorkspaceSettings::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
+              "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
+          .integer("patience", &WorkspaceSettings::patience, "proposals", Range::at_least(1),
+                   "guided proposals without progress along the path before its space is solved again")
+          .integer("resolves", &WorkspaceSettings::resolves, "re-solves", Range::non_negative(),
+                   "how often its space may be solved again")
+          .positional({"cell"});
+  return settings;
+}
+
+/// How much dearer the ways along a path become on which the planner made no progress.
+constexpr double stuck_penalty = 2.0;
+/// More cells than this along one side are taken for a mistake.
+constexpr double most_cells = 2000;
+
+/// A grid over the plane with ways to the eight neighbours, nothing of it looked at; start and goal are joined to the
+/// points near them.
+Graph grid(const Instance& instance, double cell) {
+  const auto& axes = instance.space.axes();
+  std::array<std::uint32_t, 2> cells{};
+  std::array<double, 2> step{};
+  for (std::size_t j = 0; j < 2; ++j) {
+    const double extent = axes[j].hi - axes[j].lo;
+    const double count = std::max(1.0, std::ceil(extent / cell));
+    if (count > most_cells) {
+      throw Error(
+          fmt::format("workspace: option 'cell' is {:g}, which makes {:g} cells along {}; expected at most {:g}", cell,
+                      count, axes[j].name, most_cells));
+    }
+    cells[j] = static_cast<std::uint32_t>(count);
+    step[j] = extent / count;
+  }
+  Graph graph;
+  graph.verified = false;
+  graph.vertices = Configurations(2);
+  const std::uint32_t row = cells[0] + 1;
+  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
+    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
+      graph.vertices.push(std::array{axes[0].lo + x * step[0], axes[1].lo + y * step[1]});
+    }
+  }
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    const double length = instance.space.distance(std::as_const(graph.vertices)[a], std::as_const(graph.vertices)[b]);
+    graph.edges.push_back({a, b, length, Configurations()});
+  };
+  graph.edges.reserve(std::size_t{4} * row * (cells[1] + 1) + 64);
+  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
+    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
+      const std::uint32_t at = y * row + x;
+      if (x < cells[0]) join(at, at + 1);
+      if (y == cells[1]) continue;
+      join(at, at + row);
+      if (x < cells[0]) join(at, at + row + 1);
+      if (x > 0) join(at, at + row - 1);
+    }
+  }
+  const auto join_end = [&](const Configuration& q) {
+    const std::uint32_t vertex = graph.vertices.push(q);
+    std::array<std::uint32_t, 2> from{};
+    std::array<std::uint32_t, 2> to{};
+    for (std::size_t j = 0; j < 2; ++j) {
+      // The cell that it lies in, and those around it.
+      const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
+      from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
+      to[j] = std::min(static_cast<std::uint32_t>(place) + 2, cells[j]);
+    }
+    for (std::uint32_t y = from[1]; y <= to[1]; ++y) {
+      for (std::uint32_t x = from[0]; x <= to[0]; ++x) join(vertex, y * row + x);
+    }
+    return vertex;
+  };
+  graph.start = join_end(instance.start);
+  graph.goal = join_end(instance.goal);
+  if (instance.space.distance(instance.start, instance.goal) <= 2.0 * std::hypot(step[0], step[1])) {
+    join(graph.start, graph.goal);
+  }
+  return graph;
+}
+
+/// h: positions near the path found for the point, everything else uniform.
+class LiftedPath final : public Heuristic {
+ public:
+  LiftedPath(std::shared_ptr<const PositionProjection> projection, const Configurations& path, double radius,
+             const WorkspaceSettings& settings, const NearestIndex& reached, Configurations lifted)
+      : projection_(std::move(projection)),
+        positions_("workspace", projection_->space(), path, radius, settings.window, settings.patience, &reached),
+        lifted_(std::move(lifted)) {
+    renew();
+  }
+
+  Source sample(Stream& stream, MutableView out) override {
+    positions_.sample(stream, position_);
+    projection_->lift(position_, stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override { return density_->at(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return positions_.epoch(); }
+  void record(DensityRecord& record, double share) const override { record.add(density_, share); }
+  void observe(const Outcome& outcome, bool mine) override {
+    Outcome seen = outcome;
+    if (!outcome.added.empty()) {
+      projection_->project(outcome.added, position_);
+      seen.added = position_;
+    }
+    const std::uint64_t before = positions_.epoch();
+    positions_.observe(seen, mine);
+    if (positions_.epoch() != before) renew();
+  }
+  [[nodiscard]] bool stale() const override { return positions_.stale(); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return positions_.sources(); }
+  [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
+
+ private:
+  void renew() { density_ = std::make_shared<FibredDensity>(projection_, positions_.tube_density()); }
+
+  std::shared_ptr<const PositionProjection> projection_;
+  PathHeuristic positions_;
+  std::shared_ptr<const Density> density_;  ///< over the planner's space
+  Configurations lifted_;
+  std::array<double, 2> position_{};
+};
+
+class Workspace final : public Guide {
+ public:
+  explicit Workspace(const WorkspaceSettings& settings) : settings_(settings) {}
+
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    projection_ = std::make_shared<PositionProjection>("workspace", parent);
+    auto instance = projection_->point_instance(parent);
+    const auto& axes = instance->space.axes();
+    cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
+    graph_ = std::make_shared<Graph>(grid(*instance, cell_));
+    instance->graph = graph_;
+    reached_.emplace(projection_->space());
+    reached_->add(instance->start);
+    return instance;
+  }
+
+  void project(View q, MutableView s) const override { projection_->project(q, s); }
+  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
+
+  void learn(const Outcome& outcome) override {
+    if (outcome.added.empty()) return;
+    std::array<double, 2> position{};
+    projection_->project(outcome.added, position);
+    reached_->add(position);
+  }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+    path_ = found->path;
+    if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
+    const double robot = parent.scene->robot.bounding_radius();
+    const double plain = robot > 0.0 ? robot : 0.01 * parent.space.diameter();
+    radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
+    return std::make_unique<LiftedPath>(projection_, path_, radius_, settings_, *reached_,
+                                        projection_->lifted(path_, parent.start, parent.goal));
+  }
+
+  /// Ways along the part of the path that the planner did not reach become dearer.
+  void before_resolve() override {
+    const Space& space = projection_->space();
+    NearestIndex stuck(space);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      const View point = std::as_const(path_)[i];
+      if (reached_->nearest(point).squared_distance > radius_ * radius_) stuck.add(point);
+    }
+    if (stuck.size() == 0) return;
+    Configuration middle(2);
+    for (auto& edge : graph_->edges) {
+      space.interpolate(graph_->vertices[edge.from], graph_->vertices[edge.to], 0.5, middle);
+      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) edge.cost *= stuck_penalty;
+    }
+  }
+
+ private:
+  WorkspaceSettings settings_;
+  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<Graph> graph_;
+  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
+  Configurations path_;                  ///< found in S
+  double cell_ = 0.0;
+  double radius_ = 0.0;
+};
+
+}  // namespace
+
+GuideKind workspace_kind() {
+  return {
+      &workspace_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<Workspace>(workspace_settings().read(o));
+      },
+      "graph_search",
+      [](const Options& o) { return workspace_settings().read(o).resolves; },
+      {.category = GuideClaims::Category::robot,
+       .f = "q -> the position of the reference point, free in the workspace; refused where it does not move, as an "
+            "arm's fixed to its base",
+       .h = "a position from a tube about the point's path, just beyond what the tree has reached, with uniform angles",
+       .closed_form = true,
+       .density = "of the tube of positions times that of uniform angles",
+       .feedback = "new nodes move the stretch on; after `patience` proposals without progress ways not yet reached "
+                   "are made dearer and S is solved again",
+       .relaxes = true,
+       .invalid_ends = "S has no path; the point of a robot that covers it is valid wherever the robot is",
+       .fallback = GuideClaims::Fallback::nearest,
+       .no_path = "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
+                  "start alone. Passages narrower than a cell may be missed",
+       .example = "examples/workspace.lua"},
+      true};
+}
+
+}  // namespace trellis
