@@ -445,7 +445,7 @@ class SkeletonGuide final : public Guide {
 
  private:
   SkeletonSettings settings_;
-  std::shared_ptr<const AxisProjection> projection_;
+  std::shared_ptr<const PositionProjection> projection_;
   std::optional<NearestIndex> reached_;
   std::shared_ptr<Graph> graph_;
   DynamicRegions* current_ = nullptr;
