@@ -238,11 +238,12 @@
 ---@class trellis.holonomic.Options
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field heading? "along"|"found" one of "along", "found"; default "along": the robot's heading on the path that is followed: "along", in the direction of travel, which is how a wheeled robot can follow it; "found", as the search in S had it
+---@field speed? "forwards"|"any" one of "forwards", "any"; default "forwards": which speeds are drawn where they are part of the state: "forwards", those not below 0 where there are any; "any", all; other velocities are drawn from all there are
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field patience? integer an integer at least 1 (proposals); default 500: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 3: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
