@@ -250,7 +250,7 @@
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field error? number a number at least 0 (m); default 0: how far a hull may be from the obstacles that it stands for, at first; 0: the robot's bounding radius, or 2 % of the world's diagonal for a point
 ---@field refinements? integer an integer in [0, 16] (times); default 3: how often the error is halved where S has no path; then S has the obstacles themselves
----@field effort? number a number at least 1 (proposals); default 2000: budget of the search among hulls of one error, and among the obstacles themselves
+---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search among hulls of one error, and among the obstacles themselves
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
