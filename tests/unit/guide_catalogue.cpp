@@ -171,7 +171,7 @@ TEST_CASE("where the hulls close the only way they are refined until it is open"
   const auto problem = test::simple_passage_problem();
   const Work w = work("aggregate", {{"error", 1.0}}, problem);
   CHECK(w.found.solved());
-  CHECK_FALSE(work("aggregate", {{"error", 1.0}, {"effort", 1.0}}, problem).found.solved());
+  CHECK_FALSE(work("aggregate", {{"error", 1.0}, {"effort", std::int64_t{1}}}, problem).found.solved());
   // A start between two obstacles that a hull would hold.
   auto between = test::make_problem("between", test::rectangle_world({{4, 4, 4.5, 6}, {5.5, 4, 6, 6}}),
                                     test::rectangle_robot(), {5, 5, 0}, {9, 9, 0});

@@ -15,7 +15,6 @@ namespace {
 struct AggregateSettings : PathGuideSettings {
   double error = 0.0;
   std::int64_t refinements = 3;
-  double effort = 2000;
 };
 
 const Settings<AggregateSettings>& aggregate_settings() {
@@ -32,8 +31,8 @@ const Settings<AggregateSettings>& aggregate_settings() {
               "or 2 % of the world's diagonal for a point")
           .integer("refinements", &AggregateSettings::refinements, "times", {.lo = 0, .hi = 16},
                    "how often the error is halved where S has no path; then S has the obstacles themselves")
-          .number("effort", &AggregateSettings::effort, "proposals", Range::at_least(1),
-                  "budget of the search among hulls of one error, and among the obstacles themselves")
+          .integer("effort", &AggregateSettings::effort, "proposals", Range::at_least(1),
+                   "budget of the search among hulls of one error, and among the obstacles themselves")
           .positional({"error"}));
   return settings;
 }
@@ -58,12 +57,12 @@ class Aggregate final : public PathGuide {
     return instance;
   }
 
-  [[nodiscard]] double effort() const override { return settings_.effort; }
+  [[nodiscard]] double effort() const override { return static_cast<double>(settings_.effort); }
 
   /// Where S has no path its hulls become finer.
   std::int64_t another(const Solution* found) override {
     if (found != nullptr || !refine()) return 0;
-    return static_cast<std::int64_t>(settings_.effort);
+    return settings_.effort;
   }
 
  private:

@@ -136,21 +136,18 @@ class NearObstacle final : public Heuristic {
 
 GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
                         std::string density, bool closed_form, std::string feedback) {
-  return {&component,
-          make,
-          "",
-          [](const Options&) { return std::int64_t{0}; },
-          {.category = GuideClaims::Category::sampling,
-           .f = "S = {0}",
-           .h = std::move(h),
-           .closed_form = closed_form,
-           .density = std::move(density),
-           .feedback = std::move(feedback),
-           .relaxes = true,
-           .invalid_ends = "nothing is projected",
-           .fallback = GuideClaims::Fallback::none,
-           .no_path = "nothing is searched",
-           .example = "examples/samplers.lua"}};
+  GuideKind kind{&component, make, "", [](const Options&) { return std::int64_t{0}; }};
+  GuideClaims& claims = kind.claims;
+  claims.category = GuideClaims::Category::sampling;
+  claims.f = "S = {0}";
+  claims.h = std::move(h);
+  claims.closed_form = closed_form;
+  claims.density = std::move(density);
+  claims.feedback = std::move(feedback);
+  claims.invalid_ends = "nothing is projected";
+  claims.no_path = "nothing is searched";
+  claims.example = "examples/samplers.lua";
+  return kind;
 }
 
 GuideKind uniform_kind() {

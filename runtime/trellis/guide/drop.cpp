@@ -123,7 +123,7 @@ class Drop final : public PathGuide {
     std::vector<Obstacle> obstacles;
     obstacles.reserve(chosen.size());
     for (const std::size_t i : chosen) obstacles.push_back(parent.scene->world.obstacles()[i]);
-    return World(parent.scene->world.bounds(), std::move(obstacles));
+    return {parent.scene->world.bounds(), std::move(obstacles)};
   }
 
   /// Of the path, those within two of its tube's radii of q.

@@ -33,12 +33,12 @@ std::vector<std::uint64_t> primes(std::size_t count) {
 
 /// The digits of i to the base, mirrored at the point.
 double radical_inverse(std::uint64_t i, std::uint64_t base) {
+  const double share = 1.0 / static_cast<double>(base);
   double value = 0.0;
-  double digit = 1.0;
-  while (i > 0) {
-    digit /= static_cast<double>(base);
+  double digit = share;
+  for (; i != 0; i /= base) {
     value += digit * static_cast<double>(i % base);
-    i /= base;
+    digit *= share;
   }
   return value;
 }

@@ -54,12 +54,17 @@ class GraphSearch final : public Planner {
       dijkstra(graph, cost, adjacency, parent, done);
     } else {
       if (auto found = invalid_ends(task_.instance)) return *found;
-      ended = verify(graph, cost, adjacency, parent, done, meter);
+      // It draws no more proposals, so that these are spent does not end it.
+      Budget looks = budget;
+      looks.proposals = Budget::unlimited;
+      Meter looking(task_, looks);
+      ended = verify(graph, cost, adjacency, parent, done, looking);
     }
     Solution solution{done[graph.goal] != 0 ? Status::solved : ended.value_or(Status::no_path),
                       Configurations(task_.instance.space.dimension())};
     std::uint32_t end = graph.goal;
     if (!solution.solved()) {
+      end = graph.start;
       double least = std::numeric_limits<double>::infinity();
       for (std::uint32_t v = 0; v < n; ++v) {
         if (done[v] == 0) continue;

@@ -191,7 +191,7 @@ World aggregated(const World& world, double error) {
       obstacles.push_back(world.obstacles()[members.front()]);
     }
   }
-  return World(world.bounds(), std::move(obstacles));
+  return {world.bounds(), std::move(obstacles)};
 }
 
 }  // namespace trellis
