@@ -13,7 +13,7 @@ namespace trellis::dsl {
 void open_help(lua::Stack& stack, std::function<void(const std::string&)> print);
 
 /// What help tells about a word or a value. Throws Error where nothing is known about it.
-std::string help_text_of(lua::Stack& stack, lua::Value value);
+std::string help_text_of(lua::Stack& call, lua::Value value);
 
 /// help(x), help "shrink".
 const Construct& help_construct();
