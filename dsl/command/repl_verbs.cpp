@@ -475,11 +475,7 @@ class Verbs {
     if (const auto* constructor = value.get<dsl::Constructor>()) return constructor->component->name;
     if (const auto* planner = value.get<PlannerSpec>()) return planner->name();
     if (const auto* guide = value.get<GuideSpec>()) {
-      switch (guide->kind()) {
-        case GuideSpec::Kind::component: return guide->name();
-        case GuideSpec::Kind::blend: return "blend";
-        default: return "sequence";
-      }
+      return guide->kind() == GuideSpec::Kind::mixture ? "sequence" : guide->name();
     }
     if (const auto* strategy = value.get<StrategySpec>()) return strategy->planner().name();
     if (value.get<Problem>() != nullptr) return "problem";
