@@ -8,8 +8,9 @@ stds.trellis = {
     "tube", "near_optimal", "progress",
     "knn", "exact", "kde", "histogram", "legacy",
     "sequence", "blend", "ablations", "box", "disc", "polygon", "world", "problem", "target", "experiment",
-    "published", "claim",
-    "help", "require",
+    "published", "claim", "given", "when", "is_deterministic",
+    "help", "require", "scenario", "expect", "at_least", "at_most", "below", "above", "exactly", "fewer_than",
+    "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
         "point", "disc", "rectangle", "polygon", "rigid",

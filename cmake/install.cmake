@@ -26,6 +26,7 @@ get_property(floors GLOBAL PROPERTY TRELLIS_FLOORS)
 install(TARGETS ${floors} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
 install(DIRECTORY runtime/trellis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtrellis-dev
         FILES_MATCHING PATTERN "*.hpp" PATTERN html EXCLUDE)
+install(FILES dsl/testing/trellis/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis COMPONENT libtrellis-dev)
 install(EXPORT trellis-targets NAMESPACE trellis:: DESTINATION ${package} COMPONENT libtrellis-dev)
 configure_package_config_file(cmake/trellis-config.cmake.in ${PROJECT_BINARY_DIR}/trellis-config.cmake
                               INSTALL_DESTINATION ${package})
@@ -50,12 +51,13 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libfcl-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
+    "libboost-dev, libcairo2-dev, libcgal-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
+set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SUGGESTS catch2)
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\
 in the one above it; trellis executes them and reports what each level cost\n\
 and what it was worth.")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_DESCRIPTION
     "The C++ library: the spaces, planners, guides and measures that trellis is built of, as static\n\
-libraries with a CMake package.")
+libraries with a CMake package, and matchers for tests of strategies in Catch2.")
 include(CPack)

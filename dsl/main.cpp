@@ -35,6 +35,9 @@ int dispatch(int argc, char** argv) {
   run->add_option("SCRIPT", options.script, "a Lua script")->required();
   run->add_option("--seeds", options.seeds, "the number of consecutive seeds, instead of the script's");
   run->add_option("--seed", options.seed, "the first seed, instead of the script's");
+  run->add_option("--only", options.only, "this seed alone, in the world that the script makes for its own seeds");
+  run->add_option("--problem", options.problem, "the problem of this name alone");
+  run->add_option("--strategy", options.strategy, "the strategy of this name alone");
   run->add_option("--jobs", options.jobs,
                   "runs at the same time (default 1, so that their times compare); scoring takes all cores");
   run->add_option("--cross", options.cross, "paths of other seeds to score each run on, instead of the script's");
@@ -65,9 +68,21 @@ int dispatch(int argc, char** argv) {
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
   add_script_options(check, checking);
 
+  command::TestOptions testing;
+  auto* test = app.add_subcommand("test", "run the scenarios of scripts and say what holds");
+  test->add_option("SCRIPT", testing.files, "Lua scripts of scenarios")->required();
+  test->add_option("--filter", testing.filter, "only the scenarios whose names contain this");
+  test->add_option("--seeds", testing.seeds, "the number of seeds of every trial, instead of the script's");
+  test->add_option("--jobs", testing.jobs, "runs at the same time (default all cores)");
+  test->add_option("--junit", testing.junit, "write what came out as JUnit's XML");
+  add_script_options(test, testing.scripts);
+
   std::string fresh;
-  auto* create = app.add_subcommand("new", "write a small script to begin with");
-  create->add_option("NAME", fresh, "the script is NAME.lua; a file that exists is left as it is")->required();
+  auto* create = app.add_subcommand("new", "write a small script to begin with, and its test");
+  create
+      ->add_option("NAME", fresh,
+                   "the script is NAME.lua, its test NAME_test.lua; files that exist are left as they are")
+      ->required();
   std::string first;
   auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, look at them");
   repl->add_option("SCRIPT", first, "a Lua script to begin with");
@@ -110,7 +125,7 @@ int dispatch(int argc, char** argv) {
     }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const auto* parsed : {run, measure, check}) {
+  for (const auto* parsed : {run, measure, check, test}) {
     for (const auto* option : parsed->get_options()) {
       const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
       if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
@@ -119,6 +134,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts, checking);
+  if (test->parsed()) return command::test(testing);
   if (create->parsed()) return command::create(fresh);
   if (reference->parsed()) return command::reference(form, app);
   if (repl->parsed()) return command::repl(first, sitting);

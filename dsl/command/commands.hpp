@@ -10,8 +10,9 @@ class App;
 
 namespace trellis::command {
 
-/// What the command line answers with. The last one is the shell's convention for a Ctrl-C.
-enum Exit : int { success = 0, our_fault = 1, their_fault = 2, was_interrupted = 130 };
+/// What the command line answers with; `trellis test` says with 1 that something did not hold. The last one is the
+/// shell's convention for a Ctrl-C.
+enum Exit : int { success = 0, our_fault = 1, tests_failed = 1, their_fault = 2, was_interrupted = 130 };
 
 /// What a script may do and spend.
 struct ScriptOptions {
@@ -25,6 +26,9 @@ struct RunOptions {
   ScriptOptions scripts;
   std::string seeds;  ///< as typed, "" without
   std::string seed;
+  std::string only;      ///< one seed, as typed, "" without
+  std::string problem;   ///< a name, "" for all
+  std::string strategy;  ///< likewise
   std::string jobs;
   std::string cross;
   std::string json;     ///< a file, "" without
@@ -44,6 +48,15 @@ struct MeasureOptions {
   ScriptOptions scripts;
 };
 
+struct TestOptions {
+  std::vector<std::string> files;
+  ScriptOptions scripts;
+  std::string junit;   ///< a file, "" without
+  std::string seeds;   ///< as typed, "" without
+  std::string jobs;    ///< as typed, "" without
+  std::string filter;  ///< what the names of scenarios are to contain
+};
+
 // Each command returns the exit status, and throws Error for what the user can mend.
 
 /// Runs a script's experiment, prints the report and writes the files that were asked for.
@@ -52,7 +65,9 @@ int run(const RunOptions& options);
 int measure(const MeasureOptions& options);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts, const ScriptOptions& options);
-/// Writes NAME.lua, a small script to begin with, where there is no such file.
+/// Runs the scenarios of scripts, and prints what holds and what does not.
+int test(const TestOptions& options);
+/// Writes NAME.lua, a small script to begin with, and NAME_test.lua, its scenarios, where there are no such files.
 int create(const std::string& name);
 /// An interactive session, after a script where one is named; lines from stdin where that is no terminal.
 int repl(const std::string& script, const ScriptOptions& options);

@@ -92,7 +92,9 @@ constexpr std::string_view closing = R"(.SH EXIT STATUS
 The command did what was asked; a run that finds no path is a result.
 .TP
 .B 1
-A fault of trellis itself.
+A fault of trellis itself; of
+.B trellis test
+that something does not hold.
 .TP
 .B 2
 What was given cannot be used: the message says what, where, and what was expected.
@@ -109,7 +111,10 @@ A folder of modules that is read instead of the standard library, which is part 
 .SH EXAMPLES
 .TP
 .B trellis new mine
-writes mine.lua, a small script to begin with.
+writes mine.lua, a small script to begin with, and mine_test.lua, its test.
+.TP
+.B trellis test mine_test.lua
+runs the test's scenarios, and says what holds.
 .TP
 .B trellis run mine.lua \-\-html report.html
 plans, prints the report, and writes a page that replays every run.
@@ -301,7 +306,10 @@ void name_values(CLI::App& app) {
                                                     {"json", "FILE"},          {"out", "FOLDER"},
                                                     {"palette", "safe|paper"}, {"samples", "FOLDER"},
                                                     {"seed", "SEED"},          {"seeds", "N"},
-                                                    {"memory", "MIB"},         {"instructions", "N"}};
+                                                    {"only", "SEED"},          {"problem", "NAME"},
+                                                    {"strategy", "NAME"},      {"filter", "NAME"},
+                                                    {"junit", "FILE"},         {"memory", "MIB"},
+                                                    {"instructions", "N"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     for (CLI::Option* option : verb->get_options()) {
       const bool argument = option->get_positional();

@@ -25,6 +25,7 @@ constexpr std::string_view script = R"LUA(-- @TITLE@: a strategy of guiding spac
 --
 --   trellis run @NAME@                       plans, and prints the report
 --   trellis run @NAME@ --html report.html    and writes a page that replays every run
+--   trellis test @TEST@                runs its scenarios, which say what is expected of it
 --   trellis check @NAME@                     plans nothing, prints each strategy as a tree
 --   trellis help skeleton                  tells about a word of the language; `trellis help` lists all
 
@@ -57,6 +58,29 @@ return experiment {
 }
 )LUA";
 
+/// @FILE@ stands for the script's name in its folder.
+constexpr std::string_view test_script = R"LUA(-- @TITLE@: what the strategies of @FILE@ are to achieve.
+--
+--   trellis test @NAME@                      runs the scenarios, and says what holds
+
+scenario "regions help the tree through the doorway" (function()
+  local it = given { script = "@FILE@" }
+  local guided, planner = when { it.guided, it.planner, seeds = 20 }
+
+  expect(guided, solves(at_least(0.95)))
+  -- Compared seed by seed, with 95 % confidence.
+  expect(guided, spends(fewer_than(planner).validity_checks()))
+  -- In nats, lower is better: how well its tree lies along its path.
+  expect(guided, has_efficiency("root", below(2.5)))
+end)
+
+scenario "the same seed gives the same result" (function()
+  local it = given { script = "@FILE@" }
+  local guided = when { it.guided, seeds = 3 }
+  expect(guided, is_deterministic())
+end)
+)LUA";
+
 void replace_all(std::string& text, std::string_view what, std::string_view with) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size())) {
     text.replace(at, what.size(), with);
@@ -76,23 +100,14 @@ void check_name(const std::string& name) {
                   std::any_of(offer.begin(), offer.end(), [](char c) { return c != '_'; }) ? ", as " + offer : ""));
 }
 
-}  // namespace
+[[noreturn]] void refuse(const fs::path& path) {
+  throw Error(fmt::format("new: '{}' exists already, and is left as it is; choose another name", path.string()));
+}
 
-int create(const std::string& name) {
-  const fs::path given(name);
-  const fs::path path = given.extension() == ".lua" ? given : fs::path(name + ".lua");
-  check_name(path.stem().string());
-  std::error_code error;
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, error)) throw Error(fmt::format("new: there is no folder '{}'", folder.string()));
-  std::string text(script);
-  replace_all(text, "@NAME@", path.string());
-  replace_all(text, "@TITLE@", path.stem().string());
-  // Made anew or not at all, whatever appears in between.
+/// Made anew or not at all, whatever appears in between.
+void write_new(const fs::path& path, const std::string& text) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbx"), std::fclose);
-  if (!file && errno == EEXIST) {
-    throw Error(fmt::format("new: '{}' exists already, and is left as it is; choose another name", path.string()));
-  }
+  if (!file && errno == EEXIST) refuse(path);
   const auto fail = [&]() -> void {
     throw Error(fmt::format("new: cannot write '{}': {}", path.string(),
                             std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe): one thread
@@ -100,8 +115,35 @@ int create(const std::string& name) {
   if (!file) fail();
   if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) fail();
   if (std::fclose(file.release()) != 0) fail();
-  print_all(fmt::format("{}: a strategy and an experiment to change; run it with: trellis run {}\n", path.string(),
-                        path.string()));
+}
+
+}  // namespace
+
+int create(const std::string& name) {
+  const fs::path given(name);
+  const fs::path path = given.extension() == ".lua" ? given : fs::path(name + ".lua");
+  check_name(path.stem().string());
+  const fs::path test = path.parent_path() / (path.stem().string() + "_test.lua");
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, error)) throw Error(fmt::format("new: there is no folder '{}'", folder.string()));
+  const auto filled = [&](std::string_view form, const fs::path& file) {
+    std::string text(form);
+    replace_all(text, "@NAME@", file.string());
+    replace_all(text, "@TEST@", test.string());
+    replace_all(text, "@FILE@", path.filename().string());
+    replace_all(text, "@TITLE@", path.stem().string());
+    return text;
+  };
+  for (const fs::path& file : {path, test}) {
+    if (fs::exists(file, error)) refuse(file);
+  }
+  write_new(path, filled(script, path));
+  write_new(test, filled(test_script, test));
+  print_all(
+      fmt::format("{}: a strategy and an experiment to change; run it with: trellis run {}\n"
+                  "{}: what is expected of it; try it with: trellis test {}\n",
+                  path.string(), path.string(), test.string(), test.string()));
   return success;
 }
 

@@ -13,6 +13,7 @@
 #include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
 
 namespace trellis::command {
@@ -94,14 +95,10 @@ void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& int
   ExecuteOptions options;
   options.interrupted = [&] { return drawn >= proposals || (interrupted && interrupted()); };
   options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
-  RunRecord record = execute(run.strategy, run.problem, run.seed, options);
+  RunResult result = run_cell(run.strategy_name, run.strategy, run.problem, run.seed, options);
   if (drawn < run.proposals) return;
 
-  run.result = {.problem = run.problem.name, .strategy = run.strategy_name, .seed = run.seed, .run = {}, .levels = {}};
-  run.result.levels.reserve(record.levels.size());
-  for (auto& level : record.levels) run.result.levels.push_back({.record = std::move(level)});
-  record.levels.clear();
-  run.result.run = std::move(record);
+  run.result = std::move(result);
   run.proposals = drawn;
   run.scored = false;
 }
@@ -166,32 +163,6 @@ std::string where_text(const Run& run) {
   }
   if (!waiting.empty()) text += "; above it: " + waiting;
   return text + "\n" + end;
-}
-
-std::string difference_text(const RunResult& a, const RunResult& b) {
-  const auto differ = [](const std::string& what, const auto& x, const auto& y) {
-    return fmt::format("{}: {} before, {} now", what, x, y);
-  };
-  const auto equal = [](const Configurations& x, const Configurations& y) {
-    return std::equal(x.values().begin(), x.values().end(), y.values().begin(), y.values().end());
-  };
-  if (a.run.status != b.run.status) return differ("status", to_string(a.run.status), to_string(b.run.status));
-  if (a.run.validity_checks != b.run.validity_checks) {
-    return differ("validity checks", a.run.validity_checks, b.run.validity_checks);
-  }
-  if (a.run.motion_checks != b.run.motion_checks) {
-    return differ("motion checks", a.run.motion_checks, b.run.motion_checks);
-  }
-  if (!equal(a.run.path, b.run.path)) return "the paths differ";
-  if (a.levels.size() != b.levels.size()) return differ("levels", a.levels.size(), b.levels.size());
-  for (std::size_t i = 0; i < a.levels.size(); ++i) {
-    const Search& x = a.levels[i].record.search;
-    const Search& y = b.levels[i].record.search;
-    if (!equal(x.proposals, y.proposals)) return fmt::format("the proposals of level {} differ", i);
-    if (!equal(x.nodes, y.nodes) || x.parents != y.parents) return fmt::format("the nodes of level {} differ", i);
-    if (x.fates != y.fates) return fmt::format("the fates of level {}'s proposals differ", i);
-  }
-  return "";
 }
 
 namespace {

@@ -43,9 +43,6 @@ std::size_t level_at_work(const Run& run);
 /// The last proposal: of which level, from which part of h, what became of it and where in the tree.
 std::string where_text(const Run& run);
 
-/// What two runs of the same strategy, problem and seed do not have in common, times apart; "" where they agree.
-std::string difference_text(const RunResult& a, const RunResult& b);
-
 /// What a replayed run said of itself.
 struct Replayed {
   std::string text;

@@ -13,10 +13,12 @@
 #include <dsl/command/repl_values.hpp>
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/construct.hpp>
+#include <dsl/language/help.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
 
@@ -294,13 +296,12 @@ class Verbs {
       say(verbs_text() + "\nhelp(\"words\") lists the words of the language.\n");
       return 0;
     }
-    const std::string word = word_of(call, call[1]);
-    if (word == "words") {
+    const std::string verb = call[1].type() == Type::object ? "" : verb_of(call, call[1]);
+    if (verb == "words") {
       say(dsl::vocabulary_text());
-    } else if (const std::string verb = verbs_text(word); !verb.empty()) {
-      say(verb);
     } else {
-      say(dsl::help_text(word));
+      const std::string known = verb.empty() ? "" : verbs_text(verb);
+      say(known.empty() ? dsl::help_text_of(call, call[1]) : known);
     }
     return 0;
   }
@@ -469,36 +470,19 @@ class Verbs {
     return 0;
   }
 
-  /// The word that a value goes by.
-  static std::string word_of(Stack& call, Value value) {
+  /// The verb that a value is the name or the function of, "" where it is none.
+  static std::string verb_of(Stack& call, Value value) {
     if (const auto word = value.string()) return *word;
-    if (const auto* constructor = value.get<dsl::Constructor>()) return constructor->component->name;
-    if (const auto* planner = value.get<PlannerSpec>()) return planner->name();
-    if (const auto* guide = value.get<GuideSpec>()) {
-      return guide->kind() == GuideSpec::Kind::mixture ? "sequence" : guide->name();
+    std::string name;
+    const int before = call.size();
+    const Value globals = call.push_globals();
+    for (const Verb& verb : all_verbs) {
+      const int kept = call.size();
+      if (globals.field(std::string(verb.name)).identity() == value.identity()) name = verb.name;
+      call.resize(kept);
     }
-    if (const auto* strategy = value.get<StrategySpec>()) return strategy->planner().name();
-    if (value.get<Problem>() != nullptr) return "problem";
-    if (value.type() == Type::table || value.type() == Type::function) {
-      // The global that holds it, or the module's field.
-      std::string word;
-      const void* wanted = value.identity();
-      const int before = call.size();
-      call.push_globals().each_pair([&](Value key, Value found) {
-        const std::string global = key.string().value_or("");
-        if (found.type() == value.type() && found.identity() == wanted) word = global;
-        if (found.type() != Type::table || global == "_G") return;
-        found.each_pair([&](Value name, Value field) {
-          if (field.type() == value.type() && field.identity() == wanted) {
-            word = global + "." + name.string().value_or("");
-          }
-        });
-      });
-      call.resize(before);
-      if (!word.empty()) return word;
-    }
-    throw Error(
-        fmt::format("help: takes a word, as help \"shrink\", or what goes by one, got {}", dsl::describe(value)));
+    call.resize(before);
+    return name;
   }
 
   Bench& bench_;

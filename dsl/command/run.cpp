@@ -56,6 +56,33 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
+/// Leaves the one of that name, or, where it is "", all of them.
+template <class T, class Name>
+void choose(std::vector<T>& all, const std::string& option, const std::string& wanted, const Name& name) {
+  if (wanted.empty()) return;
+  std::vector<std::string> known;
+  known.reserve(all.size());
+  for (const T& one : all) known.push_back(name(one));
+  if (std::find(known.begin(), known.end(), wanted) == known.end()) {
+    throw Error(fmt::format("{}: the script has none that is called '{}'{}; it has: {}", option, wanted,
+                            did_you_mean(wanted, known), fmt::join(known, ", ")));
+  }
+  std::erase_if(all, [&](const T& one) { return name(one) != wanted; });
+}
+
+/// What --problem, --strategy and --only leave of an experiment.
+void narrow(Experiment& experiment, const RunOptions& options, std::optional<std::uint64_t> only) {
+  choose(experiment.problems, "--problem", options.problem, [](const Problem& p) { return p.name; });
+  choose(experiment.strategies, "--strategy", options.strategy, [](const auto& s) { return s.first; });
+  if (!options.strategy.empty()) {
+    experiment.baseline.clear();
+    experiment.ablations.clear();
+  }
+  // Its claims are about the whole.
+  if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
+  if (only) experiment.seeds = {*only};
+}
+
 void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
                        draw::RoleColours colours, bool quiet) {
   const unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
@@ -159,6 +186,8 @@ int run(const RunOptions& options) {
   constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const auto seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
   const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
+  const auto only = integer_option("--only", options.only, 0, largest_seed);
+  if (only && (seeds || seed)) throw Error("--only: it is one seed; leave out --seed and --seeds");
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
   const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
 
@@ -169,6 +198,7 @@ int run(const RunOptions& options) {
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, seeds, seed);
   if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
+  narrow(program.experiment, options, only);
   if (cross) {
     if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
     program.experiment.measure->cross = static_cast<std::int64_t>(*cross);

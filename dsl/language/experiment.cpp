@@ -87,74 +87,6 @@ StrategySpec read_strategy(const std::string& what, Value value, const void* con
                           cycle ? "the table that it stands in (a cycle)" : describe(value)));
 }
 
-std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Arguments& arguments) {
-  const Value table = arguments["strategies"];
-  if (table.type() != Type::table) arguments.reject("strategies");
-  const lua::Keys keys = table.keys();
-  if (!keys.odd.empty()) {
-    throw Error(fmt::format("experiment: field 'strategies' maps names to strategies, got {}", keys.odd));
-  }
-  std::vector<std::pair<std::string, StrategySpec>> strategies;
-  table.each([&](std::size_t i, Value element) {
-    const std::string what = fmt::format("experiment: strategy {}", i);
-    if (element.type() != Type::table) {
-      auto strategy = read_strategy(what, element, table.identity());
-      std::string text = strategy.text();
-      strategies.emplace_back(std::move(text), std::move(strategy));
-      return;
-    }
-    const lua::Keys pair = element.keys();
-    const bool is_pair = pair.length == 2 && pair.names.empty() && pair.odd.empty();
-    std::vector<Value> values;
-    std::optional<std::string> name;
-    std::optional<StrategySpec> strategy;
-    if (is_pair) {
-      element.each([&](std::size_t k, Value part) {
-        if (k == 1) {
-          name = part.string();
-        } else if (name) {
-          strategy = read_strategy(fmt::format("experiment: strategy '{}'", *name), part, table.identity());
-        }
-      });
-    }
-    if (!name || !strategy) {
-      throw Error(fmt::format(
-          "{} must be a strategy or a pair {{\"name\", strategy}}, got {}", what,
-          element.identity() == table.identity() ? "the table that it stands in (a cycle)" : describe(element)));
-    }
-    strategies.emplace_back(*name, std::move(*strategy));
-  });
-  for (const auto& name : keys.names) {
-    strategies.emplace_back(
-        name, read_strategy(fmt::format("experiment: strategy '{}'", name), table.field(name), table.identity()));
-  }
-  return strategies;
-}
-
-std::vector<std::uint64_t> read_seeds(const Arguments& arguments, std::uint64_t first) {
-  constexpr std::uint64_t default_seeds = 1;
-  const Value value = arguments["seeds"];
-  if (!value.given()) return consecutive_seeds(first, default_seeds);
-  if (value.type() == Type::number) {
-    const auto count = value.integer();
-    if (!count || *count < 1 || static_cast<std::uint64_t>(*count) > most_seeds) arguments.reject("seeds");
-    return consecutive_seeds(first, static_cast<std::uint64_t>(*count));
-  }
-  if (value.type() != Type::table) arguments.reject("seeds");
-  const lua::Keys keys = value.keys();
-  if (!keys.names.empty() || !keys.odd.empty()) arguments.reject("seeds");
-  std::vector<std::uint64_t> seeds;
-  value.each([&](std::size_t i, Value element) {
-    const auto seed = element.integer();
-    if (!seed || *seed < 0) {
-      throw Error(fmt::format("experiment: field 'seeds' must hold integers of at least 0, got {} as number {}",
-                              describe(element), i));
-    }
-    seeds.push_back(static_cast<std::uint64_t>(*seed));
-  });
-  return seeds;
-}
-
 std::vector<EstimatorSpec> read_estimators(const Arguments& arguments) {
   const Value value = arguments["estimators"];
   if (!value.given()) return default_estimators();
@@ -238,8 +170,8 @@ int make_experiment(Stack& call) {
   ProblemReader problems;
   problems.read("field 'problems'", arguments["problems"]);
   experiment.problems = problems.take();
-  experiment.strategies = read_strategies(arguments);
-  experiment.seeds = read_seeds(arguments, program.seed);
+  experiment.strategies = read_strategies(arguments, "experiment");
+  experiment.seeds = read_seeds(arguments, "experiment", program.seed, 1);
   experiment.shortcut = settings.shortcut;
   experiment.measure = read_measure(arguments, settings);
   experiment.baseline = arguments.string("baseline").value_or("");
@@ -279,6 +211,74 @@ Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>&
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Arguments& arguments, const std::string& of) {
+  const Value table = arguments["strategies"];
+  if (table.type() != Type::table) arguments.reject("strategies");
+  const lua::Keys keys = table.keys();
+  if (!keys.odd.empty()) {
+    throw Error(fmt::format("{}: field 'strategies' maps names to strategies, got {}", of, keys.odd));
+  }
+  std::vector<std::pair<std::string, StrategySpec>> strategies;
+  table.each([&](std::size_t i, Value element) {
+    const std::string what = fmt::format("{}: strategy {}", of, i);
+    if (element.type() != Type::table) {
+      auto strategy = read_strategy(what, element, table.identity());
+      std::string text = strategy.text();
+      strategies.emplace_back(std::move(text), std::move(strategy));
+      return;
+    }
+    const lua::Keys pair = element.keys();
+    const bool is_pair = pair.length == 2 && pair.names.empty() && pair.odd.empty();
+    std::vector<Value> values;
+    std::optional<std::string> name;
+    std::optional<StrategySpec> strategy;
+    if (is_pair) {
+      element.each([&](std::size_t k, Value part) {
+        if (k == 1) {
+          name = part.string();
+        } else if (name) {
+          strategy = read_strategy(fmt::format("{}: strategy '{}'", of, *name), part, table.identity());
+        }
+      });
+    }
+    if (!name || !strategy) {
+      throw Error(fmt::format(
+          "{} must be a strategy or a pair {{\"name\", strategy}}, got {}", what,
+          element.identity() == table.identity() ? "the table that it stands in (a cycle)" : describe(element)));
+    }
+    strategies.emplace_back(*name, std::move(*strategy));
+  });
+  for (const auto& name : keys.names) {
+    strategies.emplace_back(
+        name, read_strategy(fmt::format("{}: strategy '{}'", of, name), table.field(name), table.identity()));
+  }
+  return strategies;
+}
+
+std::vector<std::uint64_t> read_seeds(const Arguments& arguments, const std::string& of, std::uint64_t first,
+                                      std::uint64_t otherwise) {
+  const Value value = arguments["seeds"];
+  if (!value.given()) return consecutive_seeds(first, otherwise);
+  if (value.type() == Type::number) {
+    const auto count = value.integer();
+    if (!count || *count < 1 || static_cast<std::uint64_t>(*count) > most_seeds) arguments.reject("seeds");
+    return consecutive_seeds(first, static_cast<std::uint64_t>(*count));
+  }
+  if (value.type() != Type::table) arguments.reject("seeds");
+  const lua::Keys keys = value.keys();
+  if (!keys.names.empty() || !keys.odd.empty()) arguments.reject("seeds");
+  std::vector<std::uint64_t> seeds;
+  value.each([&](std::size_t i, Value element) {
+    const auto seed = element.integer();
+    if (!seed || *seed < 0) {
+      throw Error(fmt::format("{}: field 'seeds' must hold integers of at least 0, got {} as number {}", of,
+                              describe(element), i));
+    }
+    seeds.push_back(static_cast<std::uint64_t>(*seed));
+  });
+  return seeds;
+}
 
 const Construct& experiment_construct() {
   static const Construct construct = {

@@ -47,8 +47,9 @@ std::string word_of(Stack& call, Value value) {
   return found;
 }
 
-/// The words that a value is made of, for values that have no word of their own.
-std::string text_of_value(Stack& call, Value value) {
+}  // namespace
+
+std::string help_text_of(Stack& call, Value value) {
   if (const auto word = value.string()) return help_text(*word);
   if (const auto* constructor = value.get<Constructor>()) return help_text(constructor->component->name);
   if (const auto strategy = as_strategy(value)) {
@@ -70,8 +71,6 @@ std::string text_of_value(Stack& call, Value value) {
   throw Error(fmt::format("help: nothing is known about {}; help() lists all words", describe(value)));
 }
 
-}  // namespace
-
 const Construct& help_construct() {
   static const Construct construct = {
       .name = "help",
@@ -89,7 +88,7 @@ const Construct& help_construct() {
 
 void open_help(Stack& stack, std::function<void(const std::string&)> print) {
   stack.push_function([print = std::move(print)](Stack& call) {
-    const std::string text = call[1].given() ? text_of_value(call, call[1]) : vocabulary_text();
+    const std::string text = call[1].given() ? help_text_of(call, call[1]) : vocabulary_text();
     if (print) {
       print(text);
     } else {

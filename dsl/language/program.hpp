@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/trial/trial.hpp>
 
 namespace trellis::dsl {
 
@@ -19,8 +20,7 @@ struct Program {
   std::function<std::vector<std::string>()> uncalled;
 };
 
-/// The largest number of seeds that one experiment may ask for: more is a slip of the pen.
-inline constexpr std::uint64_t most_seeds = 1'000'000;
+inline constexpr std::uint64_t most_seeds = trial::most_seeds;
 
 /// `count` consecutive seeds from `first`. Throws Error for none, too many, or seeds that a script cannot write (over
 /// 2^63 - 1).

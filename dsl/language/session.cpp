@@ -16,6 +16,7 @@
 #include <dsl/language/problem.hpp>
 #include <dsl/language/publication.hpp>
 #include <dsl/language/random.hpp>
+#include <dsl/language/scenario.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/world.hpp>
 #include <dsl/lua/state.hpp>
@@ -69,6 +70,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_measure(stack, call_limits(options.instructions), given ? given : std::make_shared<std::vector<Callback>>());
   open_publication(stack);
   open_experiment(stack);
+  open_scenario(stack, {folder, options.trust}, options.scenarios);
   open_help(stack, options.print);
   open_modules(stack, {folder, options.trust}, std::move(described));
 }
@@ -147,6 +149,8 @@ std::vector<std::string> Session::evaluate(const std::string& text, const std::s
 }
 
 void Session::with(const std::function<void(lua::Stack&)>& body) { interpreter_->run(body); }
+
+void Session::within_limits(const std::function<void(lua::Stack&)>& body) { interpreter_->run(body, loading()); }
 
 Program load_script(const std::string& path, const SessionOptions& options) {
   const std::string text = without_shebang(read_file(path));

@@ -19,6 +19,7 @@ struct Limits;
 namespace trellis::dsl {
 
 struct Callback;
+class ScenarioBook;
 
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
@@ -33,6 +34,7 @@ struct SessionOptions {
   std::function<bool()> interrupted = {};  ///< polled while it runs; true ends it (Interrupted)
   /// Called from another thread where a script does not end however it is told; must not return to it.
   std::function<void(const std::string& message)> stuck = {};
+  std::shared_ptr<ScenarioBook> scenarios = {};  ///< what the script's scenarios are written into; none: it has no say
 };
 
 struct Construct;
@@ -65,6 +67,8 @@ class Session {
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
   /// Runs `body` in the interpreter, as lua::State::run does.
   void with(const std::function<void(lua::Stack&)>& body);
+  /// The same within what a script may spend on loading.
+  void within_limits(const std::function<void(lua::Stack&)>& body);
 
  private:
   [[nodiscard]] lua::Limits loading() const;

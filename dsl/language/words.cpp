@@ -18,6 +18,7 @@
 #include <dsl/language/modules.hpp>
 #include <dsl/language/problem.hpp>
 #include <dsl/language/publication.hpp>
+#include <dsl/language/scenario.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/world.hpp>
 #include <dsl/lua/state.hpp>
@@ -138,6 +139,7 @@ std::vector<ObjectType> make_types() {
   all.push_back({"trellis.Claim", "a sentence that the results are to bear out", "", {}, {}});
   all.push_back({"trellis.Publication", "figures and sentences of somebody else", "", {}, {}});
   all.push_back({"trellis.Experiment", "what a script returns to be run", "", {}, {}});
+  for (ObjectType& type : scenario_types()) all.push_back(std::move(type));
   return all;
 }
 
@@ -199,6 +201,7 @@ std::vector<const Construct*> constructs() {
   all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),
                          &experiment_construct(), &published_construct(), &claim_construct(), &help_construct(),
                          &require_construct()});
+  for (const Construct* construct : scenario_constructs()) all.push_back(construct);
   return all;
 }
 

@@ -76,6 +76,29 @@
 ---what a script returns to be run
 ---@class trellis.Experiment
 
+---what a scenario tries
+---@class trellis.Setting
+---@field [string] trellis.Candidate its strategies, by their names: setting.guided
+
+---a strategy of a setting
+---@class trellis.Candidate
+
+---a strategy on a problem over a range of seeds
+---@class trellis.Trial
+
+---what a trial is expected to do
+---@class trellis.Matcher
+
+---what a figure is held against
+---@class trellis.Criterion
+---@field validity_checks fun(): trellis.Criterion of configurations whose validity was decided
+---@field motion_checks fun(): trellis.Criterion of motions that were checked
+---@field proposals fun(): trellis.Criterion of configurations that h proposed
+---@field nodes fun(): trellis.Criterion of nodes of trees and roadmaps
+---@field in_level fun(level: string|integer): trellis.Criterion of one level, instead of all of them together
+---@field by fun(margin: number): trellis.Criterion less than another trial by this much at the least: a share of its spending, or nats
+---@field with_confidence fun(confidence: number): trellis.Criterion how sure a statement about all seeds is to be, in (0.5, 1); 0.95 without it
+
 ---What `rrt` takes.
 ---@class trellis.rrt.Options
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
@@ -354,6 +377,25 @@
 ---@field lower_than? string|string[] the name of a strategy, or a list of names: it holds where the efficiency is lower (better) than that of each; no doubt is left where the 95 % interval of the difference, paired by seed, lies on one side of 0
 ---@field not_lower_than? string|string[] the name of a strategy, or a list of names: it holds where the efficiency is not lower: similar or worse
 ---@field roles? string|string[] "tree", "expansion", or a list of both; default "tree": whose samples
+
+---What `given` takes.
+---@class trellis.given.Options
+---@field script? string the name of a file: a script in the test's folder; its experiment is tried
+---@field problem? string|trellis.Problem a problem; with 'script' the name of one of its problems: may be left out where the script has one only
+---@field strategies? table<string, trellis.Strategy> a table of strategies: { name = strategy }; with 'script' its own
+---@field measure? trellis.Target a target, as tube { delta = 0.5 }; default tube {}: what samples are measured against; with 'script' its own
+---@field shortcut? integer an integer at least 0 (rounds); default 0: rounds of shortcutting on each found path; with 'script' its own
+
+---What `when` takes.
+---@class trellis.when.Options
+---@field [integer] trellis.Candidate strategies of what was given
+---@field seeds? integer|integer[] an integer in [1, 1000000], or a list of seeds; default 30: how many consecutive seeds, or which ones
+---@field seed? integer an integer at least 0; default 1: the first of consecutive seeds, where 'seeds' is their number
+
+---What `has_efficiency` takes.
+---@class trellis.has_efficiency.Options
+---@field role? "tree"|"expansion" one of "tree", "expansion"; default "tree": the level's nodes, or what its h proposed
+---@field target? "own"|"root" one of "own", "root"; default "own": in its own space on its own path, or lifted to the root on the root's
 
 ---What `paper.methods` takes.
 ---@class trellis.paper.methods.Options
@@ -917,6 +959,27 @@ function published(options) end
 ---@overload fun(...: string): trellis.Claim
 function claim(options) end
 
+---what a scenario tries: a problem, and strategies that are fields of what it returns
+---
+---    local it = given { script = "doorway.lua" }
+---@param options? trellis.given.Options
+---@return trellis.Setting
+function given(options) end
+
+---trials of strategies, each on the same seeds; one value for each
+---
+---    local guided, plain = when { it.guided, it.plain, seeds = 30 }
+---@param options trellis.when.Options
+---@return trellis.Trial ...
+---@overload fun(...: trellis.Candidate): trellis.Trial ...
+function when(options) end
+
+---a matcher: runs come out the same, to the last bit, on one thread and on several
+---
+---    is_deterministic()
+---@return trellis.Matcher
+function is_deterministic() end
+
 ---prints what is known about a word, a function, or a value; all words without one
 ---
 ---    help "shrink"  help(scenes.trap)  help(strategy)
@@ -929,6 +992,93 @@ function help(subject) end
 ---@param module string a name: parts separated by '.' are folders; each module is run once
 ---@return any
 function require(module) end
+
+---what is to hold, under a name, for `trellis test`: what is given, when it runs, what is expected
+---
+---    scenario "regions find the doorway" (function() ... end)
+---@param name string a string: a function without arguments follows, in parentheses
+---@return fun(body: fun())
+function scenario(name) end
+
+---what a trial is expected to do
+---
+---    expect(guided, solves(at_least(0.95)))
+---@param trial trellis.Trial a trial: as `when` makes it
+---@param matcher trellis.Matcher a matcher: as solves(at_least(0.95)) makes it
+---@return trellis.Trial
+function expect(trial, matcher) end
+
+---a criterion: so much or more
+---
+---    at_least(0.95)
+---@param x number a number: a share, nats, metres, or how many
+---@return trellis.Criterion
+function at_least(x) end
+
+---a criterion: so much or less
+---
+---    at_most(5000).validity_checks()
+---@param x number a number: a share, nats, metres, or how many
+---@return trellis.Criterion
+function at_most(x) end
+
+---a criterion: less than a number, or than another trial
+---
+---    below(2.0)
+---@param x number|trellis.Trial a number, or a trial: against another trial it goes seed by seed, as fewer_than does
+---@return trellis.Criterion
+function below(x) end
+
+---a criterion: more than a number
+---
+---    above(0.5)
+---@param x number a number: a share, nats, metres, or how many
+---@return trellis.Criterion
+function above(x) end
+
+---a criterion: just so much, in every run
+---
+---    exactly(0).validity_checks()
+---@param x number a number: a share, nats, metres, or how many
+---@return trellis.Criterion
+function exactly(x) end
+
+---a criterion: less than another trial spends, seed by seed
+---
+---    fewer_than(plain).validity_checks()
+---@param trial trellis.Trial a trial: on the same problem and seeds; .by(0.2) asks for 20 % less at the least
+---@return trellis.Criterion
+function fewer_than(trial) end
+
+---a matcher: the share of the seeds whose run finds a path
+---
+---    solves(at_least(0.95))
+---@param share trellis.Criterion a criterion: of a number in [0, 1]; with .with_confidence(0.95) it speaks of all seeds there are
+---@return trellis.Matcher
+function solves(share) end
+
+---a matcher: what runs spend until they have a path, at the median over seeds
+---
+---    spends(fewer_than(plain).validity_checks())
+---@param criterion trellis.Criterion a criterion with a quantity: as at_most(5000).validity_checks(); a run without a path counts as more than any other
+---@return trellis.Matcher
+function spends(criterion) end
+
+---a matcher: all paths found are valid and, at the median, as long as it says
+---
+---    finds_paths(at_most(20))
+---@param length? trellis.Criterion a criterion: of metres in the metric; any without
+---@return trellis.Matcher
+function finds_paths(length) end
+
+---a matcher: the sampling efficiency of a level, on average over seeds
+---
+---    has_efficiency("root", below(2))
+---@param level string|integer a level's name or number: "root", "lazy", "shrink(0.5)", the way to the root as "skeleton >> lazy", or 0, 1, ...
+---@param criterion trellis.Criterion a criterion: of nats; below(plain) compares two trials
+---@param options? trellis.has_efficiency.Options
+---@return trellis.Matcher
+function has_efficiency(level, criterion, options) end
 
 ---simple_passage, trap and cup
 ---

@@ -363,7 +363,9 @@ TEST_CASE("new writes a script that runs, and never over another") {
   const auto made = place.run({"new", "mine"});
   INFO(made.err);
   CHECK(made.status == 0);
-  CHECK(made.out == "mine.lua: a strategy and an experiment to change; run it with: trellis run mine.lua\n");
+  CHECK(made.out ==
+        "mine.lua: a strategy and an experiment to change; run it with: trellis run mine.lua\n"
+        "mine_test.lua: what is expected of it; try it with: trellis test mine_test.lua\n");
   const std::string text = content(place / "mine.lua");
   CHECK(text.starts_with("-- mine: "));
   CHECK(text.find("trellis run mine.lua --html") != std::string::npos);
@@ -372,14 +374,24 @@ TEST_CASE("new writes a script that runs, and never over another") {
   INFO(report.err);
   CHECK(report.status == 0);
   CHECK(report.out.find("guided") != std::string::npos);
+  const auto test = place.run({"test", "mine_test.lua"});
+  INFO(test.out << test.err);
+  CHECK(test.status == 0);
+  CHECK(test.out.ends_with("\npassed: 2 scenarios, 4 expectations\n"));
   place.script("mine.lua", "mine");
   const auto again = place.run({"new", "mine"});
   CHECK(again.status == 2);
   CHECK(again.err == "trellis: new: 'mine.lua' exists already, and is left as it is; choose another name\n");
   CHECK(content(place / "mine.lua") == "mine");
 
+  place.script("else_test.lua", "else");
+  CHECK(place.run({"new", "else"}).err ==
+        "trellis: new: 'else_test.lua' exists already, and is left as it is; choose another name\n");
+  CHECK_FALSE(fs::exists(place / "else.lua"));
+
   fs::create_directories(place / "deep");
   CHECK(place.run({"new", "deep/other.lua"}).status == 0);
+  CHECK(content(place / "deep/other_test.lua").find("script = \"other.lua\"") != std::string::npos);
   CHECK(content(place / "deep/other.lua").starts_with("-- other: "));
   CHECK(place.run({"new", "no/folder"}).err == "trellis: new: there is no folder 'no'\n");
   CHECK(place.run({"new", "my strategy"}).err ==
@@ -533,7 +545,8 @@ TEST_CASE("every example is valid") {
   const fs::path examples = fs::path(TRELLIS_SOURCE) / "examples";
   std::vector<std::string> arguments = {"check"};
   for (const auto& entry : fs::directory_iterator(examples)) {
-    if (entry.path().extension() == ".lua") arguments.push_back(entry.path().string());
+    const bool scenarios = entry.path().stem().string().ends_with("_test");  // for `trellis test`
+    if (entry.path().extension() == ".lua" && !scenarios) arguments.push_back(entry.path().string());
   }
   REQUIRE(arguments.size() >= 5);
   const auto outcome = place.run(arguments);

@@ -73,6 +73,18 @@ TEST_CASE("expressions print themselves") {
   CHECK_THAT(sitting.enter("scenes.cup()"), Contains("problem 'cup' in SE(2)"));
 }
 
+TEST_CASE("help tells about words, values and the session's own functions") {
+  const Place place;
+  Sitting sitting(place);
+  CHECK_THAT(sitting.enter("help(skeleton() >> rrt {})"),
+             Contains("strategy: skeleton() >> rrt()") && Contains("└─ skeleton()"));
+  CHECK_THAT(sitting.enter("help(shrink(0.5))"), Contains("shrink (guide)"));
+  CHECK_THAT(sitting.enter("help(scenes.trap)"), Contains("scenes.trap: four false passages"));
+  CHECK_THAT(sitting.enter("help(plan)"), Contains("plan(strategy"));
+  CHECK_THAT(sitting.enter("help 'plan'"), Contains("plan(strategy"));
+  CHECK_THAT(sitting.enter("help(7)"), Contains("nothing is known about 7"));
+}
+
 TEST_CASE("an input goes on for as long as it is not whole") {
   const Place place;
   Sitting sitting(place);

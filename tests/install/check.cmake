@@ -28,6 +28,8 @@ run(report trellis run ${root}/share/trellis/examples/minimal.lua)
 expect("the report" "${report}" "cup")
 run(ignored trellis new mine)
 run(report trellis run mine.lua --seeds 1 --quiet --html report.html)
+run(said trellis test mine_test.lua)
+expect("the test" "${said}" "passed: 2 scenarios")
 if(NOT EXISTS ${PLACE}/report.html)
   message(FATAL_ERROR "no page was written")
 endif()
@@ -36,7 +38,7 @@ foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trell
              share/doc/trellis/reference.md share/doc/trellis/README.md share/doc/trellis/copyright
              share/man/man1/trellis.1 share/bash-completion/completions/trellis
              share/fish/vendor_completions.d/trellis.fish share/zsh/vendor-completions/_trellis
-             include/trellis/strategy/executor.hpp)
+             include/trellis/strategy/executor.hpp include/trellis/testing.hpp)
   if(NOT EXISTS ${root}/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()
@@ -59,13 +61,16 @@ expect("trellis run --se" "${found}" "^--seeds\n--seed\n$")
 complete(found trellis run x.lua --palette p)
 expect("--palette p" "${found}" "^paper\n$")
 complete(found trellis run m)
-expect("trellis run m" "${found}" "^mine.lua\n$")
+expect("trellis run m" "${found}" "^mine.lua\nmine_test.lua\n$")
 complete(found trellis help strategies.parasol_i)
 expect("trellis help strategies.parasol_i" "${found}" "^strategies.parasol_irc\n$")
 
 run(ignored ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${PLACE}/consumer -G ${GENERATOR}
-    -D CMAKE_PREFIX_PATH=${root} -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_FLAGS=${FLAGS})
+    -D CMAKE_PREFIX_PATH=${root} -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_FLAGS=${FLAGS}
+    -D DOORWAY=${PLACE}/mine.lua)
 run(ignored ${CMAKE_COMMAND} --build ${PLACE}/consumer)
 run(said ${PLACE}/consumer/consumer)
 expect("the consumer" "${said}" "^trellis [0-9.]+: skeleton\\(\\) >> rrt\\(\\) solved wall\n$")
+run(said ${PLACE}/consumer/doorway_test)
+expect("the consumer's test" "${said}" "All tests passed \\(2 assertions in 1 test case\\)")
 file(REMOVE_RECURSE ${PLACE})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A pseudo-terminal in which the built program (TRELLIS_BINARY) runs as somebody would sit at it.
+// A pseudo-terminal in which the built program (TRELLIS_BINARY), or another, runs as somebody would sit at it.
 #pragma once
 
 #include <poll.h>
@@ -25,8 +25,8 @@ class Terminal {
   using Environment = std::vector<std::pair<std::string, std::string>>;
 
   Terminal(const std::string& folder, std::vector<std::string> arguments, const Environment& environment = {},
-           unsigned short columns = 120, unsigned short rows = 45) {
-    arguments.insert(arguments.begin(), TRELLIS_BINARY);
+           unsigned short columns = 120, unsigned short rows = 45, const char* program = TRELLIS_BINARY) {
+    arguments.insert(arguments.begin(), program);
     std::vector<char*> argv;
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -35,7 +35,7 @@ class Terminal {
     if (child_ != 0) return;
     ::setenv("TERM", "xterm-256color", 1);
     for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
-    if (::chdir(folder.c_str()) == 0) ::execv(TRELLIS_BINARY, argv.data());
+    if (::chdir(folder.c_str()) == 0) ::execv(program, argv.data());
     ::_exit(99);
   }
   ~Terminal() {
@@ -76,10 +76,14 @@ class Terminal {
     return wait_for(prompt);
   }
 
+  /// What was sent since the last call of wait_for().
+  [[nodiscard]] const std::string& rest() const { return sent_; }
+
   /// Waits for the program to end; its status, 1000 + the signal where one ended it.
   int finish() {
     while (read(static_cast<int>(std::chrono::milliseconds(patience).count()))) {
     }
+    if (silent_) ::kill(child_, SIGKILL);  // else it would be waited for without end
     int status = 0;
     ::waitpid(child_, &status, 0);
     child_ = -1;
@@ -89,11 +93,14 @@ class Terminal {
   static constexpr const char* prompt = "trellis> ";
 
  private:
-  static constexpr std::chrono::seconds patience{60};
+  static constexpr std::chrono::seconds patience{300};
 
   bool read(int milliseconds) {
     pollfd input{screen_, POLLIN, 0};
-    if (::poll(&input, 1, milliseconds) <= 0) return false;
+    if (::poll(&input, 1, milliseconds) <= 0) {
+      silent_ = true;
+      return false;
+    }
     char block[4096];
     const ssize_t size = ::read(screen_, block, sizeof block);
     if (size <= 0) return false;
@@ -104,6 +111,7 @@ class Terminal {
   int screen_ = -1;
   pid_t child_ = -1;
   std::string sent_;
+  bool silent_ = false;
 };
 
 }  // namespace trellis::test

@@ -34,7 +34,7 @@ std::string content(const fs::path& path) {
 
 /// Numbers that have no unit: names and the like.
 bool is_pure(const std::string& word, const std::string& option) {
-  const std::vector<std::pair<std::string, std::string>> pure = {{"experiment", "seed"}};
+  const std::vector<std::pair<std::string, std::string>> pure = {{"experiment", "seed"}, {"when", "seed"}};
   return std::find(pure.begin(), pure.end(), std::pair(word, option)) != pure.end();
 }
 

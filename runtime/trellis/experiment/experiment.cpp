@@ -13,6 +13,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/strategy/ablation.hpp>
 
@@ -65,18 +66,6 @@ struct Cell {
         strategy(experiment.strategies[index / experiment.seeds.size() % experiment.strategies.size()]),
         seed(experiment.seeds[index % experiment.seeds.size()]) {}
 };
-
-RunResult run_cell(const Experiment& experiment, const Cell& cell, const std::function<bool()>& interrupted) {
-  RunResult result;
-  result.problem = cell.problem.name;
-  result.strategy = cell.strategy.first;
-  result.seed = cell.seed;
-  result.run = execute(cell.strategy.second, cell.problem, cell.seed, {experiment.shortcut, interrupted, {}});
-  if (result.run.status == Status::interrupted) throw Interrupted();
-  for (auto& record : result.run.levels) result.levels.push_back({std::move(record), {}, {}, {}, {}, {}, {}});
-  result.run.levels.clear();
-  return result;
-}
 
 }  // namespace
 
@@ -195,7 +184,11 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
     try {
       if (interrupted()) throw Interrupted();
       // Each cell has its own place: nothing is shared, and the order does not depend on who is quicker.
-      result.runs[index] = run_cell(experiment, Cell(experiment, index), interrupted);
+      const Cell cell(experiment, index);
+      RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
+                               {experiment.shortcut, interrupted, {}});
+      if (run.run.status == Status::interrupted) throw Interrupted();
+      result.runs[index] = std::move(run);
       progress();
     } catch (...) {
       stop.store(true);
@@ -209,9 +202,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
     score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted);
   }
   // What a level's functions hold (its checker, its scene, its guide) nobody asks again.
-  for (RunResult& cell : result.runs) {
-    for (LevelResult& level : cell.levels) level.record.release();
-  }
+  for (RunResult& cell : result.runs) release(cell);
   result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned).count();
   return result;
 }

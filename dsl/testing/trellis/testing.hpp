@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenario tests of strategies, in Catch2 (version 2 or 3). docs/testing.md tells about them.
+//
+//     const Script script = load("doorway.lua");
+//     const Trial guided = script.trial("guided", seeds(30));
+//     const Trial planner = script.trial("planner", seeds(30));
+//     CHECK_THAT(guided, Solves(at_least(0.95)));
+//     CHECK_THAT(guided, Spends(fewer_than(planner).validity_checks()));
+#pragma once
+
+#if __has_include(<catch2/catch_all.hpp>)
+#include <catch2/catch_tostring.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
+#else
+#include <catch2/catch.hpp>
+#endif
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/trial/criterion.hpp>
+#include <trellis/trial/level.hpp>
+#include <trellis/trial/matcher.hpp>
+#include <trellis/trial/trial.hpp>
+
+namespace trellis::testing {
+
+using trial::above;
+using trial::at_least;
+using trial::at_most;
+using trial::below;
+using trial::exactly;
+using trial::fewer_than;
+using trial::seeds;
+using trial::Trial;
+
+/// A level by its name or number: level("lazy").expansion().lifted().
+inline trial::Level level(std::string name) { return {std::move(name)}; }
+inline trial::Level level(int number) { return {number}; }
+
+/// The problems and strategies of a script's experiment.
+class Script {
+ public:
+  /// Throws Error with the nearest name.
+  [[nodiscard]] StrategySpec strategy(const std::string& name) const;
+  /// Without a name the only one; throws Error where there are several.
+  [[nodiscard]] Problem problem(const std::string& name = "") const;
+  /// A strategy on a problem. Asked for again, it is the same trial, whose runs are made once: Catch2 goes through a
+  /// test case from its beginning for each of its sections.
+  [[nodiscard]] Trial trial(const std::string& strategy, std::vector<std::uint64_t> seeds = trial::seeds(30),
+                            const std::string& problem = "") const;
+
+ private:
+  friend Script load(const std::string& path);
+  struct State;
+  explicit Script(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  std::shared_ptr<State> state_;
+};
+
+/// Runs a script, once as long as its text stays as it is. Throws Error where it cannot be run.
+Script load(const std::string& path);
+
+/// A strategy that was built in C++.
+inline Trial trial(std::string name, StrategySpec strategy, Problem problem,
+                   std::vector<std::uint64_t> on = trial::seeds(30)) {
+  return Trial(trial::Setup{
+      .name = std::move(name), .strategy = std::move(strategy), .problem = std::move(problem), .seeds = std::move(on)});
+}
+
+#if __has_include(<catch2/catch_all.hpp>)
+using CatchMatcher = Catch::Matchers::MatcherBase<Trial>;
+#else
+using CatchMatcher = Catch::MatcherBase<Trial>;
+#endif
+
+/// A matcher as Catch2 takes it. What it says of a trial that it has judged is what it found, and of one that does not
+/// match what helps: a seed, its levels, and how to see it again.
+class Matches final : public CatchMatcher {
+ public:
+  explicit Matches(trial::MatcherPointer matcher) : matcher_(std::move(matcher)) {}
+
+  bool match(const Trial& trial) const override {
+    const trial::Verdict verdict = matcher_->judge(trial);
+    said_ = matcher_->text() + ": " + verdict.finding;
+    if (verdict.holds) return true;
+    said_ += '\n';
+    said_ += trial::evidence(trial, *matcher_, verdict);
+    return false;
+  }
+  [[nodiscard]] std::string describe() const override { return said_.empty() ? matcher_->text() : said_; }
+
+ private:
+  trial::MatcherPointer matcher_;
+  mutable std::string said_;
+};
+
+// trial/matcher.hpp says what each of them means. NOLINTBEGIN(readability-identifier-naming): matchers of Catch2's are
+// called so.
+inline Matches Solves(trial::Criterion share) { return Matches(trial::solves(std::move(share))); }
+inline Matches Spends(trial::Criterion spending) { return Matches(trial::spends(std::move(spending))); }
+inline Matches FindsPaths() { return Matches(trial::finds_paths()); }
+inline Matches FindsPaths(trial::Criterion length) { return Matches(trial::finds_paths(std::move(length))); }
+inline Matches HasEfficiency(trial::Level level, trial::Criterion nats) {
+  return Matches(trial::has_efficiency(std::move(level), std::move(nats)));
+}
+inline Matches IsDeterministic() { return Matches(trial::is_deterministic()); }
+// NOLINTEND(readability-identifier-naming)
+
+}  // namespace trellis::testing
+
+namespace Catch {
+template <>
+struct StringMaker<trellis::trial::Trial> {
+  static std::string convert(const trellis::trial::Trial& trial) { return trial.text(); }
+};
+}  // namespace Catch

@@ -1,0 +1,31 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- What nested.lua is meant to show, as scenarios.
+--
+--   trellis test examples/nested_test.lua
+--
+-- Each expectation is held against the runs of all seeds, with 95 % confidence; docs/testing.md tells what that means.
+
+scenario "skeletons that feed shrunken robots that feed lazy checks sample better" (function()
+  local passage = given { script = "nested.lua" }
+  local nested, rrt = when { passage.nested, passage.rrt, seeds = 15 }
+
+  expect(nested, solves(at_least(0.95)))
+  expect(nested, finds_paths())
+  expect(nested, has_efficiency("root", below(rrt)))
+end)
+
+-- The gain is small, about a sixth, so it takes many seeds to tell.
+scenario "what they cost is less than what they save" (function()
+  local passage = given { script = "nested.lua" }
+  local nested, rrt = when { passage.nested, passage.rrt, seeds = 60 }
+
+  expect(nested, spends(fewer_than(rrt).validity_checks()))
+end)
+
+scenario "a level that presumes checks nothing" (function()
+  local passage = given { script = "nested.lua" }
+  local nested = when { passage.nested, seeds = 5 }
+
+  expect(nested, spends(exactly(0).validity_checks().in_level("lazy")))
+  expect(nested, spends(at_least(1).validity_checks().in_level("skeleton >> shrink")))
+end)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/measure/median_bound.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis {
+
+namespace {
+
+void check_confidence(double confidence) {
+  if (confidence > 0.0 && confidence < 1.0) return;
+  throw Error(fmt::format("bound of a median: the confidence must be in (0, 1), got {:g}", confidence));
+}
+
+/// The place, from 1, of the value that bounds the median from above: the least k of which n fair coins show fewer than
+/// k heads with that probability. n + 1 where even all of them would not do.
+std::size_t place_of_bound(std::size_t n, double confidence) {
+  if (n == 0) return 1;
+  const boost::math::binomial coins(static_cast<double>(n), 0.5);
+  std::size_t k = 1;
+  while (k <= n && boost::math::cdf(coins, static_cast<double>(k - 1)) < confidence) ++k;
+  return k;
+}
+
+}  // namespace
+
+double median_upper(std::span<const double> values, double confidence) {
+  check_confidence(confidence);
+  if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) {
+    throw Error("bound of a median: there is a value that is no number");
+  }
+  const std::size_t place = place_of_bound(values.size(), confidence);
+  if (place > values.size()) return std::numeric_limits<double>::infinity();
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted[place - 1];
+}
+
+double median_lower(std::span<const double> values, double confidence) {
+  std::vector<double> mirrored;
+  mirrored.reserve(values.size());
+  for (const double v : values) mirrored.push_back(-v);
+  return -median_upper(mirrored, confidence);
+}
+
+std::size_t least_for_median(double confidence) {
+  check_confidence(confidence);
+  std::size_t n = 1;
+  while (place_of_bound(n, confidence) > n) ++n;
+  return n;
+}
+
+}  // namespace trellis

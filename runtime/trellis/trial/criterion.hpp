@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <trellis/trial/trial.hpp>
+
+namespace trellis::trial {
+
+/// What a run spends.
+enum class Quantity : std::uint8_t { none, validity_checks, motion_checks, proposals, nodes };
+/// "validity checks".
+std::string_view to_string(Quantity quantity);
+
+/// What a figure is held against: a number or another trial, with what confidence, and of what the figure is.
+class Criterion {
+ public:
+  enum class Kind : std::uint8_t { at_least, at_most, below, above, exactly };
+
+  /// Throws Error for a number that is not finite.
+  Criterion(Kind kind, double value);
+  /// Less than the other trial has, seed by seed.
+  explicit Criterion(Trial less_than);
+
+  [[nodiscard]] Kind kind() const { return kind_; }
+  [[nodiscard]] double value() const { return value_; }
+  [[nodiscard]] const std::optional<Trial>& other() const { return other_; }
+  [[nodiscard]] double margin() const { return margin_; }
+  [[nodiscard]] Quantity quantity() const { return quantity_; }
+  [[nodiscard]] const std::string& level() const { return level_; }  ///< "": all of them together
+  /// As it was asked for; none where nobody did.
+  [[nodiscard]] const std::optional<double>& asked_confidence() const { return confidence_; }
+  [[nodiscard]] double confidence() const { return confidence_.value_or(default_confidence); }
+
+  /// Of a comparison: by so much less at the least. A share of the other's spending, or nats.
+  [[nodiscard]] Criterion by(double margin) const;
+  /// In (0.5, 1): how sure a statement about all seeds is to be.
+  [[nodiscard]] Criterion with_confidence(double confidence) const;
+  [[nodiscard]] Criterion of(Quantity quantity) const;
+  [[nodiscard]] Criterion validity_checks() const { return of(Quantity::validity_checks); }
+  [[nodiscard]] Criterion motion_checks() const { return of(Quantity::motion_checks); }
+  [[nodiscard]] Criterion proposals() const { return of(Quantity::proposals); }
+  [[nodiscard]] Criterion nodes() const { return of(Quantity::nodes); }
+  /// What one level spends.
+  [[nodiscard]] Criterion in_level(std::string level) const;
+
+  /// Whether an upper end can satisfy it (less is better), and whether a lower end can.
+  [[nodiscard]] bool from_above() const { return other_ || kind_ == Kind::at_most || kind_ == Kind::below; }
+  /// Whether a figure satisfies it; of numbers only.
+  [[nodiscard]] bool met_by(double figure) const;
+  /// "at least 0.95", "less than planner".
+  [[nodiscard]] std::string text() const;
+
+  static constexpr double default_confidence = 0.95;
+
+ private:
+  Kind kind_;
+  double value_ = 0.0;
+  std::optional<Trial> other_;
+  double margin_ = 0.0;
+  std::optional<double> confidence_;
+  Quantity quantity_ = Quantity::none;
+  std::string level_;
+};
+
+/// "at least".
+std::string_view to_string(Criterion::Kind kind);
+
+inline Criterion at_least(double x) { return {Criterion::Kind::at_least, x}; }
+inline Criterion at_most(double x) { return {Criterion::Kind::at_most, x}; }
+inline Criterion below(double x) { return {Criterion::Kind::below, x}; }
+inline Criterion above(double x) { return {Criterion::Kind::above, x}; }
+inline Criterion exactly(double x) { return {Criterion::Kind::exactly, x}; }
+inline Criterion below(Trial other) { return Criterion(std::move(other)); }
+inline Criterion fewer_than(Trial other) { return Criterion(std::move(other)); }
+
+}  // namespace trellis::trial

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/trial/level.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <string_view>
+
+#include <trellis/base/error.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis::trial {
+
+namespace {
+
+std::string without_spaces(std::string_view text) {
+  std::string kept;
+  for (const char c : text) {
+    if (std::isspace(static_cast<unsigned char>(c)) == 0) kept += c;
+  }
+  return kept;
+}
+
+/// "lazy" of "lazy(margin=0.2)", "rrt" of "rrt{step=0.5}".
+std::string component_of(const std::string& text) { return text.substr(0, text.find_first_of("({")); }
+
+std::vector<std::string> segments_of(std::string_view path) {
+  std::vector<std::string> segments;
+  constexpr std::string_view arrow = ">>";
+  for (std::size_t at = 0; at <= path.size();) {
+    const std::size_t end = std::min(path.find(arrow, at), path.size());
+    segments.push_back(without_spaces(path.substr(at, end - at)));
+    at = end + arrow.size();
+  }
+  return segments;
+}
+
+bool is_called(const LevelSummary& level, const std::string& segment) {
+  const std::string name = without_spaces(level.name);
+  if (segment == name || segment == component_of(name)) return true;
+  // The root may be called by its planner, as at the end of a strategy.
+  return level.parent < 0 && component_of(segment) == level.planner;
+}
+
+/// Whether the segments name the level, what it guides, and so on towards the root.
+bool is_way(const std::vector<LevelSummary>& levels, std::size_t level, const std::vector<std::string>& segments) {
+  auto at = static_cast<int>(level);
+  for (const std::string& segment : segments) {
+    if (at < 0 || !is_called(levels[static_cast<std::size_t>(at)], segment)) return false;
+    at = levels[static_cast<std::size_t>(at)].parent;
+  }
+  return true;
+}
+
+std::string listed(const std::vector<LevelSummary>& levels) {
+  std::string text;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", i, levels[i].name);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string find_level(const std::vector<RunResult>& runs, const std::string& name) {
+  std::vector<const RunResult*> all;
+  all.reserve(runs.size());
+  for (const RunResult& run : runs) all.push_back(&run);
+  const std::vector<LevelSummary> levels = summarise(all).levels;
+  if (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos) {
+    constexpr std::size_t digits = 4;
+    const std::size_t number = name.size() <= digits ? std::stoul(name) : levels.size();
+    if (number < levels.size()) return levels[number].key;
+    throw Error(fmt::format("there is no level {}; the levels are: {}", name, listed(levels)));
+  }
+  const auto segments = segments_of(name);
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (is_way(levels, i, segments)) found.push_back(i);
+  }
+  if (found.size() == 1) return levels[found.front()].key;
+  if (found.empty()) {
+    std::vector<std::string> known;
+    for (const LevelSummary& level : levels) {
+      known.push_back(component_of(level.name));
+      known.push_back(level.name);
+    }
+    throw Error(
+        fmt::format("no level is called '{}'{}; the levels are: {}", name, did_you_mean(name, known), listed(levels)));
+  }
+  std::string numbers;
+  for (const std::size_t i : found) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i);
+  throw Error(
+      fmt::format("the levels {} are all called '{}'; give one by its number, or by its way to the root, as "
+                  "\"skeleton >> lazy\"; the levels are: {}",
+                  numbers, name, listed(levels)));
+}
+
+}  // namespace trellis::trial

@@ -1,0 +1,1 @@
+return at_most(5).validty_checks()

@@ -1,0 +1,1 @@
+return solves(at_least)

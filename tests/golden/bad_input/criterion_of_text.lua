@@ -1,0 +1,1 @@
+return at_least "much"

@@ -1,0 +1,1 @@
+return has_efficiency("root", below(2), { role = "trees" })

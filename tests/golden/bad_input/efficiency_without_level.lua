@@ -1,0 +1,1 @@
+return has_efficiency(below(2))

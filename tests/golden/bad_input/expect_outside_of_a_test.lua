@@ -1,0 +1,1 @@
+expect(1, solves(at_least(1)))

@@ -1,0 +1,1 @@
+local it = given { script = "doorway.lua" }

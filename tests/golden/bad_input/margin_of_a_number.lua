@@ -1,0 +1,1 @@
+return spends(at_most(5).nodes().by(0.2))

@@ -1,0 +1,1 @@
+return finds_paths(at_most(5).nodes())

@@ -1,0 +1,1 @@
+scenario "regions help" (function() end)

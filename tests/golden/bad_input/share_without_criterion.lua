@@ -1,0 +1,1 @@
+return solves(0.95)

@@ -1,0 +1,1 @@
+return spends(fewer_than(5).nodes())

@@ -1,0 +1,1 @@
+local trial = when { seeds = 30 }
