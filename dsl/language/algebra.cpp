@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include <dsl/language/combine.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/strategy/ablation.hpp>
@@ -20,30 +21,18 @@ namespace {
 using lua::Stack;
 using lua::Value;
 
-/// Composition distributes over mixtures, so a few operators can ask for more components than any memory holds.
-constexpr std::size_t most_components = 1000;
+std::size_t ends_of(const GuideSpec& guide);
 
-std::size_t sum_over_terms(const GuideSpec& guide, std::size_t (*count)(const GuideSpec&)) {
+std::size_t ends_over_terms(const GuideSpec& guide) {
   std::size_t sum = 0;
-  for (const auto& term : guide.terms()) sum += count(term.guide);
+  for (const auto& term : guide.terms()) sum += ends_of(term.guide);
   return sum;
-}
-
-std::size_t components_of(const GuideSpec& guide) {
-  if (guide.kind() != GuideSpec::Kind::component) return sum_over_terms(guide, components_of);
-  return 1 + (guide.below() != nullptr ? components_of(*guide.below()) : 0);
 }
 
 /// The components without a guide of their own: where a guide put in front is copied to.
 std::size_t ends_of(const GuideSpec& guide) {
-  if (guide.kind() != GuideSpec::Kind::component) return sum_over_terms(guide, ends_of);
+  if (guide.kind() != GuideSpec::Kind::component) return ends_over_terms(guide);
   return guide.below() != nullptr ? ends_of(*guide.below()) : 1;
-}
-
-void check_size(std::size_t components) {
-  if (components <= most_components) return;
-  throw Error(
-      fmt::format("the composition would have {} components; at most {} are allowed", components, most_components));
 }
 
 /// Throws where an operand is a constructor that was not called: the slip that every message about types would hide.
@@ -264,45 +253,6 @@ void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index) {
   stack.declare<T>(metamethods);
 }
 
-struct SequenceSettings {
-  std::int64_t turn = default_turn;
-};
-
-const Settings<SequenceSettings>& sequence_settings() {
-  static const auto settings =
-      Settings<SequenceSettings>(Component::Kind::combinator, "sequence", "guides that take turns", "")
-          .integer("turn", &SequenceSettings::turn, "proposals", Range::at_least(1),
-                   "proposals that each part serves before the next one's turn");
-  return settings;
-}
-
-/// The guides that a combinator was given.
-std::vector<GuideSpec> read_parts(const char* name, const Arguments& arguments) {
-  std::vector<GuideSpec> parts;
-  std::size_t components = 0;
-  arguments.each([&](std::size_t i, Value value) {
-    const auto* guide = value.get<GuideSpec>();
-    if (guide == nullptr) {
-      throw Error(fmt::format("{}: element {} must be a guide, got {}", name, i, describe(value)));
-    }
-    parts.push_back(*guide);
-    components += components_of(*guide);
-  });
-  if (parts.empty()) throw Error(fmt::format("{}: it needs at least one guide", name));
-  check_size(components);
-  return parts;
-}
-
-int make_sequence(Stack& call) {
-  const Arguments arguments(sequence_construct(), call);
-  return call.result(sequence(read_parts("sequence", arguments), sequence_settings().read(arguments.options()).turn));
-}
-
-int make_blend(Stack& call) {
-  const Arguments arguments(blend_construct(), call);
-  return call.result(blend(read_parts("blend", arguments), blend_settings().read(arguments.options())));
-}
-
 int make_ablations(Stack& call) {
   const Arguments arguments(ablations_construct(), call);
   std::optional<StrategySpec> strategy;
@@ -337,31 +287,6 @@ std::optional<StrategySpec> as_strategy(Value value) {
   if (const auto* strategy = value.get<StrategySpec>()) return *strategy;
   if (const auto* planner = value.get<PlannerSpec>()) return StrategySpec(*planner);
   return {};
-}
-
-const Construct& sequence_construct() {
-  static const Construct construct = {
-      .name = "sequence",
-      .usage = "sequence { a, b, turn = 200 }",
-      .summary = "guides that take turns, each informing the next; a .. b is sequence { a, b }",
-      .list = "guides",
-      .element = "trellis.Guide",
-      .fields = {},
-      .options = sequence_settings().component(),
-      .returns = "trellis.Guide"};
-  return construct;
-}
-
-const Construct& blend_construct() {
-  static const Construct construct = {.name = "blend",
-                                      .usage = "blend { skeleton(), shrink(0.5), floor = 0.2 }",
-                                      .summary = blend_settings().component().summary,
-                                      .list = "guides",
-                                      .element = "trellis.Guide",
-                                      .fields = {},
-                                      .options = blend_settings().component(),
-                                      .returns = "trellis.Guide"};
-  return construct;
 }
 
 const Construct& ablations_construct() {
@@ -405,10 +330,7 @@ void open_algebra(Stack& stack) {
     stack.push_object(Constructor{component});
     stack.set_global(component->name);
   }
-  stack.push_function(make_sequence);
-  stack.set_global(sequence_construct().name);
-  stack.push_function(make_blend);
-  stack.set_global(blend_construct().name);
+  open_combinators(stack);
   stack.push_function(make_ablations);
   stack.set_global(ablations_construct().name);
 }

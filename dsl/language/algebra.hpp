@@ -14,10 +14,6 @@ namespace trellis::dsl {
 /// of whole strategies.
 void open_algebra(lua::Stack& stack);
 
-/// sequence { a, b, turn = 200 }.
-const Construct& sequence_construct();
-/// blend { a, b, floor = 0.2 }.
-const Construct& blend_construct();
 /// ablations(strategy).
 const Construct& ablations_construct();
 

@@ -45,8 +45,9 @@ std::optional<OptionValue> option_value(Value value) {
   return all ? std::optional(OptionValue(std::move(names))) : std::nullopt;
 }
 
-/// Adds what was given for an option. Whether the option exists is left to Options::validate, which knows what to say.
-void add_option(const Component& component, const std::string& name, Value value, std::vector<Options::Entry>& given) {
+}  // namespace
+
+void read_option(const Component& component, const std::string& name, Value value, std::vector<Options::Entry>& given) {
   const auto taken = std::any_of(given.begin(), given.end(), [&](const auto& entry) { return entry.first == name; });
   if (taken) {
     throw Error(fmt::format("{}: option '{}' is given twice, with its name and without", component.name, name));
@@ -58,6 +59,8 @@ void add_option(const Component& component, const std::string& name, Value value
   }
   given.emplace_back(name, converted.value_or(false));
 }
+
+namespace {
 
 std::string unnamed(const Component& component) {
   if (component.positional.empty()) return "takes no option without a name";
@@ -87,7 +90,7 @@ class OptionReader {
       return;
     }
     ++next_;
-    add_option(component_, name, value, given_.options);
+    read_option(component_, name, value, given_.options);
   }
 
   void table(Value table) {
@@ -133,7 +136,7 @@ class OptionReader {
         throw Error(fmt::format("{}: unknown option '{}'{}", component_.name, name, did_you_mean(name, known)));
       }
     }
-    add_option(component_, name, value, given_.options);
+    read_option(component_, name, value, given_.options);
   }
 
   const Component& component_;
@@ -198,7 +201,7 @@ Options Arguments::options() const {
   std::vector<Options::Entry> given;
   for (const auto& option : construct_.options.options) {
     const Value value = (*this)[option.name];
-    if (value.given()) add_option(construct_.options, option.name, value, given);
+    if (value.given()) read_option(construct_.options, option.name, value, given);
   }
   return Options::validate(construct_.options, given);
 }

@@ -75,6 +75,10 @@ struct Given {
 /// \param planner  the component may be given a planner of its own search, as `planner = ...`
 Given read_options(const Component& component, lua::Stack& call, int first, bool planner);
 
+/// Adds what was given for an option. Whether the option exists is left to Options::validate, which knows what to say.
+void read_option(const Component& component, const std::string& name, lua::Value value,
+                 std::vector<Options::Entry>& given);
+
 /// The finite numbers in a list. `what` names it in messages: "problem: field 'start'".
 std::vector<double> read_numbers(lua::Value value, const std::string& what);
 

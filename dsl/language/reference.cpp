@@ -13,6 +13,7 @@
 
 #include <dsl/language/modules.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {
 
@@ -275,11 +276,11 @@ std::string reference_markdown() {
     }
     text += list + "\n\n";
   }
-  text +=
-      "## Composition\n\n| | |\n|---|---|\n"
-      "| `a >> b` | a guides the search in b's space; guide >> planner is a strategy |\n"
-      "| `0.7*a + 0.3*b` | a mixture of guides |\n| `a .. b` | guides that take turns |\n"
-      "| `blend { a, b }` | a mixture whose weights follow what each guide's proposals achieved |\n\n";
+  text += "## Composition\n\n| | |\n|---|---|\n";
+  for (const Combinator& combinator : combinators()) {
+    text += fmt::format("| `{}` | {} |\n", combinator.written, combinator.summary);
+  }
+  text += '\n';
   for (const auto& [kind, title] : kinds) {
     text += fmt::format("## {}\n\n", title);
     for (const Word& word : words()) {

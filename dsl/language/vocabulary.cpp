@@ -13,6 +13,7 @@
 #include <dsl/language/catalogue.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/guide/guide.hpp>
+#include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {
 
@@ -162,10 +163,7 @@ std::string vocabulary_text() {
     text += '\n';
   }
   text += "composition:\n";
-  text += row("a >> b", "a guides the search in b's space; guide >> planner is a strategy");
-  text += row("0.7*a + 0.3*b", "a mixture of guides");
-  text += row("a .. b", "guides that take turns");
-  text += row("blend { a, b }", "a mixture whose weights follow what each guide's proposals achieved");
+  for (const Combinator& combinator : combinators()) text += row(combinator.written, combinator.summary);
   text += '\n';
   list(Word::Kind::constructor, "constructors");
   text += '\n';

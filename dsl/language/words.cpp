@@ -11,6 +11,7 @@
 #include <variant>
 
 #include <dsl/language/algebra.hpp>
+#include <dsl/language/combine.hpp>
 #include <dsl/language/experiment.hpp>
 #include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
@@ -196,7 +197,8 @@ std::string default_text(const Option& option) {
 }
 
 std::vector<const Construct*> constructs() {
-  std::vector<const Construct*> all = {&sequence_construct(), &blend_construct(), &ablations_construct()};
+  std::vector<const Construct*> all = combinator_constructs();
+  all.push_back(&ablations_construct());
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),

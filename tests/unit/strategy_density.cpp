@@ -52,6 +52,13 @@ std::vector<StrategySpec> strategies() {
       (0.6 * (bias >> with_planner("identity", "rrt")) + 0.4 * sequence({skeleton, shrink}, 30)) >> planner("prm"),
       sequence({skeleton >> with_planner("shrink", "prm"), lazy >> with_planner("shrink", "lazy_prm")}, 25) >>
           planner("rrt"),
+      schedule({shrink, skeleton, bias}, {.turn = 40}) >> planner("rrt"),
+      schedule({guide("shrink", {{"scale", 0.2}, {"patience", std::int64_t{30}}}), lazy}) >> planner("rrt"),
+      race({lazy, 0.5 * shrink + 0.5 * skeleton}, {.slice = 20}) >> planner("rrt_connect"),
+      blend({shrink, skeleton, bias}, {.credit = "efficiency"}) >> planner("rrt"),
+      blend({shrink, lazy}, {.credit = "reach", .rule = "exp3"}) >> planner("rrt"),
+      split(skeleton >> planner("rrt"), {.depth = 2, .effort = 300}),
+      split(planner("rrt_connect"), {.effort = 300}),
   };
 }
 
@@ -213,11 +220,16 @@ TEST_CASE("the recorded density is that of every step", "[executor][density]") {
       }
       ExecuteOptions options;
       options.watch = [&](const LevelRecord& level, const Guidance& h) {
-        Sums& mine = sums[level.key];
-        mine.proposals += 1.0;
-        mine.atoms += h.atom_mass();
-        for (std::size_t i = 0; i < mine.densities.size(); ++i) {
-          mine.densities[i] += h.density(std::as_const(mine.probes)[i]);
+        // What the halves of a split draw is drawn for the whole as well.
+        for (const LevelRecord* at = &first.levels[static_cast<std::size_t>(level.level)];;
+             at = &first.levels[static_cast<std::size_t>(at->parent)]) {
+          Sums& mine = sums[at->key];
+          mine.proposals += 1.0;
+          mine.atoms += h.atom_mass();
+          for (std::size_t i = 0; i < mine.densities.size(); ++i) {
+            mine.densities[i] += h.density(std::as_const(mine.probes)[i]);
+          }
+          if (!at->name.ends_with(" half")) break;
         }
       };
       const auto run = execute(strategy, problem, 1, options);
@@ -229,8 +241,10 @@ TEST_CASE("the recorded density is that of every step", "[executor][density]") {
         REQUIRE(mine.proposals == level.search.density.total());
         REQUIRE(static_cast<bool>(level.proposal_density) == (mine.proposals > 0.0));
         REQUIRE(static_cast<bool>(level.root_proposal_density) == (mine.proposals > 0.0));
-        // What is kept does not grow with the proposals.
-        CHECK(level.search.density.terms() <= 6);
+        // What is kept does not grow with the proposals; a split keeps what its halves do.
+        const auto halves = std::count_if(run.levels.begin(), run.levels.end(),
+                                          [](const LevelRecord& one) { return one.name.ends_with(" half"); });
+        CHECK(level.search.density.terms() <= 6 * static_cast<std::size_t>(1 + halves));
         if (mine.proposals == 0.0) continue;
         CHECK(level.proposal_atoms == Approx(mine.atoms / mine.proposals).margin(1e-12));
         for (std::size_t i = 0; i < mine.densities.size(); ++i) {

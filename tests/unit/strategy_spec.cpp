@@ -55,7 +55,7 @@ TEST_CASE("nesting distributes over blends, which keep their settings", "[spec][
   CHECK(strategy.text() == "blend { skeleton(), shrink(0.5), floor = 0.5 } >> rrt()");
   CHECK(strategy.tree() ==
         "rrt()\n"
-        "└─ blend, floor 0.5, decay 0.98, credit node\n"
+        "└─ blend, floor 0.5, decay 0.98, credit node, rule rates\n"
         "   ├─ 1. skeleton()  searched by graph_search()\n"
         "   └─ 2. shrink(0.5)  searched by rrt()\n");
   CHECK(strategy.json().find("\"floor\":0.5,\"decay\":0.98,\"credit\":\"node\"") != std::string::npos);

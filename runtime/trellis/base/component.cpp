@@ -10,7 +10,12 @@ namespace trellis {
 
 std::string to_string(const OptionValue& value) {
   struct Text {
-    std::string operator()(double x) const { return std::isinf(x) ? (x > 0 ? "inf" : "-inf") : fmt::format("{:g}", x); }
+    std::string operator()(double x) const {
+      if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
+      // As many digits as it takes to read the same number back.
+      std::string text = fmt::format("{:g}", x);
+      return std::stod(text) == x || std::isnan(x) ? text : fmt::format("{}", x);
+    }
     std::string operator()(std::int64_t x) const { return fmt::format("{}", x); }
     std::string operator()(bool x) const { return x ? "true" : "false"; }
     std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }

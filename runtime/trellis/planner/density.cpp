@@ -47,6 +47,21 @@ void DensityRecord::settle() {
   served_ = 0.0;
 }
 
+void DensityRecord::append(const DensityRecord& other) {
+  settle();
+  DensityRecord record = other;
+  record.settle();
+  past_.total += record.past_.total;
+  past_.uniform += record.past_.uniform;
+  past_.atoms += record.past_.atoms;
+  past_.unknown += record.past_.unknown;
+  if (record.uniform_density_ > 0.0) uniform_density_ = record.uniform_density_;
+  terms_.insert(terms_.end(), record.terms_.begin(), record.terms_.end());
+  if (terms_.size() <= most_terms_) return;
+  compact();
+  most_terms_ = std::max(most_terms_, 2 * terms_.size());
+}
+
 void DensityRecord::renew(const Guidance& h) {
   settle();
   if (terms_.size() > most_terms_) {

@@ -44,6 +44,8 @@ class DensityRecord {
  public:
   /// Counts a proposal that h has just drawn. h says what it is (Guidance::record) only where that may have changed.
   void served(const Guidance& h);
+  /// Counts the proposals of another record over the same space as well.
+  void append(const DensityRecord& other);
   /// Sums what is akin. The value stays the same, evaluating costs less.
   void compact();
 

@@ -22,14 +22,6 @@ GuideSpec bare(const GuideSpec& guide) {
   return plain.planner() == guide.planner() ? plain : make(guide.planner());
 }
 
-/// The sum of a mixture's weights, 1 of any other guide.
-double total_weight(const GuideSpec& guide) {
-  if (guide.kind() != GuideSpec::Kind::mixture) return 1.0;
-  double total = 0.0;
-  for (const auto& term : guide.terms()) total += term.weight;
-  return total;
-}
-
 /// The components of a guide, each before those that guide it.
 void collect(const GuideSpec& guide, std::vector<const GuideSpec*>& components) {
   if (guide.kind() != GuideSpec::Kind::component) {
@@ -47,17 +39,10 @@ GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
     if (guide.below() == nullptr) return guide;
     return without(*guide.below(), which, how) >> bare(guide);
   }
-  std::optional<GuideSpec> sum;
   std::vector<GuideSpec> parts;
-  for (const auto& term : guide.terms()) {
-    const GuideSpec part = without(term.guide, which, how);
-    parts.push_back(part);
-    // A mixture in a part's place has that part's share as a whole.
-    const GuideSpec weighted = (term.weight / total_weight(part)) * part;
-    sum = sum ? *sum + weighted : weighted;
-  }
-  if (guide.kind() == GuideSpec::Kind::blend) return blend(parts, guide.blending());
-  return guide.kind() == GuideSpec::Kind::mixture ? *sum : sequence(parts, guide.turn());
+  parts.reserve(guide.terms().size());
+  for (const auto& term : guide.terms()) parts.push_back(without(term.guide, which, how));
+  return guide.with_parts(parts);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace trellis {
 struct Combinator {
   std::string name;     ///< "mixture"
   std::string written;  ///< "0.7*a + 0.3*b"
+  std::string summary;  ///< one line
   std::string source;
   GuideClaims claims;
 };

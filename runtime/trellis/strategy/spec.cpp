@@ -18,13 +18,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string options_text(const Component& component, const Options& options, const std::string& more) {
-  // Positional options are what a component is known by: they come first, without their names, and always.
-  std::vector<std::string> named;
-  std::vector<std::string> unnamed;
-  const bool braces = !more.empty();
+/// The options that differ from their defaults, "name = value" each. Positional ones are what a component is known by:
+/// they come first, without their names, and always.
+std::vector<std::string> written_options(const Component& component, const Options& options,
+                                         std::vector<std::string> unnamed, bool& named) {
+  std::vector<std::string> rest;
   for (const auto& [name, value] : options.entries()) {
-    const bool changed = !(value == component.find(name)->default_value);
     const auto& positional = component.positional;
     if (std::find(positional.begin(), positional.end(), name) != positional.end()) {
       if (const auto* names = std::get_if<std::vector<std::string>>(&value)) {
@@ -32,14 +31,88 @@ std::string options_text(const Component& component, const Options& options, con
       } else {
         unnamed.push_back(to_string(value));
       }
-    } else if (changed) {
-      named.push_back(fmt::format("{} = {}", name, to_string(value)));
+    } else if (!(value == component.find(name)->default_value)) {
+      rest.push_back(fmt::format("{} = {}", name, to_string(value)));
     }
   }
-  if (braces) named.push_back(more);
-  if (named.empty()) return fmt::format("({})", fmt::join(unnamed, ", "));
-  for (auto& text : named) unnamed.push_back(std::move(text));
-  return fmt::format(" {{ {} }}", fmt::join(unnamed, ", "));
+  named = !rest.empty();
+  for (auto& text : rest) unnamed.push_back(std::move(text));
+  return unnamed;
+}
+
+std::string options_text(const Component& component, const Options& options, const std::string& more) {
+  bool named = false;
+  std::vector<std::string> written = written_options(component, options, {}, named);
+  if (!more.empty()) written.push_back(more);
+  if (!named && more.empty()) return fmt::format("({})", fmt::join(written, ", "));
+  return fmt::format(" {{ {} }}", fmt::join(written, ", "));
+}
+
+/// "schedule { a, b, turn = 300 }".
+std::string combined_text(const Component& component, const Options& options, std::vector<std::string> parts) {
+  bool named = false;
+  return fmt::format("{} {{ {} }}", component.name,
+                     fmt::join(written_options(component, options, std::move(parts), named), ", "));
+}
+
+const Component& combinator(GuideSpec::Kind kind) {
+  switch (kind) {
+    case GuideSpec::Kind::sequence: return sequence_settings().component();
+    case GuideSpec::Kind::blend: return blend_settings().component();
+    case GuideSpec::Kind::schedule: return schedule_settings().component();
+    case GuideSpec::Kind::race: return race_settings().component();
+    case GuideSpec::Kind::component:
+    case GuideSpec::Kind::mixture: break;
+  }
+  throw Fault("no combinator with options");
+}
+
+Options sequence_options(std::int64_t turn) {
+  return Options::validate(sequence_settings().component(), {{"turn", turn}});
+}
+
+double total_weight(const GuideSpec& guide) {
+  double total = 0.0;
+  for (const auto& term : guide.terms()) total += term.weight;
+  return total;
+}
+
+/// The normalised weights of a mixture, with as many digits as it takes to read the same mixture back.
+std::vector<std::string> written_weights(const GuideSpec& guide) {
+  const double total = total_weight(guide);
+  const auto write = [&](const char* format) {
+    std::vector<std::string> written;
+    for (const auto& term : guide.terms()) written.push_back(fmt::format(fmt::runtime(format), term.weight / total));
+    return written;
+  };
+  std::vector<std::string> written = write("{:.4g}");
+  double read = 0.0;
+  for (const auto& text : written) read += std::stod(text);
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    if (std::abs(std::stod(written[i]) / read - guide.terms()[i].weight / total) > 1e-13) return write("{:.17g}");
+  }
+  return written;
+}
+
+/// Whether it is written with an operator, so that it needs parentheses amid others.
+bool is_open(const GuideSpec& guide) {
+  switch (guide.kind()) {
+    case GuideSpec::Kind::component: return guide.below() != nullptr;
+    case GuideSpec::Kind::mixture: return true;
+    case GuideSpec::Kind::sequence:
+      return guide.options() == sequence_options(default_turn) && guide.terms().size() > 1;
+    case GuideSpec::Kind::blend:
+    case GuideSpec::Kind::schedule:
+    case GuideSpec::Kind::race: return false;
+  }
+  throw Fault("unknown kind of guide");
+}
+
+std::string bracketed(const GuideSpec& guide) { return is_open(guide) ? "(" + guide.text() + ")" : guide.text(); }
+
+/// In front of `>>`, which binds weaker than all that guides are combined with, and associates.
+std::string in_front(const GuideSpec& guide) {
+  return guide.kind() == GuideSpec::Kind::component ? guide.text() : bracketed(guide);
 }
 
 Json value_json(const OptionValue& value) {
@@ -60,17 +133,12 @@ Json options_json(const Options& options) {
 }
 
 Json planner_json(const PlannerSpec& planner) {
+  if (const Options* dividing = planner.dividing()) {
+    Json json = {{"split", planner_json(planner.undivided())}};
+    json.update(options_json(*dividing));
+    return json;
+  }
   return {{"planner", planner.name()}, {"options", options_json(planner.options())}};
-}
-
-/// The options of a blend that differ from their defaults, as a script writes them.
-std::vector<std::string> blend_options(const BlendSettings& settings) {
-  const BlendSettings plain;
-  std::vector<std::string> given;
-  if (settings.floor != plain.floor) given.push_back("floor = " + to_string(OptionValue(settings.floor)));
-  if (settings.decay != plain.decay) given.push_back("decay = " + to_string(OptionValue(settings.decay)));
-  if (settings.credit != plain.credit) given.push_back("credit = " + to_string(OptionValue(settings.credit)));
-  return given;
 }
 
 Json guide_json(const GuideSpec& guide) {
@@ -81,8 +149,7 @@ Json guide_json(const GuideSpec& guide) {
     return json;
   }
   Json parts = Json::array();
-  double total = 0.0;
-  for (const auto& term : guide.terms()) total += term.weight;
+  const double total = total_weight(guide);
   for (const auto& term : guide.terms()) {
     if (guide.kind() == GuideSpec::Kind::mixture) {
       parts.push_back({{"weight", term.weight / total}, {"guide", guide_json(term.guide)}});
@@ -90,12 +157,9 @@ Json guide_json(const GuideSpec& guide) {
       parts.push_back(guide_json(term.guide));
     }
   }
-  if (guide.kind() == GuideSpec::Kind::mixture) return {{"mixture", parts}};
-  if (guide.kind() == GuideSpec::Kind::blend) {
-    const BlendSettings& blending = guide.blending();
-    return {{"blend", parts}, {"floor", blending.floor}, {"decay", blending.decay}, {"credit", blending.credit}};
-  }
-  return {{"sequence", parts}, {"turn", guide.turn()}};
+  Json json = {{guide.name(), parts}};
+  json.update(options_json(guide.options()));
+  return json;
 }
 
 }  // namespace
@@ -111,8 +175,55 @@ PlannerSpec PlannerSpec::make(const std::string& name, const std::vector<Options
   return spec;
 }
 
+struct PlannerSpec::Division {
+  Options options;
+  PlannerSpec part;
+};
+
+const Options* PlannerSpec::dividing() const { return division_ ? &division_->options : nullptr; }
+
+const PlannerSpec& PlannerSpec::undivided() const {
+  if (!division_) throw Fault("not a split");
+  return division_->part;
+}
+
+PlannerSpec PlannerSpec::half() const {
+  SplitSettings settings = split_settings().read(*dividing());
+  if (--settings.depth == 0) return division_->part;
+  return split(division_->part, settings);
+}
+
 std::string PlannerSpec::text() const {
+  if (division_) return combined_text(split_settings().component(), division_->options, {division_->part.text()});
   return name_ + options_text(component(Component::Kind::planner, name_), options_, "");
+}
+
+bool operator==(const PlannerSpec& a, const PlannerSpec& b) {
+  if ((a.division_ == nullptr) != (b.division_ == nullptr)) return false;
+  if (a.division_) return a.division_->options == b.division_->options && a.division_->part == b.division_->part;
+  return a.name_ == b.name_ && a.options_ == b.options_;
+}
+
+PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings) {
+  if (find_planner(part.name())->graph) {
+    throw Error(fmt::format("split: '{}' searches explicit graphs, which are searched exactly and need no sub-goals",
+                            part.name()));
+  }
+  SplitSettings whole = settings;
+  const PlannerSpec* leaf = &part;
+  if (part.division_) {
+    const SplitSettings inner = split_settings().read(part.division_->options);
+    if (inner.tries == settings.tries && inner.effort == settings.effort) {
+      whole.depth += inner.depth;
+      leaf = &part.division_->part;
+    }
+  }
+  PlannerSpec spec = part;
+  spec.division_ = std::make_shared<PlannerSpec::Division>(PlannerSpec::Division{
+      Options::validate(split_settings().component(),
+                        {{"depth", whole.depth}, {"tries", whole.tries}, {"effort", whole.effort}}),
+      *leaf});
+  return spec;
 }
 
 // ---- guides
@@ -126,8 +237,6 @@ struct GuideSpec::Node {
   std::optional<GuideSpec> below;
   Origin origin;
   std::vector<Term> terms;
-  std::int64_t turn = default_turn;
-  BlendSettings blending;
 };
 
 GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::Entry>& given,
@@ -163,8 +272,40 @@ const std::optional<PlannerSpec>& GuideSpec::planner() const { return node_->pla
 const GuideSpec* GuideSpec::below() const { return node_->below ? &*node_->below : nullptr; }
 const Origin& GuideSpec::origin() const { return node_->origin; }
 const std::vector<GuideSpec::Term>& GuideSpec::terms() const { return node_->terms; }
-std::int64_t GuideSpec::turn() const { return node_->turn; }
-const BlendSettings& GuideSpec::blending() const { return node_->blending; }
+
+GuideSpec GuideSpec::with_parts(const std::vector<GuideSpec>& parts) const {
+  if (kind() != Kind::mixture) return combine(kind(), parts, options());
+  std::optional<GuideSpec> sum;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    // A mixture in a part's place has that part's share as a whole.
+    const double within = parts[i].kind() == Kind::mixture ? total_weight(parts[i]) : 1.0;
+    const GuideSpec weighted = (terms()[i].weight / within) * parts[i];
+    sum = sum ? *sum + weighted : weighted;
+  }
+  return *sum;
+}
+
+/// A combinator of one guide is that guide, but for blends, whose options say how it is counted, and sequences.
+GuideSpec GuideSpec::combine(Kind kind, const std::vector<GuideSpec>& parts, Options options) {
+  const std::string& name = combinator(kind).name;
+  if (parts.empty()) throw Error(name + ": needs at least one guide");
+  if (parts.size() == 1 && (kind == Kind::schedule || kind == Kind::race)) return parts.front();
+  // The turns of a schedule within one would not be the same, so it is flat only where there are none.
+  const bool flat =
+      kind == Kind::sequence || (kind == Kind::schedule && std::isinf(schedule_settings().read(options).turn));
+  auto node = std::make_shared<Node>();
+  node->kind = kind;
+  node->name = name;
+  for (const auto& part : parts) {
+    if (flat && part.kind() == kind && part.options() == options) {
+      node->terms.insert(node->terms.end(), part.terms().begin(), part.terms().end());
+    } else {
+      node->terms.push_back({1.0, part});
+    }
+  }
+  node->options = std::move(options);
+  return GuideSpec(std::move(node));
+}
 
 bool GuideSpec::searches() const {
   if (kind() == Kind::component) return node_->planner.has_value();
@@ -178,37 +319,28 @@ std::string GuideSpec::text() const {
       std::string self =
           node_->name + options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
       if (!node_->below) return self;
-      const std::string above = node_->below->text();
-      const bool loose = node_->below->kind() == Kind::mixture || node_->below->kind() == Kind::sequence;
-      return (loose ? "(" + above + ")" : above) + " >> " + self;
+      return in_front(*node_->below) + " >> " + self;
     }
     case Kind::mixture: {
-      double total = 0.0;
-      for (const auto& term : terms()) total += term.weight;
+      const std::vector<std::string> weights = written_weights(*this);
       std::vector<std::string> parts;
-      for (const auto& term : terms()) {
-        const bool loose =
-            term.guide.kind() != Kind::blend && (term.guide.kind() != Kind::component || term.guide.below() != nullptr);
-        const std::string inner = loose ? "(" + term.guide.text() + ")" : term.guide.text();
-        parts.push_back(fmt::format("{:.4g}*{}", term.weight / total, inner));
-      }
+      for (const auto& term : terms()) parts.push_back(weights[parts.size()] + "*" + bracketed(term.guide));
       return fmt::format("{}", fmt::join(parts, " + "));
     }
-    case Kind::sequence: {
-      std::vector<std::string> parts;
-      for (const auto& term : terms()) {
-        const bool loose = term.guide.kind() == Kind::mixture ||
-                           (term.guide.kind() == Kind::component && term.guide.below() != nullptr);
-        parts.push_back(loose ? "(" + term.guide.text() + ")" : term.guide.text());
+    case Kind::sequence:
+      if (is_open(*this)) {
+        std::vector<std::string> parts;
+        for (const auto& term : terms()) parts.push_back(bracketed(term.guide));
+        return fmt::format("{}", fmt::join(parts, " .. "));
       }
-      if (turn() != default_turn) return fmt::format("sequence {{ {}, turn = {} }}", fmt::join(parts, ", "), turn());
-      return fmt::format("{}", fmt::join(parts, " .. "));
-    }
-    case Kind::blend: {
+      [[fallthrough]];
+    case Kind::blend:
+    case Kind::schedule:
+    case Kind::race: {
       std::vector<std::string> parts;
+      parts.reserve(terms().size());
       for (const auto& term : terms()) parts.push_back(term.guide.text());
-      for (auto& option : blend_options(blending())) parts.push_back(std::move(option));
-      return fmt::format("blend {{ {} }}", fmt::join(parts, ", "));
+      return combined_text(combinator(kind()), options(), std::move(parts));
     }
   }
   throw Fault("unknown kind of guide");
@@ -222,12 +354,9 @@ bool operator==(const GuideSpec& a, const GuideSpec& b) {
     if ((a.below() == nullptr) != (b.below() == nullptr)) return false;
     return a.below() == nullptr || *a.below() == *b.below();
   }
-  if (a.terms().size() != b.terms().size() || a.turn() != b.turn()) return false;
-  if (!(a.blending() == b.blending())) return false;
-  double total_a = 0.0;
-  double total_b = 0.0;
-  for (const auto& term : a.terms()) total_a += term.weight;
-  for (const auto& term : b.terms()) total_b += term.weight;
+  if (a.terms().size() != b.terms().size() || !(a.options() == b.options())) return false;
+  const double total_a = total_weight(a);
+  const double total_b = total_weight(b);
   for (std::size_t i = 0; i < a.terms().size(); ++i) {
     // Weights are equal when they are once normalised, up to rounding: 0.5*a + 0.5*b is a + b.
     if (std::abs(a.terms()[i].weight / total_a - b.terms()[i].weight / total_b) > 1e-12) return false;
@@ -257,6 +386,7 @@ GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided) {
 GuideSpec operator+(const GuideSpec& a, const GuideSpec& b) {
   auto node = std::make_shared<GuideSpec::Node>();
   node->kind = GuideSpec::Kind::mixture;
+  node->name = "mixture";
   for (const auto* side : {&a, &b}) {
     if (side->kind() == GuideSpec::Kind::mixture) {
       node->terms.insert(node->terms.end(), side->terms().begin(), side->terms().end());
@@ -273,6 +403,7 @@ GuideSpec operator*(double weight, const GuideSpec& guide) {
   }
   auto node = std::make_shared<GuideSpec::Node>();
   node->kind = GuideSpec::Kind::mixture;
+  node->name = "mixture";
   if (guide.kind() == GuideSpec::Kind::mixture) {
     for (const auto& term : guide.terms()) node->terms.push_back({weight * term.weight, term.guide});
   } else {
@@ -282,49 +413,31 @@ GuideSpec operator*(double weight, const GuideSpec& guide) {
 }
 
 GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn) {
-  if (parts.empty()) throw Error("sequence: needs at least one guide");
-  if (turn < 1) throw Error(fmt::format("sequence: turn must be an integer of at least 1, got {}", turn));
-  auto node = std::make_shared<GuideSpec::Node>();
-  node->kind = GuideSpec::Kind::sequence;
-  node->turn = turn;
-  for (const auto& part : parts) {
-    if (part.kind() == GuideSpec::Kind::sequence && part.turn() == turn) {
-      node->terms.insert(node->terms.end(), part.terms().begin(), part.terms().end());
-    } else {
-      node->terms.push_back({1.0, part});
-    }
-  }
-  return GuideSpec(std::move(node));
-}
-
-const Settings<BlendSettings>& blend_settings() {
-  static const auto settings =
-      Settings<BlendSettings>(
-          Component::Kind::combinator, "blend", "a mixture whose weights follow what each guide's proposals achieved",
-          "the rule of Denny, Sandstrom, Bregger and Amato 2016 for regions, with guides in their place; combining "
-          "guides: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133")
-          .number("floor", &BlendSettings::floor, "share of proposals", {.lo = 0, .hi = 1, .open_lo = true},
-                  "share that is spread evenly over the parts, so that none starves; the rest follows successes over "
-                  "attempts; 1: an even mixture")
-          .number("decay", &BlendSettings::decay, "factor", {.lo = 0, .hi = 1, .open_lo = true},
-                  "what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - "
-                  "decay) of its proposals are remembered")
-          .choice("credit", &BlendSettings::credit, {"node", "reach"},
-                  "what a success is: \"node\", 1 for each proposal that led to a node; \"reach\", the length of the "
-                  "extension to that node, by the longest of the run so far");
-  return settings;
+  return GuideSpec::combine(GuideSpec::Kind::sequence, parts, sequence_options(turn));
 }
 
 GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings) {
-  if (parts.empty()) throw Error("blend: needs at least one guide");
-  Options::validate(blend_settings().component(),
-                    {{"floor", settings.floor}, {"decay", settings.decay}, {"credit", settings.credit}});
-  auto node = std::make_shared<GuideSpec::Node>();
-  node->kind = GuideSpec::Kind::blend;
-  node->blending = settings;
-  node->terms.reserve(parts.size());
-  for (const auto& part : parts) node->terms.push_back({1.0, part});
-  return GuideSpec(std::move(node));
+  if (settings.credit == "efficiency" && settings.rule == "exp3") {
+    throw Error(
+        "blend: credit = \"efficiency\" has a rule of its own and cannot be combined with rule = \"exp3\"; give one of "
+        "the two");
+  }
+  return GuideSpec::combine(GuideSpec::Kind::blend, parts,
+                            Options::validate(blend_settings().component(), {{"floor", settings.floor},
+                                                                             {"decay", settings.decay},
+                                                                             {"credit", settings.credit},
+                                                                             {"rule", settings.rule}}));
+}
+
+GuideSpec schedule(const std::vector<GuideSpec>& parts, const ScheduleSettings& settings) {
+  return GuideSpec::combine(
+      GuideSpec::Kind::schedule, parts,
+      Options::validate(schedule_settings().component(), {{"rounds", settings.rounds}, {"turn", settings.turn}}));
+}
+
+GuideSpec race(const std::vector<GuideSpec>& parts, const RaceSettings& settings) {
+  return GuideSpec::combine(GuideSpec::Kind::race, parts,
+                            Options::validate(race_settings().component(), {{"slice", settings.slice}}));
 }
 
 // ---- strategies
@@ -350,14 +463,21 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
     return;
   }
   const bool mixture = guide.kind() == GuideSpec::Kind::mixture;
-  if (guide.kind() == GuideSpec::Kind::blend) {
-    const auto& blending = guide.blending();
-    head(fmt::format("blend, floor {:.3g}, decay {:.3g}, credit {}", blending.floor, blending.decay, blending.credit));
+  if (guide.kind() == GuideSpec::Kind::sequence) {
+    head(fmt::format("sequence, turns of {} proposals", sequence_settings().read(guide.options()).turn));
   } else {
-    head(mixture ? "mixture" : fmt::format("sequence, turns of {} proposals", guide.turn()));
+    std::string line = guide.name();
+    for (const auto& [name, value] : guide.options().entries()) {
+      const auto* text = std::get_if<std::string>(&value);
+      const auto* number = std::get_if<double>(&value);
+      line += fmt::format(", {} {}", name,
+                          text != nullptr     ? *text
+                          : number != nullptr ? fmt::format("{:.3g}", *number)
+                                              : to_string(value));
+    }
+    head(line);
   }
-  double total = 0.0;
-  for (const auto& term : guide.terms()) total += term.weight;
+  const double total = total_weight(guide);
   for (std::size_t i = 0; i < guide.terms().size(); ++i) {
     const auto& term = guide.terms()[i];
     const std::string name = mixture ? fmt::format("{:.3g} x ", term.weight / total) : fmt::format("{}. ", i + 1);
@@ -390,9 +510,7 @@ StrategySpec::StrategySpec(PlannerSpec planner, GuideSpec guide)
 
 std::string StrategySpec::text() const {
   if (!guide_) return planner_.text();
-  const std::string guide = guide_->text();
-  const bool loose = guide_->kind() == GuideSpec::Kind::mixture || guide_->kind() == GuideSpec::Kind::sequence;
-  return (loose ? "(" + guide + ")" : guide) + " >> " + planner_.text();
+  return in_front(*guide_) + " >> " + planner_.text();
 }
 
 std::string StrategySpec::tree() const {
@@ -415,5 +533,10 @@ StrategySpec operator>>(const GuideSpec& above, const StrategySpec& guided) {
 }
 
 StrategySpec operator>>(const GuideSpec& above, const PlannerSpec& planner) { return {planner, above}; }
+
+StrategySpec split(const StrategySpec& part, const SplitSettings& settings) {
+  const PlannerSpec planner = split(part.planner(), settings);
+  return part.guide() != nullptr ? StrategySpec(planner, *part.guide()) : StrategySpec(planner);
+}
 
 }  // namespace trellis

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/base/component.hpp>
+#include <trellis/strategy/combinator_settings.hpp>
 
 namespace trellis {
 
@@ -15,12 +16,13 @@ namespace trellis {
 //
 //   guide >> guide = guide          planner is a strategy           w * guide = guide
 //   guide >> strategy = strategy    guide + guide = guide           guide .. guide = guide (sequence)
-//                                   blend { guide, ... } = guide
+//   split { planner } = planner     blend, schedule, race { guide, ... } = guide
 //
-// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)`, and so with `..` and blend; sums and sequences are flat, blends
-// are not; `(a >> b) >> c` and `a >> (b >> c)` are the same value. Laws: `>>` associates (with the planner at the end
-// too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over mixtures,
-// sequences and blends.
+// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)`, and so with `..`, blend, schedule and race; sums, sequences and
+// schedules are flat, blends and races are not; a schedule or race of one guide is that guide; `(a >> b) >> c` and
+// `a >> (b >> c)` are the same value; `split { a >> p }` is `a >> split { p }`. Laws: `>>` associates (with the planner
+// at the end too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over every
+// way of combining guides.
 
 /// Where a spec was written. Not part of its value, hash or JSON.
 struct Origin {
@@ -34,45 +36,39 @@ class PlannerSpec {
   /// Throws Error for an unknown planner (with the nearest name) or a wrong option.
   static PlannerSpec make(const std::string& name, const std::vector<Options::Entry>& given, Origin origin = {});
 
+  /// The planner that searches in the end; of a split that of the undivided halves.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] const Origin& origin() const { return origin_; }
+  /// How it divides its instances; nullptr where it does not.
+  [[nodiscard]] const Options* dividing() const;
+  /// Of a split: what solves an instance that was divided as often as it may be, and what solves one of its halves.
+  [[nodiscard]] const PlannerSpec& undivided() const;
+  [[nodiscard]] PlannerSpec half() const;
   /// "rrt { step = 0.5 }": the options that differ from their defaults.
   [[nodiscard]] std::string text() const;
 
-  friend bool operator==(const PlannerSpec& a, const PlannerSpec& b) {
-    return a.name_ == b.name_ && a.options_ == b.options_;
-  }
+  friend bool operator==(const PlannerSpec& a, const PlannerSpec& b);
+  friend PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings);
 
  private:
+  struct Division;
+
   std::string name_;
   Options options_;
   Origin origin_;
+  std::shared_ptr<const Division> division_;
 };
 
-/// How a blend follows what its parts achieved. Part i of n draws with probability
-///
-///     floor / n + (1 - floor) * w_i / sum w,    w_i = successes_i / attempts_i,
-///
-/// both begun at 1 and multiplied by `decay` before each outcome of a proposal of part i is counted. It is the rule by
-/// which dynamic regions are chosen (Denny et al. 2016), with the parts for regions; the floor is what keeps every part
-/// sampled, as exploration does in EXP3 (Auer et al. 2002).
-struct BlendSettings {
-  double floor = 0.2;
-  double decay = 0.98;
-  /// What a proposal's success is. "node": 1 where it led to a node. "reach": how long the extension to that node was,
-  /// by the longest of the run so far; a node amid others is worth little.
-  std::string credit = "node";
+/// A planner that divides its instances at sub-goals and solves each half by `part`. A split of a split with the same
+/// options, but for their depths, is one of both depths. Throws Error for settings out of their range, or for a planner
+/// of explicit graphs.
+PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings = {});
 
-  friend bool operator==(const BlendSettings&, const BlendSettings&) = default;
-};
-/// The settings described, for scripts and help.
-const Settings<BlendSettings>& blend_settings();
-
-/// A guide: a component (f, h) with the guide of its own search, a mixture, a sequence, or a blend.
+/// A guide: a component (f, h) with the guide of its own search, or several guides combined.
 class GuideSpec {
  public:
-  enum class Kind { component, mixture, sequence, blend };
+  enum class Kind { component, mixture, sequence, blend, schedule, race };
   struct Term;
 
   /// A component without a guide of its own. `planner`: of its own search; none: the component's default.
@@ -81,20 +77,20 @@ class GuideSpec {
                         std::optional<PlannerSpec> planner = {}, Origin origin = {});
 
   [[nodiscard]] Kind kind() const;
-  // Of a component:
-  [[nodiscard]] const std::string& name() const;
+  /// Of a component, or of the combinator that is neither component nor mixture.
   [[nodiscard]] const Options& options() const;
+  /// "shrink", "mixture", "schedule".
+  [[nodiscard]] const std::string& name() const;
+  // Of a component:
   /// The planner of its own search (the default filled in); none where S = {0}.
   [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
   /// The guide of its own search, nullptr without.
   [[nodiscard]] const GuideSpec* below() const;
   [[nodiscard]] const Origin& origin() const;
-  // Of a mixture, sequence or blend (weights other than a mixture's are 1):
+  // Of any other (weights other than a mixture's are 1):
   [[nodiscard]] const std::vector<Term>& terms() const;
-  /// Proposals that each part of a sequence serves before the next one's turn.
-  [[nodiscard]] std::int64_t turn() const;
-  /// How a blend weighs its parts.
-  [[nodiscard]] const BlendSettings& blending() const;
+  /// The same way of combining, with its options, for other guides; a mixture keeps its weights. Not of a component.
+  [[nodiscard]] GuideSpec with_parts(const std::vector<GuideSpec>& parts) const;
 
   /// Whether any component in it searches a space of its own (S other than {0}).
   [[nodiscard]] bool searches() const;
@@ -112,9 +108,12 @@ class GuideSpec {
   friend GuideSpec operator*(double weight, const GuideSpec& guide);
   friend GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn);
   friend GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings);
+  friend GuideSpec schedule(const std::vector<GuideSpec>& parts, const ScheduleSettings& settings);
+  friend GuideSpec race(const std::vector<GuideSpec>& parts, const RaceSettings& settings);
 
  private:
   struct Node;
+  static GuideSpec combine(Kind kind, const std::vector<GuideSpec>& parts, Options options);
   explicit GuideSpec(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
   std::shared_ptr<const Node> node_;
 };
@@ -124,13 +123,15 @@ struct GuideSpec::Term {
   GuideSpec guide;
 };
 
-/// The default turn of a sequence, in proposals.
-inline constexpr std::int64_t default_turn = 200;
 /// `a .. b .. c`: each space serves a turn and informs the next. `a .. b` in Lua is sequence({a, b}).
 GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = default_turn);
 /// A mixture whose weights follow what each part's proposals achieved. Throws Error without parts, or for settings out
 /// of their range.
 GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings = {});
+/// Guides that serve in order, each until it is refuted.
+GuideSpec schedule(const std::vector<GuideSpec>& parts, const ScheduleSettings& settings = {});
+/// Guides whose spaces are searched in turn, by growing budgets; the first path found guides until it is refuted.
+GuideSpec race(const std::vector<GuideSpec>& parts, const RaceSettings& settings = {});
 
 /// A planner at the root, with or without a guide: what can be executed.
 class StrategySpec {
@@ -160,5 +161,7 @@ class StrategySpec {
 };
 
 StrategySpec operator>>(const GuideSpec& above, const PlannerSpec& planner);
+/// `split { guide >> planner }` is `guide >> split { planner }`: each half is guided as the whole.
+StrategySpec split(const StrategySpec& part, const SplitSettings& settings = {});
 
 }  // namespace trellis

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <utility>
+
+#include <trellis/strategy/level.hpp>
+
+namespace trellis {
+
+namespace {
+
+std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
+  if (spec.kind() == GuideSpec::Kind::component) return make_component(run, level, spec, key);
+  std::vector<double> weights;
+  std::vector<std::unique_ptr<Prepared>> parts;
+  for (const auto& term : spec.terms()) {
+    weights.push_back(term.weight);
+    // The key names the place in the hierarchy, so that no level's stream depends on its neighbours.
+    parts.push_back(make_guidance_at(run, level, term.guide, fmt::format("{}.{}", key, parts.size())));
+  }
+  const Options& options = spec.options();
+  switch (spec.kind()) {
+    case GuideSpec::Kind::mixture: return make_mixture(weights, std::move(parts));
+    case GuideSpec::Kind::sequence: return make_sequence(sequence_settings().read(options), std::move(parts));
+    case GuideSpec::Kind::blend: return make_blend(blend_settings().read(options), level.instance(), std::move(parts));
+    case GuideSpec::Kind::schedule: return make_schedule(schedule_settings().read(options), std::move(parts));
+    case GuideSpec::Kind::race: return make_race(race_settings().read(options), std::move(parts));
+    case GuideSpec::Kind::component: break;
+  }
+  throw Fault("unknown kind of guide");
+}
+
+}  // namespace
+
+std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec) {
+  return make_guidance_at(run, level, spec, level.record().key + "/0");
+}
+
+}  // namespace trellis

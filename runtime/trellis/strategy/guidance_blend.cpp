@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <trellis/strategy/prepared.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// A mixture whose weights follow what each part's proposals achieved (BlendSettings).
+class BlendGuidance final : public PartsGuidance {
+ public:
+  BlendGuidance(const BlendSettings& settings, const Instance& instance, std::vector<std::unique_ptr<Prepared>> parts)
+      : PartsGuidance(std::move(parts)),
+        settings_(settings),
+        instance_(instance),
+        rule_(settings.credit == "efficiency" ? Rule::efficiency
+              : settings.rule == "exp3"       ? Rule::exp3
+                                              : Rule::rates),
+        arms_(parts_.size()),
+        served_(rule_ == Rule::efficiency ? parts_.size() : 0),
+        nearest_to_goal_(instance.space.distance(instance.start, instance.goal)),
+        nearest_to_start_(nearest_to_goal_) {}
+  Advance prepare(double proposals) override { return prepare_all(proposals); }
+  Source sample(Stream& stream, MutableView out) override {
+    const double total = total_weight();
+    double u = stream.uniform();
+    drawn_ = 0;
+    while (drawn_ + 1 < parts_.size() && u >= share(drawn_, total)) u -= share(drawn_++, total);
+    const Source source = draw(stream, out);
+    for (std::size_t i = 0; i < served_.size(); ++i) served_[i].served(*parts_[i]);
+    return source;
+  }
+  [[nodiscard]] double density(View q) const override {
+    return sum([&](const Prepared& part) { return part.density(q); });
+  }
+  [[nodiscard]] double atom_mass() const override {
+    return sum([](const Prepared& part) { return part.atom_mass(); });
+  }
+  [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
+  void record(DensityRecord& record, double of) const override {
+    const double total = total_weight();
+    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->record(record, of * share(i, total));
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    switch (rule_) {
+      case Rule::rates:
+        if (mine) count(arms_[drawn_], credit(outcome));
+        break;
+      case Rule::exp3:
+        if (mine) reward(credit(outcome));
+        break;
+      case Rule::efficiency:
+        if (!outcome.added.empty() && is_progress(outcome)) maximise(outcome.added, mine);
+        break;
+    }
+    PartsGuidance::observe(outcome, mine);
+  }
+  /// Of the parts that have a path, that of the one with the most weight.
+  [[nodiscard]] Configurations guiding_path() const override {
+    Configurations best;
+    double most = -1.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (weight(arms_[i]) <= most) continue;
+      Configurations path = parts_[i]->guiding_path();
+      if (path.empty()) continue;
+      most = weight(arms_[i]);
+      best = std::move(path);
+    }
+    return best;
+  }
+
+ private:
+  enum class Rule : std::uint8_t { rates, exp3, efficiency };
+  struct Arm {
+    double successes = 1.0;  ///< of exp3 its weight
+    double attempts = 1.0;   ///< counted by rates only
+  };
+
+  [[nodiscard]] static double weight(const Arm& arm) { return arm.successes / arm.attempts; }
+  [[nodiscard]] double total_weight() const {
+    double total = 0.0;
+    for (const auto& arm : arms_) total += weight(arm);
+    return total;
+  }
+  /// The probability that part i draws the next proposal, `total` the weight of all.
+  [[nodiscard]] double share(std::size_t i, double total) const {
+    const double even = 1.0 / static_cast<double>(arms_.size());
+    const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
+    return settings_.floor * even + (1.0 - settings_.floor) * follow;
+  }
+  template <class Value>
+  [[nodiscard]] double sum(const Value& value) const {
+    const double total = total_weight();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) sum += share(i, total) * value(*parts_[i]);
+    return sum;
+  }
+  double credit(const Outcome& outcome) {
+    if (outcome.added.empty()) return 0.0;
+    if (settings_.credit == "node" || outcome.near.empty()) return 1.0;
+    const double length = instance_.space.distance(outcome.near, outcome.added);
+    longest_ = std::max(longest_, length);
+    return longest_ > 0.0 ? length / longest_ : 0.0;
+  }
+  void count(Arm& arm, double success) {
+    arm.successes = settings_.decay * arm.successes + success;
+    arm.attempts = settings_.decay * arm.attempts + 1.0;
+    ++changes_;
+  }
+  /// Of exp3, to the part that drew.
+  void reward(double r) {
+    const double n = static_cast<double>(arms_.size());
+    arms_[drawn_].successes *= std::exp(settings_.floor * r / (n * share(drawn_, total_weight())));
+    // Only the ratios matter, and none may grow beyond all numbers.
+    double most = 0.0;
+    for (const auto& arm : arms_) most = std::max(most, arm.successes);
+    for (auto& arm : arms_) arm.successes /= most;
+    ++changes_;
+  }
+  /// Whether the search has come nearer to its end than ever before.
+  bool is_progress(const Outcome& outcome) {
+    double& nearest = outcome.from_goal ? nearest_to_start_ : nearest_to_goal_;
+    const Configuration& end = outcome.from_goal ? instance_.start : instance_.goal;
+    const double distance = instance_.space.distance(outcome.added, end);
+    if (distance >= nearest) return false;
+    nearest = distance;
+    return true;
+  }
+  /// A step of expectation maximisation at a place that T holds.
+  void maximise(View place, bool mine) {
+    const double total = total_weight();
+    std::vector<double> responsible(arms_.size(), 0.0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < arms_.size(); ++i) {
+      const double q = served_[i].at(place);
+      responsible[i] = std::isnan(q) ? 0.0 : share(i, total) * q;
+      sum += responsible[i];
+    }
+    const bool unknown = mine && std::isnan(served_[drawn_].at(place));
+    if (unknown || !(sum > 0.0)) {
+      // Nothing but who drew it speaks for a part; what others drew tells nothing then.
+      if (!mine) return;
+      std::fill(responsible.begin(), responsible.end(), 0.0);
+      responsible[drawn_] = 1.0;
+    } else {
+      for (double& r : responsible) r /= sum;
+    }
+    for (std::size_t i = 0; i < arms_.size(); ++i) {
+      arms_[i].successes = settings_.decay * arms_[i].successes + responsible[i];
+    }
+    ++changes_;
+  }
+
+  BlendSettings settings_;
+  const Instance& instance_;
+  Rule rule_;
+  std::vector<Arm> arms_;
+  std::vector<DensityRecord> served_;  ///< what each part was, whoever drew; kept for efficiency only
+  double longest_ = 0.0;               ///< extension so far
+  std::uint64_t changes_ = 0;          ///< of the weights
+  double nearest_to_goal_;             ///< of what the search reached
+  double nearest_to_start_;            ///< of what it reached from the goal's side
+};
+
+}  // namespace
+
+std::unique_ptr<Prepared> make_blend(const BlendSettings& settings, const Instance& instance,
+                                     std::vector<std::unique_ptr<Prepared>> parts) {
+  return std::make_unique<BlendGuidance>(settings, instance, std::move(parts));
+}
+
+}  // namespace trellis

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <trellis/strategy/checks.hpp>
+#include <trellis/strategy/level.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
+class ComponentGuidance final : public Prepared {
+ public:
+  ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
+      : parent_(parent),
+        guide_(find_guide(spec.name())->make(spec.options())),
+        name_(GuideSpec::make(spec.name(), spec.options().entries()).text()),
+        resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
+    double seconds = 0.0;
+    double* above = run.clock.switch_to(&seconds);
+    auto sub = project(run, parent, spec);
+    run.clock.switch_to(above);
+    if (!sub) return;
+    try {
+      level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
+    } catch (const Error& error) {
+      fail(run, parent, spec, error);
+    }
+    level_->charge(seconds);
+    if (spec.below() != nullptr) level_->guide_by(*spec.below());
+  }
+
+  Advance prepare(double proposals) override {
+    if (heuristic_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
+    if (!level_) {
+      ++epoch_;
+      heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
+      found_ = true;
+      return Advance::found;
+    }
+    if (heuristic_ && !renewing_) {
+      renewing_ = true;
+      --resolves_left_;
+      guide_->before_resolve();
+    }
+    const Advance advance = search(proposals);
+    if (advance == Advance::unfinished) return advance;
+    epoch_ = epoch() + 1;
+    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &level_->solution());
+    renewing_ = false;
+    counted_ = false;
+    found_ = advance == Advance::found;
+    return advance;
+  }
+  void renew() override {
+    if (heuristic_ && renewable()) prepare(std::numeric_limits<double>::infinity());
+  }
+  [[nodiscard]] std::uint64_t refuted() const override { return refuted_; }
+  [[nodiscard]] bool spent() const override { return heuristic_ && heuristic_->stale() && !renewable(); }
+  [[nodiscard]] bool searches() const override { return level_ != nullptr; }
+
+  Source sample(Stream& stream, MutableView out) override {
+    heuristic_->sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override {
+    return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
+  }
+  [[nodiscard]] double atom_mass() const override { return heuristic_ ? heuristic_->atom_mass() : 0.0; }
+  [[nodiscard]] std::uint64_t epoch() const override { return heuristic_ ? epoch_ + heuristic_->epoch() : epoch_; }
+  void record(DensityRecord& record, double share) const override {
+    if (!heuristic_) throw Fault("a guide that was not prepared has drawn nothing to record");
+    heuristic_->record(record, share);
+  }
+
+  void observe(const Outcome& outcome, bool mine) override {
+    guide_->learn(outcome);
+    if (!heuristic_) return;
+    heuristic_->observe(outcome, mine);
+    if (heuristic_->stale() && !std::exchange(counted_, true)) ++refuted_;
+  }
+
+  void found(double length) override {
+    if (heuristic_) heuristic_->found(length);
+  }
+
+  [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
+  [[nodiscard]] Configurations guiding_path() const override {
+    return heuristic_ ? heuristic_->lifted_path() : Configurations{};
+  }
+
+  void inform(const Configurations& path) override {
+    if (!level_) return;
+    Configurations projected(level_->instance().space.dimension());
+    Configuration s(projected.dimension());
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      guide_->project(path[i], s);
+      projected.push(s);
+    }
+    level_->guidance().inform(projected);
+  }
+
+ private:
+  std::unique_ptr<Instance> project(const Run& run, const Level& parent, const GuideSpec& spec) const {
+    try {
+      return guide_->project(parent_.instance());
+    } catch (const Error& error) {
+      fail(run, parent, spec, error);
+    }
+  }
+
+  [[noreturn]] void fail(const Run& run, const Level& parent, const GuideSpec& spec, const Error& error) const {
+    const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+    const std::string path = level_path(parent.record(), at);
+    throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
+                            path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+  }
+
+  /// Whether h was refuted and S may be solved again.
+  [[nodiscard]] bool renewable() const { return heuristic_->stale() && (renewing_ || resolves_left_ > 0); }
+
+  /// Solves the instance in S, for as many paths as the guide wants.
+  Advance search(double proposals) {
+    const Advance first = level_->advance(std::min(proposals, guide_->effort()), proposals < guide_->effort());
+    if (first == Advance::unfinished) return first;
+    while (const std::int64_t more = guide_->another(level_->found() ? &level_->solution() : nullptr)) {
+      level_->solve(static_cast<double>(more));
+    }
+    return first;
+  }
+
+  Level& parent_;
+  std::shared_ptr<Guide> guide_;
+  std::string name_;
+  std::unique_ptr<Level> level_;
+  std::unique_ptr<Heuristic> heuristic_;
+  std::uint64_t epoch_ = 0;  ///< beside the heuristic's own
+  std::int64_t resolves_left_;
+  std::uint64_t refuted_ = 0;
+  bool counted_ = false;   ///< that the h in use was refuted
+  bool renewing_ = false;  ///< a re-solve has begun
+  bool found_ = false;     ///< the last search found a path, or there is none to be found
+};
+
+}  // namespace
+
+std::unique_ptr<Prepared> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
+  return std::make_unique<ComponentGuidance>(run, level, spec, key);
+}
+
+}  // namespace trellis

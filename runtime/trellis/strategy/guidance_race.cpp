@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <utility>
+
+#include <trellis/strategy/prepared.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Guides whose spaces are searched in turn by growing slices (RaceSettings). The first that finds a path leads: it
+/// guides, and the others' searches rest, until it is refuted; then the race goes on with the others first. Where all
+/// searches end without a path the first guides that has at least the way to what came nearest.
+class RaceGuidance final : public PartsGuidance {
+ public:
+  RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
+      : PartsGuidance(std::move(parts)), slice_(static_cast<double>(settings.slice)), out_(parts_.size(), false) {}
+
+  Advance prepare(double proposals) override {
+    if (!led_) outcome_ = run(proposals);
+    return outcome_;
+  }
+  Source sample(Stream& stream, MutableView out) override { return draw(stream, out); }
+  void renew() override {
+    if (parts_[drawn_]->refuted() == begun_ || over()) {
+      parts_[drawn_]->renew();
+      return;
+    }
+    turn_ = (drawn_ + 1) % parts_.size();
+    outcome_ = run(std::numeric_limits<double>::infinity());
+  }
+  /// A refuted leader is a round of the whole only where nobody else is left to lead.
+  [[nodiscard]] std::uint64_t refuted() const override { return over() ? parts_[drawn_]->refuted() - begun_ : 0; }
+  [[nodiscard]] bool spent() const override { return over() && parts_[drawn_]->spent(); }
+
+  [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
+  [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return leaders_ + PartsGuidance::epoch(); }
+  void record(DensityRecord& record, double share) const override { parts_[drawn_]->record(record, share); }
+  [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
+
+ private:
+  /// Whether the present leader has no one left to race against.
+  [[nodiscard]] bool over() const {
+    for (std::size_t i = 0; i < out_.size(); ++i) {
+      if (i != drawn_ && !out_[i]) return false;
+    }
+    return led_;
+  }
+
+  Advance run(double proposals) {
+    double searched = 0.0;
+    while (std::find(out_.begin(), out_.end(), false) != out_.end()) {
+      if (searched >= proposals) return Advance::unfinished;
+      const std::size_t part = turn_;
+      const double slice = slice_;
+      turn_ = (turn_ + 1) % parts_.size();
+      if (turn_ == 0) slice_ *= 2.0;
+      if (out_[part]) continue;
+      const Advance advance = parts_[part]->prepare(slice);
+      searched += slice;
+      if (advance == Advance::found && !parts_[part]->spent()) {
+        lead(part);
+        return advance;
+      }
+      // A part that was refuted for good keeps its path, which is better than none, but leads no more.
+      if (advance != Advance::unfinished) out_[part] = true;
+    }
+    if (!led_) {
+      std::size_t best = 0;
+      while (best + 1 < parts_.size() && parts_[best]->guiding_path().empty()) ++best;
+      lead(parts_[best]->guiding_path().empty() ? 0 : best);
+    }
+    return Advance::nothing;
+  }
+  void lead(std::size_t part) {
+    led_ = true;
+    ++leaders_;
+    drawn_ = part;
+    begun_ = parts_[part]->refuted();
+  }
+
+  double slice_;           ///< of the round that is run
+  std::size_t turn_ = 0;   ///< whose search is next
+  std::vector<bool> out_;  ///< whose search has ended without a path
+  bool led_ = false;       ///< there is a leader, or the best that there is
+  Advance outcome_ = Advance::unfinished;
+  std::uint64_t begun_ = 0;    ///< how often the leader was refuted when it took the lead
+  std::uint64_t leaders_ = 0;  ///< changes of the lead
+};
+
+}  // namespace
+
+std::unique_ptr<Prepared> make_race(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts) {
+  return std::make_unique<RaceGuidance>(settings, std::move(parts));
+}
+
+}  // namespace trellis

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
+#include <trellis/strategy/prepared.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Guides that serve in order (ScheduleSettings). The path that each leaves informs the search of the next, as in a
+/// sequence; one whose search finds nothing passes on at once.
+class ScheduleGuidance final : public PartsGuidance {
+ public:
+  ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
+      : PartsGuidance(std::move(parts)), settings_(settings) {}
+
+  Advance prepare(double proposals) override {
+    for (;;) {
+      const Advance advance = parts_[drawn_]->prepare(proposals);
+      if (advance != Advance::nothing || last()) return advance;
+      pass_on();
+    }
+  }
+  Source sample(Stream& stream, MutableView out) override {
+    if (!last() && static_cast<double>(served_) >= settings_.turn) hand_over();
+    ++served_;
+    return draw(stream, out);
+  }
+  void renew() override {
+    const auto& part = *parts_[drawn_];
+    const auto rounds = static_cast<std::uint64_t>(settings_.rounds);
+    if (!last() && (part.refuted() >= begun_ + rounds || part.spent())) {
+      hand_over();
+    } else {
+      parts_[drawn_]->renew();
+    }
+  }
+  /// The round of the whole ends with that of the last.
+  [[nodiscard]] std::uint64_t refuted() const override { return last() ? parts_[drawn_]->refuted() - begun_ : 0; }
+  [[nodiscard]] bool spent() const override { return last() && parts_[drawn_]->spent(); }
+
+  [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
+  [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return drawn_ + PartsGuidance::epoch(); }
+  void record(DensityRecord& record, double share) const override { parts_[drawn_]->record(record, share); }
+  [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
+
+ private:
+  [[nodiscard]] bool last() const { return drawn_ + 1 == parts_.size(); }
+  /// Makes the next part the present one.
+  void pass_on() {
+    const Configurations path = parts_[drawn_]->guiding_path();
+    ++drawn_;
+    served_ = 0;
+    begun_ = parts_[drawn_]->refuted();
+    if (!path.empty()) parts_[drawn_]->inform(path);
+  }
+  void hand_over() {
+    pass_on();
+    prepare(std::numeric_limits<double>::infinity());
+  }
+
+  ScheduleSettings settings_;
+  std::int64_t served_ = 0;  ///< proposals by the present part
+  std::uint64_t begun_ = 0;  ///< how often it was refuted when it took over
+};
+
+}  // namespace
+
+std::unique_ptr<Prepared> make_schedule(const ScheduleSettings& settings,
+                                        std::vector<std::unique_ptr<Prepared>> parts) {
+  return std::make_unique<ScheduleGuidance>(settings, std::move(parts));
+}
+
+}  // namespace trellis

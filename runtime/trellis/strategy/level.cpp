@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/level.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <trellis/strategy/checks.hpp>
+#include <trellis/strategy/split_search.hpp>
+
+namespace trellis {
+
+Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
+             const PlannerSpec& planner, std::shared_ptr<const Guide> lift)
+    : run_(run),
+      parent_(parent),
+      lift_(std::move(lift)),
+      instance_(std::move(instance)),
+      kind_(*find_planner(planner.name())),
+      planner_spec_(planner),
+      common_(kind_.common(planner.options())),
+      guidance_(*instance_, common_) {
+  if (!kind_.graph) instance_->graph = nullptr;
+  check_planner(kind_, *instance_);
+  record_.level = static_cast<int>(run.levels.size());
+  record_.parent = parent != nullptr ? parent->record_.level : -1;
+  record_.depth = parent != nullptr ? parent->record_.depth + 1 : 0;
+  record_.key = std::move(key);
+  record_.name = std::move(name);
+  record_.space = instance_->space;
+  record_.start = instance_->start;
+  record_.goal = instance_->goal;
+  record_.position_axes = instance_->position_axes;
+  record_.scene = instance_->scene;
+  record_.presumed = !instance_->validity->spends_checks();
+  record_.planner = planner.name();
+  record_.search = Search(instance_->space.dimension());
+  run.levels.push_back(this);
+}
+
+Advance Level::advance(double proposals, bool slice) {
+  double* above = run_.clock.switch_to(&record_.search.seconds);
+  if (run_.at_work != nullptr) run_.at_work->pause();
+  Level* asking = std::exchange(run_.at_work, this);
+  Advance advance = Advance::unfinished;
+  Prepared* guide = guidance_.guide();
+  const double below = slice ? proposals : Budget::unlimited;
+  if (guide == nullptr || guide->prepare(below) != Advance::unfinished) advance = solve_own(proposals, slice);
+  run_.at_work = asking;
+  run_.clock.switch_to(above);
+  return advance;
+}
+
+std::unique_ptr<Planner> Level::make_planner() {
+  Guidance* h = &guidance_;
+  if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
+  Planner::Task task{
+      *instance_,      *h, Stream(run_.seed, record_.key, "proposals"), record_.search, guidance_.guided(),
+      run_.interrupted};
+  if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(task));
+  return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(task));
+}
+
+Advance Level::solve_own(double proposals, bool slice) {
+  if (!planner_) planner_ = make_planner();
+  const auto drawn = [&] { return static_cast<double>(record_.search.proposals.size()); };
+  Budget budget = common_.budget;
+  budget.proposals = std::min(budget.proposals, drawn() + proposals);
+  Solution found = planner_->solve(budget);
+  found_ = found.solved();
+  if (found_) guidance_.found(path_length(instance_->space, found.path));
+  const bool over = found.status != Status::budget_spent || drawn() >= common_.budget.proposals ||
+                    static_cast<double>(instance_->checks.validity) >= common_.budget.checks ||
+                    drawn() < budget.proposals;
+  const Advance advance = found_ ? Advance::found : slice && !over ? Advance::unfinished : Advance::nothing;
+  if (advance == Advance::unfinished) {
+    pause();
+  } else {
+    ++record_.solves;
+    if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
+    end_turn(found.solved() ? found.path : Configurations(), true);
+  }
+  // A later solve that finds nothing does not undo what was found: its path may still guide.
+  if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
+  return advance;
+}
+
+LevelRecord Level::take_record() {
+  record_.search.checks = instance_->checks;
+  record_.search.sources = guidance_.sources();
+  record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
+  record_.root_proposals = lifted(record_.search.proposals, "lift proposals");
+  record_.valid = [validity = instance_->validity](View q) { return validity->state(q); };
+  record_.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
+  record_.search.density.compact();
+  if (record_.search.density.exact()) {
+    const auto density = std::make_shared<const DensityRecord>(record_.search.density);
+    record_.proposal_density = [density](View q) { return density->at(q); };
+    record_.root_proposal_density = lifted(record_.proposal_density);
+    record_.proposal_atoms = density->atoms();
+  }
+  std::string key = record_.key;
+  LevelRecord taken = std::move(record_);
+  // The levels below draw their lifts from streams that are named by it.
+  record_.key = std::move(key);
+  return taken;
+}
+
+void Level::pause() {
+  const Search& search = record_.search;
+  if (search.proposals.size() + search.nodes.size() > noted_) end_turn({}, false);
+}
+
+void Level::end_turn(Configurations path, bool solve_ended) {
+  const Search& search = record_.search;
+  noted_ = search.proposals.size() + search.nodes.size();
+  const auto length = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
+  run_.turns.push_back(
+      {record_.level, length(search.proposals.size()), length(search.nodes.size()), solve_ended, std::move(path)});
+}
+
+Configurations Level::lifted(const Configurations& rows, const std::string& purpose) const {
+  Configurations current = rows;
+  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+    Stream stream(run_.seed, record_.key, purpose + " from " + at->record_.key);
+    const std::size_t dimension = at->parent_->instance_->space.dimension();
+    Configurations next(dimension);
+    next.reserve(current.size());
+    Configuration q(dimension);
+    for (std::size_t i = 0; i < current.size(); ++i) {
+      at->lift_->lift(std::as_const(current)[i], stream, q);
+      next.push(q);
+    }
+    current = std::move(next);
+  }
+  return current;
+}
+
+std::function<double(View)> Level::lifted(std::function<double(View)> density) const {
+  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+    density = [density = std::move(density), f = at->lift_,
+               s = Configuration(at->instance_->space.dimension())](View q) mutable {
+      f->project(q, s);
+      const double p = density(s);
+      return p > 0.0 ? p * std::exp(f->log_fibre_density(q)) : p;
+    };
+  }
+  return density;
+}
+
+}  // namespace trellis

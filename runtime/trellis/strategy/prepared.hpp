@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/instance/instance.hpp>
+#include <trellis/planner/guidance.hpp>
+#include <trellis/strategy/spec.hpp>
+
+namespace trellis {
+
+class Level;
+struct Run;
+
+/// How a search came out that was given so much to spend.
+enum class Advance : std::uint8_t {
+  unfinished,  ///< it spent that, and would go on
+  found,       ///< a path; also where there is nothing to search
+  nothing,     ///< it ended without a path
+};
+
+/// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
+class Prepared : public Guidance {
+ public:
+  /// Solves the instances below that are needed for the first proposal, or again where h was refuted.
+  /// \param proposals  that each search may spend in this call; nothing is drawn while one is unfinished
+  virtual Advance prepare(double proposals = std::numeric_limits<double>::infinity()) {
+    static_cast<void>(proposals);
+    return Advance::found;
+  }
+  /// Has the instances below solved again where h was refuted; called after every outcome was observed.
+  virtual void renew() {}
+  /// How often h was refuted. Of several parts that search, how often each was at the least.
+  [[nodiscard]] virtual std::uint64_t refuted() const { return 0; }
+  /// Whether h is refuted for good: there are no more re-solves.
+  [[nodiscard]] virtual bool spent() const { return false; }
+  /// Whether it searches a space; what does not is never refuted.
+  [[nodiscard]] virtual bool searches() const { return false; }
+  /// The path in this level's space along which it guides now; empty where it has none.
+  [[nodiscard]] virtual Configurations guiding_path() const { return {}; }
+  /// A path in this level's space found by other means, for the searches below to go by.
+  virtual void inform(const Configurations& path) { static_cast<void>(path); }
+};
+
+/// What mixtures and sequences share: parts, one of which draws.
+class PartsGuidance : public Prepared {
+ public:
+  explicit PartsGuidance(std::vector<std::unique_ptr<Prepared>> parts) : parts_(std::move(parts)) {
+    for (const auto& part : parts_) {
+      first_source_.push_back(static_cast<Source>(sources_.size()));
+      for (auto& name : part->sources()) sources_.push_back(std::move(name));
+    }
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  }
+  void found(double length) override {
+    for (auto& part : parts_) part->found(length);
+  }
+  void renew() override {
+    for (auto& part : parts_) part->renew();
+  }
+  [[nodiscard]] std::uint64_t refuted() const override {
+    std::optional<std::uint64_t> least;
+    for (const auto& part : parts_) {
+      if (part->searches()) least = std::min(least.value_or(part->refuted()), part->refuted());
+    }
+    return least.value_or(0);
+  }
+  [[nodiscard]] bool spent() const override {
+    return searches() && std::all_of(parts_.begin(), parts_.end(),
+                                     [](const auto& part) { return !part->searches() || part->spent(); });
+  }
+  [[nodiscard]] bool searches() const override {
+    return std::any_of(parts_.begin(), parts_.end(), [](const auto& part) { return part->searches(); });
+  }
+  [[nodiscard]] std::uint64_t epoch() const override {
+    std::uint64_t sum = 0;
+    for (const auto& part : parts_) sum += part->epoch();
+    return sum;
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return sources_; }
+  void inform(const Configurations& path) override {
+    for (auto& part : parts_) part->inform(path);
+  }
+
+ protected:
+  /// Prepares every part: a path is found where any has one.
+  Advance prepare_all(double proposals) {
+    Advance best = Advance::nothing;
+    bool unfinished = false;
+    for (auto& part : parts_) {
+      const Advance advance = part->prepare(proposals);
+      unfinished = unfinished || advance == Advance::unfinished;
+      if (advance == Advance::found) best = advance;
+    }
+    return unfinished ? Advance::unfinished : best;
+  }
+  Source draw(Stream& stream, MutableView out) {
+    return static_cast<Source>(first_source_[drawn_] + parts_[drawn_]->sample(stream, out));
+  }
+
+  std::vector<std::unique_ptr<Prepared>> parts_;
+  std::size_t drawn_ = 0;
+
+ private:
+  std::vector<Source> first_source_;
+  std::vector<std::string> sources_;
+};
+
+/// Of guides whose parts are there. The weights are those of the mixture's terms.
+std::unique_ptr<Prepared> make_mixture(const std::vector<double>& weights,
+                                       std::vector<std::unique_ptr<Prepared>> parts);
+std::unique_ptr<Prepared> make_sequence(const SequenceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
+std::unique_ptr<Prepared> make_blend(const BlendSettings& settings, const Instance& instance,
+                                     std::vector<std::unique_ptr<Prepared>> parts);
+std::unique_ptr<Prepared> make_schedule(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
+std::unique_ptr<Prepared> make_race(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
+/// A component at work, with the levels below it. \param key  the place in the hierarchy
+std::unique_ptr<Prepared> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key);
+/// The guide of a level at work, with the levels below it.
+std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec);
+
+}  // namespace trellis

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/split_search.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Appends what a half's search did to that of the whole, whose nodes, proposals and densities are those of its halves.
+void absorb(const Search& half, Search& whole) {
+  const auto offset = static_cast<std::uint32_t>(whole.nodes.size());
+  const auto moved = [offset](std::uint32_t row) { return row == no_node ? no_node : row + offset; };
+  if (!half.looked_at.empty() || !whole.looked_at.empty()) {
+    whole.looked_at.resize(whole.nodes.size(), 1);
+    whole.looked_at.insert(whole.looked_at.end(), half.looked_at.begin(), half.looked_at.end());
+  }
+  for (std::size_t i = 0; i < half.nodes.size(); ++i) whole.nodes.push(half.nodes[i]);
+  if (!whole.looked_at.empty()) whole.looked_at.resize(whole.nodes.size(), 1);
+  for (const auto parent : half.parents) whole.parents.push_back(moved(parent));
+  for (std::size_t i = 0; i < half.proposals.size(); ++i) {
+    whole.proposals.push(half.proposals[i]);
+    whole.fates.push_back(half.fates[i]);
+    whole.near.push_back(moved(half.near[i]));
+    whole.added.push_back(moved(half.added[i]));
+    whole.proposal_sources.push_back(half.proposal_sources[i]);
+  }
+  for (const auto& [a, b] : half.edges) whole.edges.push_back({moved(a), moved(b)});
+  whole.density.append(half.density);
+  whole.expands = whole.expands && half.expands;
+}
+
+/// Appends how the second half is driven, which starts where the first one ended.
+void append(const Trajectory& half, Trajectory& whole) {
+  if (half.steps.empty()) return;
+  if (whole.steps.empty()) {
+    whole = half;
+    return;
+  }
+  for (std::size_t i = 0; i < half.controls.size(); ++i) whole.controls.push(half.controls[i]);
+  whole.steps.insert(whole.steps.end(), half.steps.begin(), half.steps.end());
+}
+
+/// Divides an instance at a sub-goal on the way that its guide found, or among valid proposals, and has both halves
+/// solved by the same strategy; tries other sub-goals where a half is not solved, and in the end solves it undivided.
+class SplitSearch final : public Planner {
+ public:
+  SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, Task task)
+      : run_(run),
+        level_(level),
+        planner_(planner),
+        guide_(guide),
+        settings_(split_settings().read(*planner.dividing())),
+        task_(std::move(task)),
+        lift_(find_guide("identity")->make(GuideSpec::make("identity", {}).options())) {}
+
+  Solution solve(const Budget& budget) override {
+    if (undivided_) return undivided_->solve(budget);
+    if (!ends_checked_) {
+      if (auto nothing = invalid_ends(task_.instance)) return std::move(*nothing);
+      ends_checked_ = true;
+    }
+    while (tries_ < settings_.tries) {
+      if (const auto reason = spent(budget)) return {*reason, start(), {}};
+      const auto goal = sub_goal(budget);
+      ++tries_;
+      if (!goal) continue;
+      if (auto found = join(*goal, budget)) return std::move(*found);
+    }
+    const PlannerSpec& leaf = planner_.undivided();
+    Task task = task_;
+    task.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
+    undivided_ = leaf.dividing() != nullptr ? make_split_search(run_, level_, leaf, guide_, std::move(task))
+                                            : find_planner(leaf.name())->make(leaf.options(), std::move(task));
+    return undivided_->solve(budget);
+  }
+
+ private:
+  [[nodiscard]] Configurations start() const {
+    Configurations path(task_.instance.space.dimension());
+    path.push(task_.instance.start);
+    return path;
+  }
+
+  /// What is left of a budget for the next half.
+  [[nodiscard]] Budget left(const Budget& budget) const {
+    Budget rest;
+    rest.proposals = budget.proposals - static_cast<double>(task_.search.proposals.size());
+    rest.checks = budget.checks - static_cast<double>(task_.instance.checks.validity + halves_.validity);
+    rest.seconds = budget.seconds - task_.search.seconds - seconds_;
+    return rest;
+  }
+  [[nodiscard]] std::optional<Status> spent(const Budget& budget) const {
+    const Budget rest = left(budget);
+    if (rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0) return Status::budget_spent;
+    if (task_.interrupted && task_.interrupted()) return Status::interrupted;
+    return {};
+  }
+
+  /// The place for this try: on the path that guides in the middle of what is not tried yet, as valid as it is or near
+  /// by; without a path, or where nothing near by is valid, among proposals.
+  std::optional<Configuration> sub_goal(const Budget& budget) {
+    if (guide_ != nullptr) {
+      const Configurations path = level_.guidance().guide()->guiding_path();
+      if (path.size() >= 2) {
+        if (auto goal = near(point(path, share(tries_)))) return goal;
+      }
+    }
+    return proposed(budget);
+  }
+
+  /// 1/2, 1/4, 3/4, 1/8, ...: van der Corput's sequence.
+  static double share(std::int64_t number) {
+    double result = 0.0;
+    double digit = 0.5;
+    for (std::int64_t n = number + 1; n > 0; n /= 2) {
+      if (n % 2 == 1) result += digit;
+      digit /= 2.0;
+    }
+    return result;
+  }
+
+  [[nodiscard]] Configuration point(const Configurations& path, double share) const {
+    const Space& space = task_.instance.space;
+    double ahead = share * path_length(space, path);
+    Configuration q(space.dimension());
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const double leg = space.distance(path[i - 1], path[i]);
+      if (leg > 0.0 && (ahead <= leg || i + 1 == path.size())) {
+        space.interpolate(path[i - 1], path[i], std::min(1.0, ahead / leg), q);
+        return q;
+      }
+      ahead -= leg;
+    }
+    const View end = path.back();
+    return {end.begin(), end.end()};
+  }
+
+  /// q, or the nearest to it of some configurations about it that are valid.
+  std::optional<Configuration> near(const Configuration& q) {
+    Instance& instance = task_.instance;
+    if (instance.space.contains(q) && instance.valid(q)) return q;
+    constexpr int rings = 8;
+    constexpr int each = 8;
+    const double robot = instance.scene->robot.bounding_radius();
+    const double reach = robot > 0.0 ? robot : 0.02 * instance.space.diameter();
+    Stream stream(run_.seed, level_.record().key, fmt::format("sub-goal {}", tries_));
+    Configuration at(q.size());
+    Configuration away(q.size());
+    for (int ring = 1; ring <= rings; ++ring) {
+      for (int i = 0; i < each; ++i) {
+        instance.space.sample_uniform(stream, away);
+        const double distance = instance.space.distance(q, away);
+        if (distance <= 0.0) continue;
+        instance.space.interpolate(q, away, std::min(1.0, reach * ring / rings / distance), at);
+        if (instance.space.contains(at) && instance.valid(at)) return at;
+      }
+    }
+    return {};
+  }
+
+  /// Of some valid proposals the one whose longer half is the shortest.
+  std::optional<Configuration> proposed(const Budget& budget) {
+    constexpr int wanted = 8;
+    constexpr int most = 200;
+    Instance& instance = task_.instance;
+    std::optional<Configuration> best;
+    double shortest = 0.0;
+    Configuration q(instance.space.dimension());
+    int valid = 0;
+    for (int i = 0; i < most && valid < wanted && !spent(budget); ++i) {
+      propose(task_, q);
+      Outcome outcome;
+      outcome.proposal = q;
+      const double to_goal = instance.space.distance(q, instance.goal);
+      const double to_start = instance.space.distance(q, instance.start);
+      if (std::min(to_goal, to_start) > instance.goal_tolerance) {
+        if (instance.valid(q)) {
+          ++valid;
+          if (!best || std::max(to_goal, to_start) < shortest) {
+            shortest = std::max(to_goal, to_start);
+            best = q;
+          }
+        } else {
+          outcome.blocked_at = q;
+        }
+      }
+      settle(task_, outcome);
+    }
+    return best;
+  }
+
+  /// The way by the sub-goal; none where a half was not solved.
+  std::optional<Solution> join(const Configuration& goal, const Budget& budget) {
+    Solution whole;
+    whole.status = Status::solved;
+    whole.path = Configurations(task_.instance.space.dimension());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      auto half = std::make_unique<Instance>(task_.instance);
+      half->checks = {};
+      // What the first half reached, which its goal's tolerance may keep from the sub-goal.
+      if (i == 0) {
+        half->goal = goal;
+      } else {
+        const View reached = whole.path.back();
+        half->start.assign(reached.begin(), reached.end());
+      }
+      const PlannerSpec planner = planner_.half();
+      levels_.push_back(std::make_unique<Level>(run_, &level_, fmt::format("{}/{}.{}", level_.record().key, tries_, i),
+                                                names[i], std::move(half), planner, lift_));
+      Level& level = *levels_.back();
+      if (guide_ != nullptr) level.guide_by(*guide_);
+      Budget allowed = left(budget);
+      allowed.proposals = std::min(allowed.proposals, static_cast<double>(settings_.effort));
+      if (allowed.proposals <= 0.0 || allowed.checks <= 0.0 || allowed.seconds <= 0.0) return {};
+      level.limit(allowed);
+      const Solution& found = level.solve();
+      absorb(level.record().search, task_.search);
+      halves_.validity += level.instance().checks.validity;
+      seconds_ += level.record().search.seconds;
+      if (!found.solved()) return {};
+      for (std::size_t k = i == 0 ? 0 : 1; k < found.path.size(); ++k) whole.path.push(found.path[k]);
+      append(found.trajectory, whole.trajectory);
+    }
+    return whole;
+  }
+
+  static constexpr std::array<const char*, 2> names = {"first half", "second half"};
+
+  Run& run_;
+  Level& level_;
+  PlannerSpec planner_;
+  const GuideSpec* guide_;
+  SplitSettings settings_;
+  Task task_;
+  std::shared_ptr<const Guide> lift_;
+  std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken when the run is over
+  std::unique_ptr<Planner> undivided_;
+  Checks halves_;
+  double seconds_ = 0.0;
+  std::int64_t tries_ = 0;
+  bool ends_checked_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
+                                           Planner::Task task) {
+  return std::make_unique<SplitSearch>(run, level, planner, guide, std::move(task));
+}
+
+}  // namespace trellis

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include <trellis/strategy/level.hpp>
+
+namespace trellis {
+
+/// The planner of a level that divides its instance at sub-goals.
+/// \param guide  of the level, nullptr without; each half has the same
+std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
+                                           Planner::Task task);
+
+}  // namespace trellis

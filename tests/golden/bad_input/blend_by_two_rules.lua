@@ -1,0 +1,1 @@
+return blend { skeleton(), lazy(), credit = "efficiency", rule = "exp3" } >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return race { lazy(), rrt {} } >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return schedule { shrink(0.3), lazy(), round = 2 } >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return schedule { shrink } >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return split { rrt {} } >> lazy() >> rrt {}, scenes.cup()

@@ -1,0 +1,1 @@
+return skeleton { planner = split { graph_search {} } } >> rrt {}, scenes.cup()

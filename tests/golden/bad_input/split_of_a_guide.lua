@@ -1,0 +1,1 @@
+return split { skeleton() } , scenes.cup()

@@ -1,0 +1,1 @@
+return split { depth = 2 }, scenes.cup()

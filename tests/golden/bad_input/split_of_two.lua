@@ -1,0 +1,1 @@
+return split { rrt {}, prm {} }, scenes.cup()

@@ -1,0 +1,1 @@
+return split { rrt {}, depth = 9 }, scenes.cup()

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Hierarchies made at random: every way of combining guides, mixed kinds at every level.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <trellis/base/random.hpp>
+#include <trellis/strategy/spec.hpp>
+
+namespace trellis::test {
+
+/// The same sequence of specs for the same seed.
+class RandomSpecs {
+ public:
+  explicit RandomSpecs(std::uint64_t seed) : stream_(seed, "specs", "random") {}
+
+  /// \param depth  of what is combined, at the most
+  GuideSpec guide(int depth) {
+    if (depth <= 1 || stream_.uniform() < 0.15) return component();
+    switch (stream_.below(6)) {
+      case 0: return nested(depth);
+      case 1: {
+        GuideSpec sum = weight() * guide(depth - 1);
+        for (std::size_t i = stream_.below(2); i < 2; ++i) sum = sum + weight() * guide(depth - 1);
+        return sum;
+      }
+      case 2: return sequence(parts(depth), one_of({20, 50, default_turn}));
+      case 3: return blend(parts(depth), blending());
+      case 4:
+        return schedule(parts(depth), {.rounds = one_of({1, 2}), .turn = stream_.uniform() < 0.5 ? 60.0 : unlimited});
+      default: return race(parts(depth), {.slice = one_of({10, 100})});
+    }
+  }
+
+  StrategySpec strategy(int depth) {
+    const StrategySpec guided = guide(depth) >> root();
+    if (stream_.uniform() < 0.7) return guided;
+    return split(guided, {.depth = one_of({1, 2}), .tries = one_of({1, 2}), .effort = one_of({100, 400})});
+  }
+
+ private:
+  static constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+  std::int64_t one_of(const std::vector<std::int64_t>& values) { return values[stream_.below(values.size())]; }
+  double weight() { return 0.1 + stream_.uniform(); }
+
+  std::vector<GuideSpec> parts(int depth) {
+    std::vector<GuideSpec> all;
+    for (std::size_t i = 0; i < 1 + stream_.below(3); ++i) all.push_back(guide(depth - 1));
+    return all;
+  }
+
+  /// `a >> b`, where the search at the end of b has a space to be guided in.
+  GuideSpec nested(int depth) {
+    GuideSpec above = guide(depth - 1);
+    GuideSpec guided = guide(depth - 1);
+    return guidable(guided) ? above >> guided : above + guided;
+  }
+
+  static bool guidable(const GuideSpec& guide) {
+    if (!guide.searches()) return false;
+    if (guide.kind() == GuideSpec::Kind::component) return guide.below() == nullptr || guidable(*guide.below());
+    return std::all_of(guide.terms().begin(), guide.terms().end(),
+                       [](const GuideSpec::Term& term) { return !term.guide.searches() || guidable(term.guide); });
+  }
+
+  GuideSpec component() {
+    switch (stream_.below(7)) {
+      case 0: return GuideSpec::make("skeleton", {});
+      case 1: return searched("shrink", {{"scale", 0.3 + 0.1 * static_cast<double>(stream_.below(6))}});
+      case 2: return GuideSpec::make("lazy", {});
+      case 3: return searched("identity", {});
+      case 4: return GuideSpec::make("gaussian", {});
+      case 5: return GuideSpec::make("goal_bias", {{"share", 0.25}});
+      default: return searched("shrink", {{"follow", std::string("waypoints")}, {"resolves", std::int64_t{2}}});
+    }
+  }
+
+  /// With a planner of its own search, now and then one that splits.
+  GuideSpec searched(const std::string& name, const std::vector<Options::Entry>& given) {
+    const PlannerSpec own =
+        PlannerSpec::make(stream_.uniform() < 0.5 ? "rrt" : "rrt_connect", {{"proposals", std::int64_t{400}}});
+    if (stream_.uniform() < 0.3) return GuideSpec::make(name, given, split(own, {.effort = 100}));
+    return GuideSpec::make(name, given, own);
+  }
+
+  BlendSettings blending() {
+    BlendSettings settings;
+    settings.floor = stream_.uniform() < 0.5 ? 0.2 : 0.5;
+    settings.credit = std::array{"node", "reach", "efficiency"}[stream_.below(3)];
+    if (settings.credit != "efficiency" && stream_.uniform() < 0.5) settings.rule = "exp3";
+    return settings;
+  }
+
+  PlannerSpec root() {
+    const char* name = std::array{"rrt", "rrt_connect", "prm", "lazy_prm"}[stream_.below(4)];
+    return PlannerSpec::make(name, {{"proposals", std::int64_t{800}}});
+  }
+
+  Stream stream_;
+};
+
+}  // namespace trellis::test
