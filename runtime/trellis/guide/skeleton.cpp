@@ -11,6 +11,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
+#include <trellis/guide/lifted.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/skeleton.hpp>
 
@@ -62,65 +63,6 @@ const Settings<SkeletonSettings>& skeleton_settings() {
 constexpr double stuck_penalty = 4.0;
 /// Points of the skeleton, nearest first, that start and goal try to see.
 constexpr std::size_t most_sights = 100;
-
-/// f: the position of the reference point. The fibre is everything else, uniform.
-class PositionProjection {
- public:
-  explicit PositionProjection(const Instance& parent)
-      : parent_(parent.space),
-        position_(parent.position_axes),
-        space_("R^2", {parent.space.axes()[position_[0]], parent.space.axes()[position_[1]]}),
-        log_fibre_volume_(parent_.log_volume() - space_.log_volume()) {}
-
-  void project(View q, MutableView s) const {
-    s[0] = q[position_[0]];
-    s[1] = q[position_[1]];
-  }
-  void lift(View s, Stream& stream, MutableView q) const {
-    parent_.sample_uniform(stream, q);
-    q[position_[0]] = s[0];
-    q[position_[1]] = s[1];
-  }
-  [[nodiscard]] const Space& space() const { return space_; }
-  /// Per volume in metric coordinates of C and S. The position's weights are the same in both; were they not, the
-  /// quotient of the volumes would hold the Jacobian too.
-  [[nodiscard]] double log_fibre_volume() const { return log_fibre_volume_; }
-
- private:
-  Space parent_;
-  std::vector<std::size_t> position_;
-  Space space_;
-  double log_fibre_volume_;
-};
-
-/// A density of positions with the uniform fibre on it.
-class LiftedDensity final : public Density {
- public:
-  LiftedDensity(std::shared_ptr<const PositionProjection> projection, std::shared_ptr<const Density> positions)
-      : projection_(std::move(projection)), positions_(std::move(positions)) {}
-
-  [[nodiscard]] double at(View q) const override {
-    std::array<double, 2> s{};
-    projection_->project(q, s);
-    return positions_->at(s) * std::exp(-projection_->log_fibre_volume());
-  }
-  [[nodiscard]] bool akin(const Density& other) const override {
-    const auto* lifted = dynamic_cast<const LiftedDensity*>(&other);
-    return lifted != nullptr && lifted->projection_ == projection_ && positions_->akin(*lifted->positions_);
-  }
-  [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override {
-    std::vector<Term> positions;
-    positions.reserve(terms.size());
-    for (const auto& term : terms) {
-      positions.push_back({dynamic_cast<const LiftedDensity&>(*term.density).positions_, term.weight});
-    }
-    return std::make_shared<LiftedDensity>(projection_, positions_->sum(positions));
-  }
-
- private:
-  std::shared_ptr<const PositionProjection> projection_;
-  std::shared_ptr<const Density> positions_;
-};
 
 /// The skeleton's edges as a Graph, with start and goal joined to the nearest points of it that they see.
 class GraphBuilder {
@@ -266,7 +208,7 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
-  DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
+  DynamicRegions(std::shared_ptr<const AxesProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
                  Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
                  const NearestIndex& reached)
       : projection_(std::move(projection)),
@@ -304,7 +246,7 @@ class DynamicRegions final : public Heuristic {
     double sum = whole_share() * uniform_density_;
     const double total = total_weight();
     for (const auto& region : regions_) {
-      sum += share(region, total) * ball_.density(centre(region), s) * std::exp(-projection_->log_fibre_volume());
+      sum += share(region, total) * ball_.density(centre(region), s) * std::exp(projection_->log_fibre_density());
     }
     return sum;
   }
@@ -418,7 +360,7 @@ class DynamicRegions final : public Heuristic {
     Configurations centre_alone(2);
     centre_alone.push(centre(region));
     region.density = std::make_shared<LiftedDensity>(
-        projection_, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
+        projection_, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
   /// Moves every region on while `inside(centre)`; at the end of its edge it makes room for those of the edges beyond.
@@ -444,7 +386,7 @@ class DynamicRegions final : public Heuristic {
     }
   }
 
-  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const AxesProjection> projection_;
   Space parent_;
   std::shared_ptr<const Graph> graph_;
   DirectedGraph directed_;
@@ -469,7 +411,9 @@ class SkeletonGuide final : public Guide {
       throw Error("skeleton: needs a robot whose reference point moves in the plane; this space (" +
                   parent.space.name() + ") has no position");
     }
-    projection_ = std::make_shared<PositionProjection>(parent);
+    const auto& axes = parent.space.axes();
+    projection_ = std::make_shared<AxesProjection>(
+        parent.space, Space("R^2", {axes[parent.position_axes[0]], axes[parent.position_axes[1]]}));
     reached_.emplace(projection_->space());
     auto instance = std::make_unique<Instance>();
     instance->space = projection_->space();
@@ -493,7 +437,7 @@ class SkeletonGuide final : public Guide {
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
+  [[nodiscard]] double log_fibre_density(View) const override { return projection_->log_fibre_density(); }
 
   void learn(const Outcome& outcome) override {
     if (outcome.added.empty()) return;
@@ -533,7 +477,7 @@ class SkeletonGuide final : public Guide {
   }
 
   SkeletonSettings settings_;
-  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const AxesProjection> projection_;  ///< f: the position of the reference point
   std::optional<NearestIndex> reached_;
   std::shared_ptr<Graph> graph_;
   DynamicRegions* current_ = nullptr;

@@ -25,6 +25,13 @@ void DensityRecord::add(const std::shared_ptr<const Density>& density, double sh
   now_terms_.emplace_back(it->second, share);
 }
 
+std::vector<Density::Term> DensityRecord::now() const {
+  std::vector<Density::Term> terms;
+  terms.reserve(now_terms_.size());
+  for (const auto& [place, share] : now_terms_) terms.push_back({terms_[place].density, share});
+  return terms;
+}
+
 void DensityRecord::settle() {
   past_.total += served_;
   past_.uniform += served_ * now_.uniform;

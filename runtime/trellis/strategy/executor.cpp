@@ -9,6 +9,7 @@
 #include <optional>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/custom.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/instance/nearest_valid.hpp>
 
@@ -43,6 +44,7 @@ std::string where(const Origin& origin) {
 struct Run {
   std::string problem;  ///< its name
   std::uint64_t seed = 0;
+  bool seeded = false;  ///< it is run, not only checked
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
@@ -50,6 +52,7 @@ struct Run {
   std::vector<Turn> turns;
   Level* at_work = nullptr;
   int first_solves = 0;  ///< levels whose first solve has ended
+  RunShared shared;
 };
 
 /// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
@@ -263,7 +266,7 @@ class Level {
     if (record_.search.density.exact()) {
       const auto density = std::make_shared<const DensityRecord>(record_.search.density);
       record_.proposal_density = [density](View q) { return density->at(q); };
-      record_.root_proposal_density = lifted(record_.proposal_density);
+      if (closed_fibres()) record_.root_proposal_density = lifted(record_.proposal_density);
       record_.proposal_atoms = density->atoms();
     }
     std::string key = record_.key;
@@ -315,6 +318,13 @@ class Level {
     return current;
   }
 
+  [[nodiscard]] bool closed_fibres() const {
+    for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+      if (!at->lift_->closed_fibre()) return false;
+    }
+    return true;
+  }
+
   /// A density over this level's space as that of what is lifted to the root's: at f of a configuration, times the
   /// density on the fibre. It keeps every f that it needs.
   [[nodiscard]] std::function<double(View)> lifted(std::function<double(View)> density) const {
@@ -348,13 +358,11 @@ class Level {
 class ComponentGuidance final : public Prepared {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
-      : parent_(parent),
-        guide_(find_guide(spec.name())->make(spec.options())),
-        name_(GuideSpec::make(spec.name(), spec.options().entries()).text()),
-        resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
+      : parent_(parent), name_(spec.alone().text()), site_{run.seed, key, place(run, spec), run.shared} {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
-    auto sub = project(run, parent, spec);
+    make(spec);
+    auto sub = told([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
     level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
@@ -363,15 +371,7 @@ class ComponentGuidance final : public Prepared {
   }
 
   void prepare() override {
-    if (heuristic_) return;
-    if (!level_) {
-      ++epoch_;
-      heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
-      return;
-    }
-    const Solution& found = solve_below();
-    ++epoch_;
-    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
+    if (!heuristic_) renew();
   }
 
   Source sample(Stream& stream, MutableView out) override {
@@ -395,9 +395,7 @@ class ComponentGuidance final : public Prepared {
     if (!heuristic_->stale() || resolves_left_ <= 0) return;
     --resolves_left_;
     guide_->before_resolve();
-    const Solution& found = solve_below();
-    epoch_ = epoch() + 1;
-    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
+    renew();
   }
 
   [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
@@ -417,15 +415,45 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
-  std::unique_ptr<Instance> project(const Run& run, const Level& parent, const GuideSpec& spec) const {
-    try {
-      return guide_->project(parent_.instance());
-    } catch (const Error& error) {
-      const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
-      const std::string path = level_path(parent.record(), at);
-      throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
-                              path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+  void make(const GuideSpec& spec) {
+    if (spec.custom()) {
+      guide_ = told([&] { return spec.custom()->make(site_); });
+      resolves_left_ = spec.custom()->description().resolves;
+    } else {
+      const GuideKind& kind = *find_guide(spec.name());
+      guide_ = kind.make(spec.options());
+      resolves_left_ = kind.resolves(spec.options());
     }
+  }
+
+  /// "script.lua:7: in shrink(0.5) >> rrt, level 1 (problem 'trap', seed 3)".
+  [[nodiscard]] std::string place(const Run& run, const GuideSpec& spec) const {
+    const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+    const std::string path = level_path(parent_.record(), at);
+    const std::string level = spec.planner() ? fmt::format(", level {}", run.levels.size()) : "";
+    const std::string seed = run.seeded ? fmt::format(", seed {}", run.seed) : "";
+    return fmt::format("{}in {} >> {}{} (problem '{}'{})", where(spec.origin()), name_, path.substr(0, path.rfind(',')),
+                       level, run.problem, seed);
+  }
+
+  /// Says where, of what goes wrong in `body`.
+  template <class Body>
+  auto told(const Body& body) const -> decltype(body()) {
+    try {
+      return body();
+    } catch (const PlacedError&) {
+      throw;
+    } catch (const Error& error) {
+      throw PlacedError(fmt::format("{}: {}", site_.place, error.what()));
+    }
+  }
+
+  /// Solves the instance in S and makes h of what was found.
+  void renew() {
+    const Solution* found = level_ ? &solve_below() : nullptr;
+    epoch_ = epoch() + 1;
+    Instance* sub = level_ ? &level_->instance() : nullptr;
+    heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
   }
 
   /// Solves the instance in S, for as many paths as the guide wants.
@@ -438,12 +466,13 @@ class ComponentGuidance final : public Prepared {
   }
 
   Level& parent_;
-  std::shared_ptr<Guide> guide_;
   std::string name_;
+  GuideSite site_;
+  std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
   std::uint64_t epoch_ = 0;  ///< beside the heuristic's own
-  std::int64_t resolves_left_;
+  std::int64_t resolves_left_ = 0;
 };
 
 /// What mixtures and sequences share: parts, one of which draws.
@@ -828,6 +857,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   Run run;
   run.problem = problem.name;
   run.seed = seed;
+  run.seeded = true;
   run.interrupted = options.interrupted;
   run.watch = options.watch;
   Level root(run, nullptr, "0", "root", root_instance(problem), strategy.planner(), nullptr);
