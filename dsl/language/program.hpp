@@ -11,12 +11,18 @@
 
 namespace trellis::dsl {
 
+/// A function that a script gave and nobody called.
+struct Uncalled {
+  std::string function;  ///< "script.lua:3: 'observe' of the guiding space 'half'"
+  bool guides = false;   ///< of a guide; else of a target
+};
+
 /// What a script returns.
 struct Program {
   Experiment experiment;
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
-  /// Asked after the experiment was run: what the script gave that nobody called, a sentence each with its line.
-  std::function<std::vector<std::string>()> uncalled;
+  /// Asked after the experiment was run: what the script gave that nobody called.
+  std::function<std::vector<Uncalled>()> uncalled;
 };
 
 /// The largest number of seeds that one experiment may ask for: more is a slip of the pen.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Distributions that h is put together from, projections by the names of axes, and what is lifted.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -48,7 +49,7 @@ std::pair<double, double> mass(const Space& space, const std::function<double(Vi
     squares += p * p;
   }
   const double mean = sum / points;
-  return {mean, 4.0 * std::sqrt((squares / points - mean * mean) / points)};
+  return {mean, 4.0 * std::sqrt(std::max(0.0, squares / points - mean * mean) / points)};
 }
 
 }  // namespace
