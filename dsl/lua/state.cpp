@@ -23,7 +23,7 @@ std::string tidy(const std::string& message) {
   constexpr std::string_view head = "\nstack traceback:";
   const auto begin = message.rfind(head);
   if (begin == std::string::npos) return message;
-  const std::string text = message.substr(0, begin);
+  std::string text = message.substr(0, begin);
   std::string frames;
   std::size_t count = 0;
   std::string_view rest = std::string_view(message).substr(begin + head.size());
