@@ -7,9 +7,9 @@ stds.trellis = {
     "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy",
     "tube", "near_optimal", "progress",
     "knn", "exact", "kde", "histogram", "legacy",
-    "sequence", "blend", "ablations", "box", "disc", "polygon", "world", "problem", "target", "experiment",
-    "published", "claim",
-    "help", "require",
+    "sequence", "blend", "ablations", "guiding_space", "box", "disc", "polygon", "world", "problem", "target",
+    "experiment", "published", "claim",
+    "along", "ball", "lifted", "help", "require",
     robot = {
       fields = {
         "point", "disc", "rectangle", "polygon", "rigid",

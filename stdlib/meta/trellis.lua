@@ -27,9 +27,14 @@
 
 ---a planar workspace
 ---@class trellis.World
+---@field bounds number[] xmin, ymin, xmax, ymax of the boundary box, in metres
+---@field obstacles trellis.Shape[] its obstacles, as world { ... } takes them
 
 ---what moves
 ---@class trellis.Robot
+---@field scaled fun(self: trellis.Robot, factor: number): trellis.Robot the same robot, scaled about its reference point
+---@field bounding_radius number no point of it is ever farther than this from its reference point, in metres
+---@field inscribed_radius number of the largest disc about the reference point inside of it, in metres
 
 ---a planning problem
 ---@class trellis.Problem
@@ -48,7 +53,7 @@
 ---how a density is estimated from samples
 ---@class trellis.Estimator
 
----the space of a strategy's root, as a target's functions see it
+---a space of configurations
 ---@class trellis.Space
 ---@field name string SE(2), R^2, ...
 ---@field dimension integer the number of axes
@@ -57,6 +62,7 @@
 ---@field upper number[] upper bounds, in metres or radians
 ---@field weights number[] metres of the metric per unit of the axis
 ---@field periodic boolean[] whether an axis wraps around
+---@field volume number in metric coordinates, which are the coordinates times their weights
 
 ---what the functions of a target are told
 ---@class trellis.TargetContext
@@ -66,6 +72,32 @@
 ---@field random fun(m?: integer, n?: integer): number as math.random, on a stream of the target's own
 ---@field normal fun(): number a standard normal number
 ---@field valid fun(q: number[]): boolean whether a configuration is valid
+
+---a planning instance, as the functions of a guiding space see it
+---@class trellis.Instance
+---@field space trellis.Space its configuration space
+---@field start number[] the start
+---@field goal number[] the goal
+---@field robot trellis.Robot what moves
+---@field world trellis.World the workspace
+---@field goal_tolerance number a configuration this near to the goal in the metric is the goal
+---@field resolution number how far the robot's fastest point moves between two checked configurations
+---@field valid fun(...: number): boolean whether a configuration is valid, given by its coordinates; a check that the level pays for
+
+---what the search of S found
+---@class trellis.Found
+---@field solved boolean whether it found a path
+---@field status string how it ended, as reports have it
+---@field path number[][] configurations of S from the start to the goal, or to what came nearest; empty where there is none
+
+---what became of a proposal; the same table each time
+---@class trellis.Outcome
+---@field fate string "reached", "advanced" (a node on the way to it) or "rejected"
+---@field mine boolean whether this h drew it
+---@field proposal number[] what was proposed, in C
+---@field near number[]? the node that the extension started from
+---@field added number[]? the node that was added
+---@field blocked_at number[]? the first configuration that was found invalid
 
 ---a sentence that the results are to bear out
 ---@class trellis.Claim
@@ -266,6 +298,23 @@
 ---@class trellis.ablations.Options
 ---@field [integer] trellis.Strategy one strategy; what comes back is a list of pairs {"name", strategy}, as experiment's 'strategies' takes it, the strategy itself first as "whole"
 
+---What `guiding_space` takes.
+---@class trellis.guiding_space.Options
+---@field name? string a name as of a variable; default "guiding_space": how strategies, reports and messages call it
+---@field space? string[]|trellis.Space|fun(instance: trellis.Instance): string[]|trellis.Space a space, a list of names of axes of C, or a function: S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias with no space behind it; C's own space by default
+---@field project? fun(...: number): number a function: f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes of C, told by their names, and f picks them
+---@field lift? fun(...: any): number a function: draws from the fibre: called with the coordinates of a configuration of S and the functions random and normal, returns those of one of C that f maps to it; by default the axes that S lacks are uniform; needed with 'project'
+---@field valid? "free"|"parent"|fun(...: number): boolean a function, "free" (all of S is valid) or "parent" (as in C): what is valid in S; a function is called with the coordinates of every configuration that is checked, which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed
+---@field robot? trellis.Robot|fun(instance: trellis.Instance): trellis.Robot a robot, or a function that returns one: checked for collisions in S; by default C's
+---@field world? trellis.World|fun(instance: trellis.Instance): trellis.World a world, or a function that returns one: that the robot is checked in; by default C's
+---@field graph? fun(instance: trellis.Instance): { vertices: number[][], edges: number[][], start: integer, goal: integer } a function: returns an explicit graph in S, searched exactly: edges are {i, j} or {i, j, cost}, straight and as long as they are by default
+---@field planner? trellis.Planner a planner; default rrt(), graph_search() of a graph: searches S
+---@field heuristic? fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function? a function: h: called each time that S was solved, with what was found and the instance in C; returns a sum of along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with random and normal, it returns a configuration of C, and its density may follow it; by default along the path found, lifted
+---@field density? fun(...: number): number a function: of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with respect to volume in metric coordinates
+---@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on
+---@field stale? fun(): boolean a function: asked after each outcome whether S is to be solved again; h made of along(path) asks for that by itself too
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+
 ---What `box` takes.
 ---@class trellis.box.Options
 ---@field [integer] number its four numbers
@@ -354,6 +403,13 @@
 ---@field lower_than? string|string[] the name of a strategy, or a list of names: it holds where the efficiency is lower (better) than that of each; no doubt is left where the 95 % interval of the difference, paired by seed, lies on one side of 0
 ---@field not_lower_than? string|string[] the name of a strategy, or a list of names: it holds where the efficiency is not lower: similar or worse
 ---@field roles? string|string[] "tree", "expansion", or a list of both; default "tree": whose samples
+
+---What `along` takes.
+---@class trellis.along.Options
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 
 ---What `paper.methods` takes.
 ---@class trellis.paper.methods.Options
@@ -811,6 +867,15 @@ function blend(options) end
 ---@overload fun(...: trellis.Strategy): { [1]: string, [2]: trellis.Strategy }[]
 function ablations(options) end
 
+---a guiding space of one's own: f, and h from what the search of S found; see docs/guiding_space.md
+---
+---    guiding_space { name = "half", robot = function(instance) return instance.robot:scaled(0.5) end }
+---
+---Source: Attali et al. 2024, A framework for guided motion planning, arXiv 2404.03133
+---@param options? trellis.guiding_space.Options
+---@return trellis.Guide
+function guiding_space(options) end
+
 ---an axis-aligned rectangle, in metres
 ---
 ---    box { xmin, ymin, xmax, ymax, name = "left wall" }
@@ -916,6 +981,29 @@ function published(options) end
 ---@return trellis.Claim
 ---@overload fun(...: string): trellis.Claim
 function claim(options) end
+
+---near a path, ahead of what the planner has reached of it: S = {0}
+---
+---    along(found.path, { radius = 0.3 })
+---@param path number[][] a list of configurations: in order; uniform proposals where there are fewer than two
+---@param options? trellis.along.Options
+---@return trellis.Guide
+function along(path, options) end
+
+---uniform on the ball about a configuration: S = {0}
+---
+---    ball({5, 5, 0}, 0.5)
+---@param centre number[] a configuration: where the ball is
+---@param radius number a number greater than 0 (m in the metric): shortened where the ball would meet itself
+---@return trellis.Guide
+function ball(centre, radius) end
+
+---in the heuristic of guiding_space: a distribution over S, each draw lifted to C
+---
+---    lifted(along(found.path))
+---@param distribution trellis.Guide a sum of along(path), ball(q, r) and guides with S = {0}: over S
+---@return trellis.Guide
+function lifted(distribution) end
 
 ---prints what is known about a word, a function, or a value; all words without one
 ---

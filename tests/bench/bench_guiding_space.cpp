@@ -50,7 +50,7 @@ return experiment {
   problems = { scenes.simple_passage(), scenes.trap() },
   strategies = {
     { "shrink", shrink(0.5) >> root }, { "shrink in Lua", half >> root },
-    { "shrink", shrink(0.5) >> root }, { "shrink in Lua, told of every outcome", told >> root },
+    { "shrink, once more", shrink(0.5) >> root }, { "shrink in Lua, told of every outcome", told >> root },
     { "uniform", uniform() >> root }, { "uniform in Lua, each sample by a function", drawn >> root },
   },
   seeds = 15, measure = false,
