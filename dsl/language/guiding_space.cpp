@@ -254,7 +254,7 @@ class ScriptGuideSpec final : public CustomGuide {
     if (number_ >= definitions.size() || definitions[number_]->identity != identity_) {
       throw Error(fmt::format(
           "the script does not define the same guides each time it is loaded: guide {} was {}, and is {}; what it "
-          "defines must depend on nothing outside of it",
+          "defines must depend on nothing outside of it, nor on the order in which pairs visits a table",
           number_ + 1, identity_, number_ < definitions.size() ? definitions[number_]->identity : "missing"));
     }
     return make_script_guide(run, definitions[number_], called_, site);
