@@ -147,9 +147,7 @@ Console::Console(const std::string& folder, bool colour, const dsl::SessionOptio
 std::string Console::load(const std::string& path) {
   const std::string text = dsl::without_shebang(dsl::read_file(path));
   std::string bound;
-  session_.with([&](Stack& stack) {
-    stack.load(text, "@" + path);
-    stack.call(0);
+  session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // it may be there for its globals
     bench_.script = dsl::read_program(stack, 1);
     const Experiment& experiment = bench_.script->experiment;

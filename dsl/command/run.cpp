@@ -163,8 +163,12 @@ void warn(const dsl::Program& program, const ExperimentResult& result) {
                     : !std::holds_alternative<UserTarget>(measure->target)
                         ? "the experiment is measured by another target (field 'measure')"
                         : "the experiment is measured by another target, or no run found a path";
-  for (const std::string& sentence : program.uncalled()) {
-    fmt::print(stderr, "trellis: warning: {}: {}\n", sentence, why);
+  for (const auto& [function, guides] : program.uncalled()) {
+    if (guides) {
+      fmt::print(stderr, "trellis: warning: {} was never called in any run\n", function);
+    } else {
+      fmt::print(stderr, "trellis: warning: {} were never called: {}\n", function, why);
+    }
   }
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include <dsl/language/configuration.hpp>
 #include <dsl/language/random.hpp>
 #include <dsl/language/words.hpp>
 #include <dsl/lua/state.hpp>
@@ -49,50 +50,6 @@ struct UserFunctions {
   std::shared_ptr<bool> called = std::make_shared<bool>(false);
 };
 
-std::string coordinates_of(View q) { return fmt::format("({:g})", fmt::join(q, ", ")); }
-
-void push_numbers(Stack& stack, View numbers) {
-  const Value list = stack.push_table();
-  for (const double x : numbers) {
-    stack.push(x);
-    stack.append(list);
-  }
-}
-
-/// One entry for each axis.
-template <class Push>
-void set_list(Stack& stack, Value table, const char* name, const Space& space, const Push& push) {
-  const Value list = stack.push_table();
-  for (const Axis& axis : space.axes()) {
-    push(axis);
-    stack.append(list);
-  }
-  stack.set_field(table, name);
-}
-
-void push_space(Stack& stack, const Space& space) {
-  const Value table = stack.push_table();
-  stack.push(space.name());
-  stack.set_field(table, "name");
-  stack.push(static_cast<std::int64_t>(space.dimension()));
-  stack.set_field(table, "dimension");
-  set_list(stack, table, "names", space, [&](const Axis& axis) { stack.push(axis.name); });
-  set_list(stack, table, "lower", space, [&](const Axis& axis) { stack.push(axis.lo); });
-  set_list(stack, table, "upper", space, [&](const Axis& axis) { stack.push(axis.hi); });
-  set_list(stack, table, "weights", space, [&](const Axis& axis) { stack.push(axis.weight); });
-  set_list(stack, table, "periodic", space, [&](const Axis& axis) { stack.push(axis.periodic); });
-}
-
-/// A configuration that a script gives: as many finite numbers as the space has axes.
-Configuration read_configuration(Value value, const Space& space, const std::string& what) {
-  Configuration q = read_numbers(value, what);
-  if (q.size() == space.dimension()) return q;
-  std::string names;
-  for (const Axis& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
-  throw Error(
-      fmt::format("{} must be a configuration of {} numbers ({}), got {}", what, space.dimension(), names, q.size()));
-}
-
 /// What the functions of a target are told: the path, the problem and its space, and what they may ask.
 void push_context(Stack& stack, const UserTarget::Context& context) {
   const Space& space = context.problem.space;
@@ -107,10 +64,10 @@ void push_context(Stack& stack, const UserTarget::Context& context) {
   stack.set_field(table, "problem");
   push_space(stack, space);
   stack.set_field(table, "space");
-  const auto stream = std::make_shared<Stream>(context.seed, "", "target");
-  stack.push_function(random_function(stream, "random"));
+  const auto source = std::make_shared<RandomSource>(Stream(context.seed, "", "target"));
+  stack.push_function(random_function(source, "random"));
   stack.set_field(table, "random");
-  stack.push_function([stream](Stack& call) { return call.result(stream->normal()); });
+  stack.push_function(normal_function(source));
   stack.set_field(table, "normal");
   const std::shared_ptr<Instance> instance = make_instance(context.problem);
   stack.push_function([instance](Stack& call) {
@@ -144,13 +101,7 @@ class UserDraws {
       stack.call(1);
       if (stack.size() == 0) throw Error("it returned nothing, expected a configuration");
       q = read_configuration(stack[1], space_, "what it returns");
-      space_.normalise(q);
-      for (std::size_t j = 0; j < q.size(); ++j) {
-        const Axis& axis = space_.axes()[j];
-        if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
-        throw Error(fmt::format("what it returns must lie in the space {}: {} = {:g} is outside of [{:g}, {:g}]",
-                                space_.name(), axis.name, q[j], axis.lo, axis.hi));
-      }
+      bring_into(space_, q, "what it returns");
     });
     return q;
   }
@@ -267,7 +218,8 @@ int make_user_target(Stack& call, const lua::Limits& each, std::vector<Callback>
     *functions->called = true;
     return distribution(functions, context);
   };
-  given.push_back({functions->where, "'sample' and 'log_density' of this target", functions->called});
+  given.push_back({functions->where, "'sample' and 'log_density' of this target",
+                   [called = functions->called] { return *called; }});
   return call.result(TargetSpec(std::move(target)));
 }
 
@@ -350,14 +302,7 @@ std::vector<ObjectType> measure_types() {
   std::vector<ObjectType> types;
   types.push_back({"trellis.Target", "what samples are measured against", "", {}, {}});
   types.push_back({"trellis.Estimator", "how a density is estimated from samples", "", {}, {}});
-  types.push_back({"trellis.Space", "the space of a strategy's root, as a target's functions see it", "", {}, {}});
-  types.back().members = {{"name", "string", "", "SE(2), R^2, ..."},
-                          {"dimension", "integer", "", "the number of axes"},
-                          {"names", "string[]", "", "of the axes"},
-                          {"lower", "number[]", "", "lower bounds, in metres or radians"},
-                          {"upper", "number[]", "", "upper bounds, in metres or radians"},
-                          {"weights", "number[]", "", "metres of the metric per unit of the axis"},
-                          {"periodic", "boolean[]", "", "whether an axis wraps around"}};
+  types.push_back(space_type());
   types.push_back({"trellis.TargetContext", "what the functions of a target are told", "", {}, {}});
   types.back().members = {{"path", "number[][]", "", "the configurations of the run's path, in order"},
                           {"problem", "trellis.Problem", "", "the problem that was solved"},

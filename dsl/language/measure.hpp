@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@ namespace trellis::dsl {
 /// Functions of a script's that wait to be called.
 struct Callback {
   std::string where;  ///< "script.lua:3: "
-  std::string what;   ///< "the functions of 'target'"
-  std::shared_ptr<bool> called;
+  std::string what;   ///< "'sample' of this target"
+  std::function<bool()> called;
+  bool guides = false;  ///< of a guide; else of a target
 };
 
 /// Makes the targets and the estimators known: a constructor of each, and `target`.

@@ -12,12 +12,18 @@
 
 namespace trellis::dsl {
 
+/// A function that a script gave and nobody called.
+struct Uncalled {
+  std::string function;  ///< "script.lua:3: 'observe' of the guiding space 'half'"
+  bool guides = false;   ///< of a guide; else of a target
+};
+
 /// What a script returns.
 struct Program {
   Experiment experiment;
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
-  /// Asked after the experiment was run: what the script gave that nobody called, a sentence each with its line.
-  std::function<std::vector<std::string>()> uncalled;
+  /// Asked after the experiment was run: what the script gave that nobody called.
+  std::function<std::vector<Uncalled>()> uncalled;
 };
 
 inline constexpr std::uint64_t most_seeds = trial::most_seeds;

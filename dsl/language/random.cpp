@@ -45,25 +45,36 @@ std::uint64_t seed_argument(Stack& call) {
   throw Error(fmt::format("math.randomseed: the seed must be a number, got {}", call[1].describe()));
 }
 
-}  // namespace
-
-lua::Callback random_function(std::shared_ptr<Stream> stream, const std::string& name) {
-  return [stream = std::move(stream), name](Stack& call) { return draw(call, *stream, name); };
+Stream& stream_now(const RandomSource& source, const std::string& name) {
+  if (source.now != nullptr) return *source.now;
+  throw Error(
+      fmt::format("{}: draws only while the function that it was given to is called; math.random draws always", name));
 }
 
-void open_random(Stack& stack, std::uint64_t seed) {
-  const auto stream = std::make_shared<Stream>(stream_of(seed));
+}  // namespace
+
+lua::Callback random_function(std::shared_ptr<RandomSource> source, const std::string& name) {
+  return [source = std::move(source), name](Stack& call) { return draw(call, stream_now(*source, name), name); };
+}
+
+lua::Callback normal_function(std::shared_ptr<RandomSource> source) {
+  return [source = std::move(source)](Stack& call) { return call.result(stream_now(*source, "normal").normal()); };
+}
+
+std::shared_ptr<RandomSource> open_random(Stack& stack, std::uint64_t seed) {
+  const auto source = std::make_shared<RandomSource>(stream_of(seed));
   const int before = stack.size();
   const Value math = stack.push_global("math");
-  stack.push_function(random_function(stream, "math.random"));
+  stack.push_function(random_function(source, "math.random"));
   stack.set_field(math, "random");
-  stack.push_function([stream, seed](Stack& call) {
+  stack.push_function([source, seed](Stack& call) {
     const std::uint64_t key = call.count() == 0 ? seed : seed_argument(call);
-    *stream = stream_of(key);
+    *source->now = stream_of(key);
     return call.result(static_cast<std::int64_t>(key));
   });
   stack.set_field(math, "randomseed");
   stack.resize(before);
+  return source;
 }
 
 }  // namespace trellis::dsl

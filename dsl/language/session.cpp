@@ -10,6 +10,7 @@
 
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/experiment.hpp>
+#include <dsl/language/guiding_space.hpp>
 #include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
@@ -61,15 +62,17 @@ lua::Limits call_limits(std::uint64_t instructions) {
 }  // namespace
 
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
-                   std::function<void(const Construct&)> described,
-                   const std::shared_ptr<std::vector<Callback>>& given) {
+                   std::function<void(const Construct&)> described, std::shared_ptr<GuideBook> book) {
+  if (!book) book = std::make_shared<GuideBook>();
+  book->each = call_limits(options.instructions);
   open_libraries(stack, options.trust);
-  open_random(stack, options.seed);
+  book->random = open_random(stack, options.seed);
   open_algebra(stack);
   open_world(stack);
   open_motion(stack);
   open_problem(stack);
-  open_measure(stack, call_limits(options.instructions), given ? given : std::make_shared<std::vector<Callback>>());
+  open_measure(stack, book->each, book->given);
+  open_guiding_space(stack, book);
   open_publication(stack);
   open_experiment(stack);
   open_scenario(stack, {folder, options.trust}, options.scenarios);
@@ -78,10 +81,11 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
 }
 
 Session::Session(const std::string& folder, const SessionOptions& options)
-    : instructions_(options.instructions),
-      given_(std::make_shared<std::vector<Callback>>()),
+    : folder_(folder),
+      options_(options),
+      book_(std::make_shared<GuideBook>()),
       interpreter_(std::make_shared<lua::State>(state_options(options))) {
-  interpreter_->run([&](lua::Stack& stack) { open_language(stack, folder, options, {}, given_); });
+  interpreter_->run([&](lua::Stack& stack) { open_language(stack, folder, options, {}, book_); });
 }
 
 Session::~Session() = default;
@@ -96,10 +100,10 @@ Program Session::load(const std::string& text, const std::string& name) {
       };
     }
   }
-  program.uncalled = [given = given_] {
-    std::vector<std::string> sentences;
+  program.uncalled = [given = book_->given] {
+    std::vector<Uncalled> sentences;
     for (const Callback& callback : *given) {
-      if (!*callback.called) sentences.push_back(callback.where + callback.what + " were never called");
+      if (!callback.called()) sentences.push_back({callback.where + callback.what, callback.guides});
     }
     return sentences;
   };
@@ -113,22 +117,64 @@ std::vector<Problem> Session::problems(const std::string& text, const std::strin
 }
 
 lua::Limits Session::loading() const {
-  return {instructions_, seconds_for(instructions_), "the script",
-          fmt::format("; is there a loop without end? --instructions {} would allow more", 10 * instructions_)};
+  const std::uint64_t instructions = options_.instructions;
+  return {instructions, seconds_for(instructions), "the script",
+          fmt::format("; is there a loop without end? --instructions {} would allow more", 10 * instructions)};
+}
+
+void Session::as_script(const std::string& text, const std::string& name, const std::function<void()>& body) {
+  const auto load = [text, name, folder = folder_, options = options_] {
+    const auto quiet = std::make_shared<bool>(true);
+    SessionOptions silent = options;
+    silent.print = [quiet, print = options.print](const std::string& said) {
+      if (!*quiet && print) print(said);
+    };
+    Session session(folder, silent);
+    session.silence(quiet);
+    session.run(text, name, [](lua::Stack&) {});
+    *quiet = false;
+    return std::make_shared<RunInterpreter>(RunInterpreter{session.interpreter_, session.book_});
+  };
+  book_->reload = std::make_shared<const Reload>(Reload{load});
+  book_->first = book_->definitions.size();
+  try {
+    body();
+  } catch (...) {
+    book_->reload = nullptr;
+    throw;
+  }
+  book_->reload = nullptr;
+}
+
+void Session::silence(const std::shared_ptr<const bool>& quiet) {
+  interpreter_->run([&](lua::Stack& stack) {
+    const auto print = std::make_shared<const lua::Reference>(stack, stack.push_global("print"));
+    stack.push_function([print, quiet](lua::Stack& call) {
+      if (*quiet) return 0;
+      const int count = call.count();
+      print->push(call);
+      for (int i = 1; i <= count; ++i) call.push(call[i]);
+      call.call(count);
+      return 0;
+    });
+    stack.set_global("print");
+  });
 }
 
 void Session::run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read) {
-  interpreter_->run(
-      [&](lua::Stack& stack) {
-        stack.load(text, "@" + name);
-        stack.call(0);
-        try {
-          read(stack);
-        } catch (const Error& error) {
-          throw lua::Located(last_line(text, name).prefix() + error.what());
-        }
-      },
-      loading());
+  as_script(text, name, [&] {
+    interpreter_->run(
+        [&](lua::Stack& stack) {
+          stack.load(text, "@" + name);
+          stack.call(0);
+          try {
+            read(stack);
+          } catch (const Error& error) {
+            throw lua::Located(last_line(text, name).prefix() + error.what());
+          }
+        },
+        loading());
+  });
 }
 
 std::vector<std::string> Session::unknown_names(const std::string& text, const std::string& name) {
@@ -139,14 +185,10 @@ std::vector<std::string> Session::unknown_names(const std::string& text, const s
 
 std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
   std::vector<std::string> results;
-  interpreter_->run(
-      [&](lua::Stack& stack) {
-        stack.load(text, "@" + name);
-        stack.call(0);
-        results.reserve(static_cast<std::size_t>(stack.size()));
-        for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());
-      },
-      loading());
+  run(text, name, [&](lua::Stack& stack) {
+    results.reserve(static_cast<std::size_t>(stack.size()));
+    for (int i = 1; i <= stack.size(); ++i) results.push_back(stack[i].text());
+  });
   return results;
 }
 

@@ -19,7 +19,9 @@ struct Limits;
 namespace trellis::dsl {
 
 struct Callback;
+struct GuideBook;
 class ScenarioBook;
+struct Uncalled;
 
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
@@ -40,10 +42,9 @@ struct SessionOptions {
 struct Construct;
 
 /// Makes the whole language known to an interpreter. `described` is told of every function that a module of the
-/// standard library defines, as it is loaded; `given` collects the functions that scripts hand over.
+/// standard library defines, as it is loaded; `book` collects the guides and functions that scripts make.
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
-                   std::function<void(const Construct&)> described = {},
-                   const std::shared_ptr<std::vector<Callback>>& given = {});
+                   std::function<void(const Construct&)> described = {}, std::shared_ptr<GuideBook> book = {});
 
 /// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
 /// clock, and come to an end. One thread at a time.
@@ -70,13 +71,20 @@ class Session {
   /// The same within what a script may spend on loading.
   void within_limits(const std::function<void(lua::Stack&)>& body);
 
- private:
-  [[nodiscard]] lua::Limits loading() const;
-  /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line.
+  /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line. Its
+  /// own guides are at work in interpreters that load it anew, one for each run.
   void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
 
-  std::uint64_t instructions_;
-  std::shared_ptr<std::vector<Callback>> given_;
+ private:
+  [[nodiscard]] lua::Limits loading() const;
+  /// Calls `body` while the guides that are made are those of a script.
+  void as_script(const std::string& text, const std::string& name, const std::function<void()>& body);
+  /// Has `print` say nothing as long as `quiet` is true.
+  void silence(const std::shared_ptr<const bool>& quiet);
+
+  std::string folder_;
+  SessionOptions options_;
+  std::shared_ptr<GuideBook> book_;
   std::shared_ptr<lua::State> interpreter_;
 };
 

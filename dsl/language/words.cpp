@@ -13,6 +13,7 @@
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/combine.hpp>
 #include <dsl/language/experiment.hpp>
+#include <dsl/language/guiding_space.hpp>
 #include <dsl/language/help.hpp>
 #include <dsl/language/measure.hpp>
 #include <dsl/language/modules.hpp>
@@ -132,12 +133,11 @@ std::vector<Word> make_words() {
 
 std::vector<ObjectType> make_types() {
   std::vector<ObjectType> all = algebra_types();
-  all.push_back({"trellis.Shape", "an obstacle or a robot's part", "", {}, {}});
-  all.push_back({"trellis.World", "a planar workspace", "", {}, {}});
-  all.push_back({"trellis.Robot", "what moves", "", {}, {}});
+  for (ObjectType& type : world_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Motion", "how what moves can be driven", "", {}, {}});
   all.push_back(problem_type());
   for (ObjectType& type : measure_types()) all.push_back(std::move(type));
+  for (ObjectType& type : guiding_space_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Claim", "a sentence that the results are to bear out", "", {}, {}});
   all.push_back({"trellis.Publication", "figures and sentences of somebody else", "", {}, {}});
   all.push_back({"trellis.Experiment", "what a script returns to be run", "", {}, {}});
@@ -199,6 +199,7 @@ std::string default_text(const Option& option) {
 std::vector<const Construct*> constructs() {
   std::vector<const Construct*> all = combinator_constructs();
   all.push_back(&ablations_construct());
+  for (const Construct* construct : guiding_space_constructs()) all.push_back(construct);
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),

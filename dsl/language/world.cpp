@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include <dsl/language/words.hpp>
 #include <trellis/scene/shapes.hpp>
 
 namespace trellis::dsl {
@@ -257,6 +259,77 @@ int make_rigid(Stack& call) {
   return call.result(Robot::rigid(shapes, rotates(arguments)));
 }
 
+/// What a script may read of a world.
+const std::vector<Field>& world_members() {
+  static const std::vector<Field> members = {
+      {"bounds", "number[]", "", "xmin, ymin, xmax, ymax of the boundary box, in metres"},
+      {"obstacles", "trellis.Shape[]", "", "its obstacles, as world { ... } takes them"}};
+  return members;
+}
+
+/// What a script may read of a robot.
+const std::vector<Field>& robot_members() {
+  static const std::vector<Field> members = {
+      {"scaled", "fun(self: trellis.Robot, factor: number): trellis.Robot", "",
+       "the same robot, scaled about its reference point"},
+      {"bounding_radius", "number", "", "no point of it is ever farther than this from its reference point, in metres"},
+      {"inscribed_radius", "number", "", "of the largest disc about the reference point inside of it, in metres"}};
+  return members;
+}
+
+/// The name that was asked for, one of the members'.
+std::string member(Stack& call, const std::vector<Field>& members, const char* what) {
+  std::vector<std::string> known;
+  known.reserve(members.size());
+  for (const Field& field : members) known.push_back(field.name);
+  const auto name = call[2].string();
+  if (name && std::find(known.begin(), known.end(), *name) != known.end()) return *name;
+  throw Error(fmt::format("{} has no field {}{}; it has: {}", what, call[2].describe(),
+                          name ? did_you_mean(*name, known) : "", fmt::join(known, ", ")));
+}
+
+int read_world(Stack& call) {
+  const World world = *call[1].get<World>();
+  const std::string asked = member(call, world_members(), "a world");
+  const Value result = call.push_table();
+  if (asked == "bounds") {
+    const auto& [lo, hi] = world.bounds();
+    for (const double x : {lo.x, lo.y, hi.x, hi.y}) {
+      call.push(x);
+      call.append(result);
+    }
+    return 1;
+  }
+  for (const Obstacle& obstacle : world.obstacles()) {
+    // As it was called before it had a number: "left wall" of "obstacle 3 (left wall)".
+    const auto open = obstacle.name.find('(');
+    const bool numbered = obstacle.name.starts_with("obstacle ") && open != std::string::npos;
+    const std::string name = numbered ? obstacle.name.substr(open + 1, obstacle.name.size() - open - 2) : obstacle.name;
+    call.push_object(NamedShape{name, name, obstacle.shape});
+    call.append(result);
+  }
+  return 1;
+}
+
+int scale_robot(Stack& call) {
+  const auto* robot = call[1].get<Robot>();
+  if (robot == nullptr) throw Error("scaled is called with a colon: robot:scaled(0.5)");
+  const auto factor = call[2].number();
+  if (!factor || !(*factor > 0.0) || !std::isfinite(*factor)) {
+    throw Error(fmt::format("scaled: its factor must be a number greater than 0, got {}", call[2].describe()));
+  }
+  return call.result(robot->scaled(*factor));
+}
+
+int read_robot(Stack& call) {
+  const Robot robot = *call[1].get<Robot>();
+  const std::string name = member(call, robot_members(), "a robot");
+  if (name == "bounding_radius") return call.result(robot.bounding_radius());
+  if (name == "inscribed_radius") return call.result(robot.inscribed_radius());
+  call.push_function(scale_robot);
+  return 1;
+}
+
 template <class T>
 lua::Callback text_of(std::string (*text)(const T&)) {
   return [text](Stack& call) {
@@ -273,15 +346,23 @@ std::vector<const Construct*> world_constructs() {
           &rigid_construct()};
 }
 
+std::vector<ObjectType> world_types() {
+  return {{"trellis.Shape", "an obstacle or a robot's part", "", {}, {}},
+          {"trellis.World", "a planar workspace", "", world_members(), {}},
+          {"trellis.Robot", "what moves", "", robot_members(), {}}};
+}
+
 void open_world(Stack& stack) {
   stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })}});
   stack.declare<World>({{"__tostring", text_of<World>([](const World& world) {
                            const auto& [lo, hi] = world.bounds();
                            return fmt::format("world of {} obstacles in {:g} {:g} {:g} {:g}", world.obstacles().size(),
                                               lo.x, lo.y, hi.x, hi.y);
-                         })}});
+                         })},
+                        {"__index", read_world}});
   stack.declare<Robot>(
-      {{"__tostring", text_of<Robot>([](const Robot& robot) { return fmt::format("robot '{}'", robot.name()); })}});
+      {{"__tostring", text_of<Robot>([](const Robot& robot) { return fmt::format("robot '{}'", robot.name()); })},
+       {"__index", read_robot}});
 
   for (const auto& [construct, make] :
        std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct, make_box},

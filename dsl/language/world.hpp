@@ -14,4 +14,8 @@ void open_world(lua::Stack& stack);
 /// The constructs of this file, for help.
 std::vector<const Construct*> world_constructs();
 
+/// Shapes, worlds and robots, and what can be read of them.
+struct ObjectType;
+std::vector<ObjectType> world_types();
+
 }  // namespace trellis::dsl

@@ -18,7 +18,7 @@ struct Guard {
   static void spend(lua_State* state, std::uint64_t instructions) { State::of(state).spend(state, instructions); }
   /// Goes on ending the script where it is being ended. For whatever has caught an error on a script's behalf.
   static void pass_on(lua_State* state);
-  [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).ended_; }
+  [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).work_.ended; }
   [[nodiscard]] static std::size_t longest_string(lua_State* state) { return State::of(state).budget_.longest_string; }
 };
 

@@ -80,6 +80,8 @@ class Stack {
   void append(Value table);
   /// Takes the top value off and sets the table's field.
   void set_field(Value table, const std::string& name);
+  /// Sets an element of the table.
+  void set_index(Value table, std::size_t i, double value);
   void set_global(const std::string& name);
   /// Pushes a global, nil where there is none; asks no metamethod.
   Value push_global(const std::string& name);

@@ -79,27 +79,27 @@ int Guard::run(lua_State* state, const Callback& body) {
     const auto position = Stack(state).where();
     message = (position ? position->prefix() : "") + error.what();
   } catch (const std::exception& error) {
-    State::of(state).fault_ = std::current_exception();
-    State::of(state).ended_ = true;
+    State::of(state).work_.fault = std::current_exception();
+    State::of(state).work_.ended = true;
     message = error.what();
   }
-  State::of(state).raised_ = message;
+  State::of(state).work_.raised = message;
   lua_settop(state, 0);
   lua_pushlstring(state, message.data(), message.size());
   return lua_error(state);
 }
 
 void Guard::pass_on(lua_State* state) {
-  if (State::of(state).ended_) State::unwind(state);
+  if (State::of(state).work_.ended) State::unwind(state);
 }
 
 int Guard::explain(lua_State* state) {
-  if (State::of(state).ended_) return 1;
+  if (State::of(state).work_.ended) return 1;
   const int type = lua_type(state, 1);
   if (type == LUA_TSTRING) {
     std::size_t size = 0;
     const char* text = lua_tolstring(state, 1, &size);
-    if (std::string_view(text, size) == State::of(state).raised_) return 1;
+    if (std::string_view(text, size) == State::of(state).work_.raised) return 1;
   } else if (luaL_callmeta(state, 1, "__tostring") != 0 && lua_type(state, -1) == LUA_TSTRING) {
     lua_replace(state, 1);
   } else if (type != LUA_TNUMBER) {
@@ -147,12 +147,12 @@ void State::count(lua_State* state, lua_Debug* frame) {
   static_cast<void>(frame);
   State& self = of(state);
   const int interval = lua_gethookcount(state);
-  self.spent_ += static_cast<std::uint64_t>(interval);
-  const auto before = self.looked_;
+  self.work_.spent += static_cast<std::uint64_t>(interval);
+  const auto before = self.work_.looked;
   self.look_around(state);
   // Where instructions are slow the next look comes sooner.
   constexpr auto slow = std::chrono::milliseconds(10), quick = std::chrono::milliseconds(1);
-  const auto took = self.looked_ - before;
+  const auto took = self.work_.looked - before;
   const int next = took > slow ? std::max(1, interval / 10) : took < quick ? hook_interval : interval;
   if (next != interval) lua_sethook(state, &State::count, LUA_MASKCOUNT, next);
 }
@@ -160,31 +160,32 @@ void State::count(lua_State* state, lua_Debug* frame) {
 void State::spend(lua_State* state, std::uint64_t instructions) {
   constexpr unsigned calls = 16;
   constexpr std::uint64_t many = 1000;
-  if (ended_) unwind(state);
-  spent_ += instructions;
-  if (++calls_ < calls && instructions < many) return;
+  if (work_.ended) unwind(state);
+  work_.spent += instructions;
+  if (++work_.calls < calls && instructions < many) return;
   look_around(state);
 }
 
 void State::look_around(lua_State* state) {
-  calls_ = 0;
-  if (ended_) unwind(state);
-  looked_ = Clock::now();
-  if (spent_ > limits_.instructions) {
-    end(state, fmt::format("{} has spent {} instructions and comes to no end{}", limits_.subject, limits_.instructions,
-                           limits_.advice));
+  work_.calls = 0;
+  if (work_.ended) unwind(state);
+  if (work_.limits == nullptr) return;  // nobody runs it: it is closing
+  work_.looked = Clock::now();
+  if (work_.spent > work_.limits->instructions) {
+    end(state, fmt::format("{} has spent {} instructions and comes to no end{}", work_.limits->subject,
+                           work_.limits->instructions, work_.limits->advice));
   }
   if (worked_too_long()) {
-    end(state, fmt::format("{} has worked for {:g} s and comes to no end{}", limits_.subject, limits_.seconds,
-                           limits_.advice));
+    end(state, fmt::format("{} has worked for {:g} s and comes to no end{}", work_.limits->subject,
+                           work_.limits->seconds, work_.limits->advice));
   }
   if (!options_.poll) return;
   try {
     options_.poll();
     return;
   } catch (const std::exception&) {
-    fault_ = std::current_exception();
-    ended_ = true;
+    work_.fault = std::current_exception();
+    work_.ended = true;
   }
   unwind(state);
 }
@@ -193,19 +194,20 @@ bool State::worked_too_long() {
   // Time is the processor's: a script is not blamed for what else a machine does. Asking for it costs more than the
   // clock on the wall, so that one is asked first.
   constexpr double noticed = 0.01;
-  const double passed = std::chrono::duration<double>(looked_ - begin_).count();
+  const double passed = std::chrono::duration<double>(work_.looked - work_.begin).count();
   if (passed < noticed) return false;
-  if (begin_cpu_ < 0.0) begin_cpu_ = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
-  return passed > limits_.seconds && processor_seconds(CLOCK_THREAD_CPUTIME_ID) - begin_cpu_ > limits_.seconds;
+  if (work_.begin_cpu < 0.0) work_.begin_cpu = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
+  return passed > work_.limits->seconds &&
+         processor_seconds(CLOCK_THREAD_CPUTIME_ID) - work_.begin_cpu > work_.limits->seconds;
 }
 
 void State::end(lua_State* state, const std::string& why) {
-  ended_ = true;
+  work_.ended = true;
   const auto position = Stack(state).where();
-  ended_by_ = (position ? position->prefix() : "") + why;
+  work_.ended_by = (position ? position->prefix() : "") + why;
   luaL_checkstack(state, LUA_MINSTACK, nullptr);
-  luaL_traceback(state, state, ended_by_.c_str(), 0);
-  ended_by_ = lua_tostring(state, -1);
+  luaL_traceback(state, state, work_.ended_by.c_str(), 0);
+  work_.ended_by = lua_tostring(state, -1);
   unwind(state);
 }
 
@@ -245,21 +247,19 @@ void State::watch(const std::stop_token& stop) {
 
 void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   constexpr std::size_t longest_line = 1000;  // the first one's, before what is quoted in it is cut
-  constexpr double grace = 5.0;               // seconds beyond the limit, for what is slow to end
-  fault_ = nullptr;
-  raised_.clear();
-  limits_ = limits;
-  spent_ = 0;
-  calls_ = 0;
-  ended_ = false;
-  begin_ = looked_ = Clock::now();
-  begin_cpu_ = -1.0;
+  if (lua_checkstack(state_, 3) == 0) throw Error(out_of_memory());
+  Work outer = std::exchange(work_, Work());
+  work_.limits = &limits;
+  work_.begin = work_.looked = Clock::now();
+  const auto watch = [this] {
+    watched_seconds_ = work_.limits->seconds;
+    at_work_ = work_.number = ++runs_;
+  };
   if (options_.stuck) {
     clockid_t clock = CLOCK_THREAD_CPUTIME_ID;
     ::pthread_getcpuclockid(::pthread_self(), &clock);
     clock_ = clock;
-    watched_seconds_ = limits_.seconds;
-    at_work_ = ++runs_;
+    watch();
   }
   const int before = lua_gettop(state_);
   // None of these three allocates, so none can fail outside of protection.
@@ -268,9 +268,16 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   lua_pushlightuserdata(state_, const_cast<std::function<void(Stack&)>*>(&body));  // NOLINT: only called
   const int status = lua_pcall(state_, 1, 0, before + 1);
   at_work_ = 0;
+  Work done = std::exchange(work_, std::move(outer));
+  if (work_.number != 0) watch();
+  if (status == LUA_OK && !done.ended) {
+    lua_settop(state_, before);
+    if (done.fault) std::rethrow_exception(done.fault);
+    return;
+  }
   std::string message;
-  if (ended_) {
-    message = ended_by_;
+  if (done.ended) {
+    message = done.ended_by;
   } else if (status == LUA_ERRMEM) {
     message = out_of_memory();
   } else if (status != LUA_OK) {
@@ -283,8 +290,8 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
     message.replace(longest_line, end - longest_line, "...");
   }
   lua_settop(state_, before);
-  if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
-  if (ended_ || status != LUA_OK) throw Located(message);
+  if (done.fault) std::rethrow_exception(done.fault);
+  throw Located(message);
 }
 
 Reference::Reference(const Stack& stack, Value value) : interpreter_(State::of(stack.state()).weak_from_this()) {

@@ -48,7 +48,9 @@ class State : public std::enable_shared_from_this<State> {
   /// Runs `body` so that a Lua error inside becomes an Error: as it is where Trellis raised it, with a traceback where
   /// the script did. Exceptions that are no Error, thrown by `body`, by a callback or by Options::poll, come out as
   /// they are. A script that has spent its limits is ended, whatever it catches. Where even that does not stop it,
-  /// Options::stuck is called, which must not return to it.
+  /// Options::stuck is called, which must not return to it. May be called within a call of itself, on the same thread:
+  /// what the inner run spends is counted by itself, against its own limits.
+  /// \param limits  outlive the call
   void run(const std::function<void(Stack&)>& body, const Limits& limits = {});
 
  private:
@@ -74,20 +76,25 @@ class State : public std::enable_shared_from_this<State> {
   [[nodiscard]] std::string out_of_memory() const;
   void watch(const std::stop_token& stop);
 
+  /// One run.
+  struct Work {
+    const Limits* limits = nullptr;
+    std::exception_ptr fault;  ///< what a callback threw that is no Error; scripts cannot catch it for good
+    std::string raised;        ///< the last message of ours; it needs no traceback
+    std::uint64_t spent = 0;   ///< instructions
+    unsigned calls = 0;        ///< of `spend` since the clock was looked at
+    Clock::time_point begin;
+    Clock::time_point looked;  ///< when the clock was looked at last
+    bool ended = false;        ///< the script is being ended: nothing it does stops that
+    std::string ended_by;      ///< the message of that
+    double begin_cpu = -1.0;   ///< processor time when this run was seen to last; negative before
+    std::uint64_t number = 0;  ///< of the run, for the watchdog
+  };
+
   Options options_;
   Budget budget_;
   lua_State* state_ = nullptr;
-  std::exception_ptr fault_;  ///< what a callback threw that is no Error; scripts cannot catch it for good
-  std::string raised_;        ///< the last message of ours; it needs no traceback
-
-  Limits limits_;
-  std::uint64_t spent_ = 0;   ///< instructions of this run
-  unsigned calls_ = 0;        ///< of `spend` since the clock was looked at
-  Clock::time_point begin_;   ///< of this run
-  Clock::time_point looked_;  ///< when the clock was looked at last
-  bool ended_ = false;        ///< the script is being ended: nothing it does stops that
-  std::string ended_by_;      ///< the message of that
-  double begin_cpu_ = -1.0;   ///< processor time when this run was seen to last; negative before
+  Work work_;  ///< the innermost run
   // For the watchdog:
   std::uint64_t runs_ = 0;
   std::atomic<std::uint64_t> at_work_ = 0;  ///< the run that is at work; 0: none

@@ -90,6 +90,7 @@ class Value {
   [[nodiscard]] const void* identity() const;
 
   [[nodiscard]] int index() const { return index_; }
+  [[nodiscard]] lua_State* state() const { return state_; }
 
  private:
   [[nodiscard]] const Object* object() const;

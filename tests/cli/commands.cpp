@@ -508,6 +508,34 @@ TEST_CASE("what a script gives and nobody uses is told once, after the report") 
       "measured by another target (field 'measure')\n");
 }
 
+TEST_CASE("guides of a script's own: functions that no run called, prints, and what check finds without planning") {
+  const Place place;
+  place.script(
+      "own.lua",
+      "print('loaded')\n"
+      "local own = guiding_space { name = 'own', robot = function(i) print('asked') return i.robot:scaled(0.5) "
+      "end }\n"
+      "local unused = guiding_space { name = 'unused', stale = function() return false end }\n"
+      "return experiment { problems = scenes.cup(), seeds = 2, strategies = { own = own >> rrt {} },\n"
+      "  measure = false }\n");
+  const auto outcome = place.run({"run", "own.lua", "--quiet"});
+  CHECK(outcome.status == 0);
+  // Loading it for each run is silent; what its functions print is seen.
+  CHECK(outcome.out == "loaded\nasked\nasked\n");
+  CHECK(outcome.err ==
+        "trellis: warning: own.lua:3: 'stale' of the guiding space 'unused' was never called in any run\n");
+
+  place.script(
+      "flat.lua",
+      "local flat = guiding_space { name = 'flat', space = {'x', 'y'}, world = function(i) return i.world end }\n"
+      "return experiment { problems = scenes.cup(), strategies = { flat = lazy() >> flat >> rrt {} } }\n");
+  const auto checked = place.run({"check", "flat.lua"});
+  CHECK(checked.status == 2);
+  CHECK(checked.err ==
+        "trellis: flat.lua:1: in flat >> rrt, level 1 (problem 'cup'): its robot needs 3 coordinates, and S has 2 (x, "
+        "y)\n");
+}
+
 TEST_CASE("a folder where nothing was solved says so, and where to look") {
   const Place place;
   place.script("hopeless.lua",

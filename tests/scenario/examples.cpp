@@ -129,6 +129,42 @@ SCENARIO("nesting pays on the simple passage", "[examples]") {
   }
 }
 
+SCENARIO("guiding spaces written in a script guide as built-in ones do", "[examples]") {
+  GIVEN("the example of guides of one's own") {
+    const Result& result = run("guiding_space.lua");
+    INFO(result.outcome.err);
+    REQUIRE(result.outcome.status == 0);
+    THEN("shrink written in Lua is the built-in shrink, in every figure of every run") {
+      auto own = runs_of(result.document, "half");
+      const auto built_in = runs_of(result.document, "shrink");
+      REQUIRE(own.size() == 15);
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        CHECK(own[i]["path"] == built_in[i]["path"]);
+        CHECK(own[i]["validity_checks"] == built_in[i]["validity_checks"]);
+        REQUIRE(own[i]["levels"].size() == 2);
+        for (std::size_t k = 0; k < 2; ++k) {
+          CHECK(own[i]["levels"][k]["proposals"] == built_in[i]["levels"][k]["proposals"]);
+          CHECK(own[i]["levels"][k]["root_efficiency"] == built_in[i]["levels"][k]["root_efficiency"]);
+        }
+      }
+    }
+    THEN("the point robot searches a space of two axes, and all runs of the composition are solved") {
+      const auto& point = runs_of(result.document, "point");
+      REQUIRE(point.size() == 15);
+      CHECK(point[0]["levels"][1]["dimension"] == 2);
+      CHECK(point[0]["levels"][1]["name"] == "point");
+      for (const auto& run : runs_of(result.document, "all")) {
+        CHECK(run["solved"] == true);
+        CHECK(run["levels"].size() == 4);
+      }
+    }
+    THEN("guides that know the passage spend fewer checks than none") {
+      const auto plain = median(field(runs_of(result.document, "rrt"), "validity_checks"));
+      CHECK(median(field(runs_of(result.document, "half"), "validity_checks")) < plain);
+    }
+  }
+}
+
 SCENARIO("a strategy that was built in C++ is tried as one of a script", "[testing]") {
   GIVEN("a problem of a script, and the algebra") {
     const Problem problem = load(example("nested.lua")).problem("simple_passage");

@@ -58,8 +58,8 @@ TEST_CASE("after a dot come the fields of a module or a library") {
   CHECK(next("0.").empty());
 }
 
-TEST_CASE("after a colon comes what can be asked of a strategy") {
-  CHECK(next("strategy:") == Words{"hash", "json", "tree"});
+TEST_CASE("after a colon comes what can be asked of a strategy or a robot") {
+  CHECK(next("strategy:") == Words{"hash", "json", "scaled", "tree"});
   CHECK(next("(skeleton() >> rrt {}):tr") == Words{"tree"});
 }
 

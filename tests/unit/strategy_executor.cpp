@@ -343,6 +343,6 @@ TEST_CASE("what cannot be projected is told with the whole way to it", "[executo
   const auto written = GuideSpec::make("skeleton", {}, {}, {"script.lua", 7});
   CHECK_THROWS_WITH(
       execute(written >> guide("shrink") >> guide("lazy") >> rrt(), arm, 1),
-      "script.lua:7: in skeleton() >> shrink(0.5) >> lazy() >> rrt, level 3 (problem 'arm'): skeleton: needs "
+      "script.lua:7: in skeleton() >> shrink(0.5) >> lazy() >> rrt, level 3 (problem 'arm', seed 1): skeleton: needs "
       "a robot whose reference point moves in the plane; this space (SO(2)) has no position");
 }

@@ -24,8 +24,7 @@ struct Part {
 /// Where a component was written; "" where that is not known. Two that read alike are told apart by nobody.
 std::string origin_of(const GuideSpec& guide, const std::string& text) {
   if (guide.kind() == GuideSpec::Kind::component) {
-    const GuideSpec alone = GuideSpec::make(guide.name(), guide.options().entries());
-    if (alone.text() == text && !guide.origin().script.empty()) {
+    if (guide.alone().text() == text && !guide.origin().script.empty()) {
       return fmt::format("{}:{}: ", guide.origin().script, guide.origin().line);
     }
     return guide.below() != nullptr ? origin_of(*guide.below(), text) : "";

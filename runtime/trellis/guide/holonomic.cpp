@@ -106,7 +106,7 @@ class FibredHeuristic final : public Heuristic {
       if (base == density) return made;
     }
     if (made_.size() == few) made_.clear();
-    made_.emplace_back(density, std::make_shared<FibredDensity>(projection_, density));
+    made_.emplace_back(density, std::make_shared<LiftedDensity>(projection_, proposal_.size(), density));
     return made_.back().second;
   }
 

@@ -250,6 +250,16 @@ void SeveralPaths::observe(const Outcome& outcome, bool mine) {
   }
 }
 
+std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
+                                          Instance& parent, const Configurations& path, const NearestIndex& reached) {
+  const double radius = tube_radius(settings, parent);
+  if (settings.follow == "waypoints") {
+    return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.patience, reached);
+  }
+  return std::make_unique<PathHeuristic>(source, parent.space, path, radius, settings.window, settings.patience,
+                                         &reached);
+}
+
 std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   auto instance = std::make_unique<Instance>(parent);
   instance->checks = {};
@@ -294,20 +304,10 @@ std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Config
   if (paths_.size() > 1) {
     std::vector<std::unique_ptr<PathFollower>> parts;
     parts.reserve(paths_.size());
-    for (const auto& one : paths_) parts.push_back(follower_of_one(parent, one));
+    for (const auto& one : paths_) parts.push_back(follow_path(name_, path_settings_, parent, followed(one), *reached_));
     return std::make_unique<SeveralPaths>(std::move(parts));
   }
-  return follower_of_one(parent, path);
-}
-
-std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path) const {
-  const double radius = tube_radius(path_settings_, parent);
-  if (path_settings_.follow == "waypoints") {
-    return std::make_unique<WaypointHeuristic>(name_, parent, followed(path), radius, path_settings_.patience,
-                                               *reached_);
-  }
-  return std::make_unique<PathHeuristic>(name_, parent.space, followed(path), radius, path_settings_.window,
-                                         path_settings_.patience, &*reached_);
+  return follow_path(name_, path_settings_, parent, followed(path), *reached_);
 }
 
 std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

@@ -26,8 +26,9 @@ struct PathGuideSettings {
   std::int64_t effort = 2000;
 };
 
+/// The options of what follows a path.
 template <class S>
-Settings<S> with_path_options(Settings<S> settings) {
+Settings<S> with_following_options(Settings<S> settings) {
   settings
       .number(
           "radius", &S::radius, "m in the metric", Range::non_negative(),
@@ -41,9 +42,14 @@ Settings<S> with_path_options(Settings<S> settings) {
       .number("window", &S::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
               "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
       .integer("patience", &S::patience, "proposals", Range::at_least(1),
-               "guided proposals without progress along the path before its space is solved again")
-      .integer("resolves", &S::resolves, "re-solves", Range::non_negative(), "how often its space may be solved again");
+               "guided proposals without progress along the path before its space is solved again");
   return settings;
+}
+
+template <class S>
+Settings<S> with_path_options(Settings<S> settings) {
+  return with_following_options(std::move(settings))
+      .integer("resolves", &S::resolves, "re-solves", Range::non_negative(), "how often its space may be solved again");
 }
 
 /// The options of guides that can look for several paths.
@@ -178,6 +184,11 @@ class SeveralPaths final : public PathFollower {
   std::uint64_t epoch_ = 0;
 };
 
+/// h along a path in C as the settings say.
+/// \param reached  the planner's nodes, the start at least; outlives what is made and is kept up to date
+std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
+                                          Instance& parent, const Configurations& path, const NearestIndex& reached);
+
 /// A uniform h for a space whose search found nothing to go by.
 class UniformHeuristic final : public Heuristic {
  public:
@@ -218,7 +229,6 @@ class PathGuide : public Guide {
  private:
   /// Follows the paths found where there are several, else the path.
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path) const;
-  [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path) const;
 
   std::string name_;
   PathGuideSettings path_settings_;

@@ -359,8 +359,8 @@ class DynamicRegions final : public Heuristic {
   void place(Region& region) const {
     Configurations centre_alone(2);
     centre_alone.push(centre(region));
-    region.density = std::make_shared<FibredDensity>(
-        projection_, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
+    region.density = std::make_shared<LiftedDensity>(
+        projection_, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
   /// Moves every region on while `inside(centre)`; at the end of its edge it makes room for those of the edges beyond.

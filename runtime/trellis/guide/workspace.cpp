@@ -156,7 +156,7 @@ class LiftedPath final : public Heuristic {
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
  private:
-  void renew() { density_ = std::make_shared<FibredDensity>(projection_, positions_.tube_density()); }
+  void renew() { density_ = std::make_shared<LiftedDensity>(projection_, 2, positions_.tube_density()); }
 
   std::shared_ptr<const PositionProjection> projection_;
   PathHeuristic positions_;

@@ -38,6 +38,13 @@ void DensityRecord::add_lifted(const Guidance& h, double share, const Lift& lift
   lift_ = nullptr;
 }
 
+std::vector<Density::Term> DensityRecord::now() const {
+  std::vector<Density::Term> terms;
+  terms.reserve(now_terms_.size());
+  for (const auto& [place, share] : now_terms_) terms.push_back({terms_[place].density, share});
+  return terms;
+}
+
 void DensityRecord::settle() {
   past_.total += served_;
   past_.uniform += served_ * now_.uniform;

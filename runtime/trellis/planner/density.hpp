@@ -72,6 +72,8 @@ class DensityRecord {
   /// The shares that were uniform, and that had no closed form. NaN without proposals.
   [[nodiscard]] double uniform() const { return (past_.uniform + served_ * now_.uniform) / total(); }
   [[nodiscard]] double unknown() const { return (past_.unknown + served_ * now_.unknown) / total(); }
+  /// What h is made of now beside its uniform share.
+  [[nodiscard]] std::vector<Density::Term> now() const;
   /// The densities beside the uniform one that are evaluated.
   [[nodiscard]] std::size_t terms() const { return terms_.size(); }
 

@@ -15,11 +15,10 @@ enum class How { uniform, skip };
 
 /// The component alone. A planner that it has by default is not written.
 GuideSpec bare(const GuideSpec& guide) {
-  const auto make = [&](const std::optional<PlannerSpec>& planner) {
-    return GuideSpec::make(guide.name(), guide.options().entries(), planner, guide.origin());
-  };
-  GuideSpec plain = make({});
-  return plain.planner() == guide.planner() ? plain : make(guide.planner());
+  GuideSpec plain = guide.alone();
+  if (plain.planner() == guide.planner()) return plain;
+  if (guide.custom()) return GuideSpec::make(guide.custom(), guide.planner(), guide.origin());
+  return GuideSpec::make(guide.name(), guide.options().entries(), guide.planner(), guide.origin());
 }
 
 /// The components of a guide, each before those that guide it.

@@ -29,6 +29,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   Run run;
   run.problem = problem.name;
   run.seed = seed;
+  run.seeded = true;
   run.interrupted = options.interrupted;
   run.watch = options.watch;
   Level root(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);

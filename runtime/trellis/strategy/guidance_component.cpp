@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <trellis/guide/custom.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 
@@ -16,20 +17,16 @@ namespace {
 class ComponentGuidance final : public Prepared {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
-      : parent_(parent),
-        guide_(find_guide(spec.name())->make(spec.options())),
-        name_(GuideSpec::make(spec.name(), spec.options().entries()).text()),
-        resolves_left_(find_guide(spec.name())->resolves(spec.options())) {
+      : parent_(parent), name_(spec.alone().text()), site_{run.seed, key, place(run, spec), run.shared} {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
-    auto sub = project(run, parent, spec);
+    make(spec);
+    auto sub = told([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
-    try {
-      level_ = std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
-    } catch (const Error& error) {
-      fail(run, parent, spec, error);
-    }
+    level_ = told([&] {
+      return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
+    });
     level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
@@ -37,8 +34,7 @@ class ComponentGuidance final : public Prepared {
   Advance prepare(double proposals) override {
     if (heuristic_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
-      ++epoch_;
-      heuristic_ = guide_->heuristic(parent_.instance(), nullptr, nullptr);
+      make_heuristic();
       found_ = true;
       return Advance::found;
     }
@@ -49,8 +45,7 @@ class ComponentGuidance final : public Prepared {
     }
     const Advance advance = search(proposals);
     if (advance == Advance::unfinished) return advance;
-    epoch_ = epoch() + 1;
-    heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &level_->solution());
+    make_heuristic();
     renewing_ = false;
     counted_ = false;
     found_ = advance == Advance::found;
@@ -105,19 +100,45 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
-  std::unique_ptr<Instance> project(const Run& run, const Level& parent, const GuideSpec& spec) const {
-    try {
-      return guide_->project(parent_.instance());
-    } catch (const Error& error) {
-      fail(run, parent, spec, error);
+  void make(const GuideSpec& spec) {
+    if (spec.custom()) {
+      guide_ = told([&] { return spec.custom()->make(site_); });
+      resolves_left_ = spec.custom()->description().resolves;
+    } else {
+      const GuideKind& kind = *find_guide(spec.name());
+      guide_ = kind.make(spec.options());
+      resolves_left_ = kind.resolves(spec.options());
     }
   }
 
-  [[noreturn]] void fail(const Run& run, const Level& parent, const GuideSpec& spec, const Error& error) const {
+  /// "script.lua:7: in shrink(0.5) >> rrt, level 1 (problem 'trap', seed 3)".
+  [[nodiscard]] std::string place(const Run& run, const GuideSpec& spec) const {
     const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
-    const std::string path = level_path(parent.record(), at);
-    throw Error(fmt::format("{}in {} >> {}, level {} (problem '{}'): {}", where(spec.origin()), name_,
-                            path.substr(0, path.rfind(',')), run.levels.size(), run.problem, error.what()));
+    const std::string path = level_path(parent_.record(), at);
+    const std::string level = spec.planner() ? fmt::format(", level {}", run.levels.size()) : "";
+    const std::string seed = run.seeded ? fmt::format(", seed {}", run.seed) : "";
+    return fmt::format("{}in {} >> {}{} (problem '{}'{})", where(spec.origin()), name_, path.substr(0, path.rfind(',')),
+                       level, run.problem, seed);
+  }
+
+  /// Says where, of what goes wrong in `body`.
+  template <class Body>
+  auto told(const Body& body) const -> decltype(body()) {
+    try {
+      return body();
+    } catch (const PlacedError&) {
+      throw;
+    } catch (const Error& error) {
+      throw PlacedError(fmt::format("{}: {}", site_.place, error.what()));
+    }
+  }
+
+  /// Makes h of what the search of S found; of nothing where S = {0}.
+  void make_heuristic() {
+    const Solution* found = level_ ? &level_->solution() : nullptr;
+    epoch_ = epoch() + 1;
+    const Instance* sub = level_ ? &level_->instance() : nullptr;
+    heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
   }
 
   /// Whether h was refuted and S may be solved again.
@@ -134,12 +155,13 @@ class ComponentGuidance final : public Prepared {
   }
 
   Level& parent_;
-  std::shared_ptr<Guide> guide_;
   std::string name_;
+  GuideSite site_;
+  std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
   std::uint64_t epoch_ = 0;  ///< beside the heuristic's own
-  std::int64_t resolves_left_;
+  std::int64_t resolves_left_ = 0;
   std::uint64_t refuted_ = 0;
   bool counted_ = false;   ///< that the h in use was refuted
   bool renewing_ = false;  ///< a re-solve has begun

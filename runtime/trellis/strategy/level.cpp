@@ -95,7 +95,7 @@ LevelRecord Level::take_record() {
   if (record_.search.density.exact()) {
     const auto density = std::make_shared<const DensityRecord>(record_.search.density);
     record_.proposal_density = [density](View q) { return density->at(q); };
-    record_.root_proposal_density = lifted(record_.proposal_density);
+    if (closed_fibres()) record_.root_proposal_density = lifted(record_.proposal_density);
     record_.proposal_atoms = density->atoms();
   }
   std::string key = record_.key;
@@ -133,6 +133,13 @@ Configurations Level::lifted(const Configurations& rows, const std::string& purp
     current = std::move(next);
   }
   return current;
+}
+
+bool Level::closed_fibres() const {
+  for (const Level* at = this; at->parent_ != nullptr; at = at->parent_) {
+    if (!at->lift_->closed_fibre()) return false;
+  }
+  return true;
 }
 
 std::function<double(View)> Level::lifted(std::function<double(View)> density) const {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/guide/custom.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/prepared.hpp>
@@ -37,6 +38,7 @@ class Clock {
 struct Run {
   std::string problem;  ///< its name
   std::uint64_t seed = 0;
+  bool seeded = false;  ///< it is run, not only checked
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
@@ -44,6 +46,7 @@ struct Run {
   std::vector<Turn> turns;
   Level* at_work = nullptr;
   int first_solves = 0;  ///< levels whose first solve has ended
+  RunShared shared;
 };
 
 /// What a level's planner draws from: the goal, uniform, the guide, and a path that another space informed it of.
@@ -229,6 +232,8 @@ class Level {
   void end_turn(Configurations path, bool solve_ended);
   /// Rows of this level's space lifted to the root's by the chain of h's: each step draws from the fibre.
   [[nodiscard]] Configurations lifted(const Configurations& rows, const std::string& purpose) const;
+  /// Whether the density on every fibre between this level's space and the root's is known.
+  [[nodiscard]] bool closed_fibres() const;
   /// A density over this level's space as that of what is lifted to the root's: at f of a configuration, times the
   /// density on the fibre. It keeps every f that it needs.
   [[nodiscard]] std::function<double(View)> lifted(std::function<double(View)> density) const;

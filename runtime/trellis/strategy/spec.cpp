@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <trellis/base/random.hpp>
+#include <trellis/guide/custom.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/planner.hpp>
 #include <trellis/strategy/registry.hpp>
@@ -143,7 +144,12 @@ Json planner_json(const PlannerSpec& planner) {
 
 Json guide_json(const GuideSpec& guide) {
   if (guide.kind() == GuideSpec::Kind::component) {
-    Json json = {{"guide", guide.name()}, {"options", options_json(guide.options())}};
+    Json json = {{"guide", guide.name()}};
+    if (guide.custom()) {
+      json["custom"] = guide.custom()->description().identity;
+    } else {
+      json["options"] = options_json(guide.options());
+    }
     if (guide.planner()) json["search"] = planner_json(*guide.planner());
     if (guide.below() != nullptr) json["guided_by"] = guide_json(*guide.below());
     return json;
@@ -232,12 +238,35 @@ struct GuideSpec::Node {
   Kind kind = Kind::component;
   std::string name;
   Options options;
+  std::shared_ptr<const CustomGuide> custom;
   std::optional<PlannerSpec> planner;
   bool planner_given = false;  ///< only for how it is written
   std::optional<GuideSpec> below;
   Origin origin;
   std::vector<Term> terms;
+
+  /// Settles by what planner its space is searched.
+  /// \param either  a graph or not, as the planner has it  \param given  by whoever writes it
+  void search_by(const std::string& default_planner, bool either, std::optional<PlannerSpec> given);
 };
+
+void GuideSpec::Node::search_by(const std::string& default_planner, bool either, std::optional<PlannerSpec> given) {
+  if (default_planner.empty()) {
+    if (given) throw Error(fmt::format("{}: has no space to search (S = {{0}}), so it takes no planner", name));
+    return;
+  }
+  const bool graph = find_planner(default_planner)->graph;
+  if (given && !either && find_planner(given->name())->graph != graph) {
+    throw Error(graph ? fmt::format("{}: its space is an explicit graph and is searched exactly; '{}' cannot search it "
+                                    "(expected planner = graph_search)",
+                                    name, given->name())
+                      : fmt::format("{}: its space is no explicit graph; 'graph_search' cannot search it (expected a "
+                                    "sampling planner such as {})",
+                                    name, default_planner));
+  }
+  planner_given = given.has_value();
+  planner = given ? std::move(given) : PlannerSpec::make(default_planner, {});
+}
 
 GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::Entry>& given,
                           std::optional<PlannerSpec> planner, Origin origin) {
@@ -247,21 +276,17 @@ GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::En
   node->name = name;
   node->options = Options::validate(described, given);
   node->origin = std::move(origin);
-  if (kind.default_planner.empty()) {
-    if (planner) throw Error(fmt::format("{}: has no space to search (S = {{0}}), so it takes no planner", name));
-    return GuideSpec(std::move(node));
-  }
-  const bool graph = find_planner(kind.default_planner)->graph;
-  if (planner && !kind.graph_optional && find_planner(planner->name())->graph != graph) {
-    throw Error(graph ? fmt::format("{}: its space is an explicit graph and is searched exactly; '{}' cannot search it "
-                                    "(expected planner = graph_search)",
-                                    name, planner->name())
-                      : fmt::format("{}: its space is no explicit graph; 'graph_search' cannot search it (expected a "
-                                    "sampling planner such as {})",
-                                    name, kind.default_planner));
-  }
-  node->planner_given = planner.has_value();
-  node->planner = planner ? std::move(planner) : PlannerSpec::make(kind.default_planner, {});
+  node->search_by(kind.default_planner, kind.graph_optional, std::move(planner));
+  return GuideSpec(std::move(node));
+}
+
+GuideSpec GuideSpec::make(std::shared_ptr<const CustomGuide> custom, std::optional<PlannerSpec> planner,
+                          Origin origin) {
+  auto node = std::make_shared<Node>();
+  node->name = custom->description().name;
+  node->origin = std::move(origin);
+  node->search_by(custom->description().default_planner, false, std::move(planner));
+  node->custom = std::move(custom);
   return GuideSpec(std::move(node));
 }
 
@@ -269,6 +294,7 @@ GuideSpec::Kind GuideSpec::kind() const { return node_->kind; }
 const std::string& GuideSpec::name() const { return node_->name; }
 const Options& GuideSpec::options() const { return node_->options; }
 const std::optional<PlannerSpec>& GuideSpec::planner() const { return node_->planner; }
+const std::shared_ptr<const CustomGuide>& GuideSpec::custom() const { return node_->custom; }
 const GuideSpec* GuideSpec::below() const { return node_->below ? &*node_->below : nullptr; }
 const Origin& GuideSpec::origin() const { return node_->origin; }
 const std::vector<GuideSpec::Term>& GuideSpec::terms() const { return node_->terms; }
@@ -307,6 +333,10 @@ GuideSpec GuideSpec::combine(Kind kind, const std::vector<GuideSpec>& parts, Opt
   return GuideSpec(std::move(node));
 }
 
+GuideSpec GuideSpec::alone() const {
+  return node_->custom ? make(node_->custom, {}, node_->origin) : make(name(), options().entries(), {}, node_->origin);
+}
+
 bool GuideSpec::searches() const {
   if (kind() == Kind::component) return node_->planner.has_value();
   return std::any_of(terms().begin(), terms().end(), [](const Term& term) { return term.guide.searches(); });
@@ -316,8 +346,12 @@ std::string GuideSpec::text() const {
   switch (kind()) {
     case Kind::component: {
       const std::string planner = node_->planner_given ? "planner = " + node_->planner->text() : "";
-      std::string self =
-          node_->name + options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
+      std::string self = node_->name;
+      if (!node_->custom) {
+        self += options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
+      } else if (!planner.empty()) {
+        self += fmt::format(" {{ {} }}", planner);
+      }
       if (!node_->below) return self;
       return in_front(*node_->below) + " >> " + self;
     }
@@ -351,6 +385,8 @@ bool operator==(const GuideSpec& a, const GuideSpec& b) {
   if (a.kind() != b.kind()) return false;
   if (a.kind() == GuideSpec::Kind::component) {
     if (a.name() != b.name() || !(a.options() == b.options()) || !(a.planner() == b.planner())) return false;
+    if ((a.custom() == nullptr) != (b.custom() == nullptr)) return false;
+    if (a.custom() && a.custom()->description().identity != b.custom()->description().identity) return false;
     if ((a.below() == nullptr) != (b.below() == nullptr)) return false;
     return a.below() == nullptr || *a.below() == *b.below();
   }
@@ -457,8 +493,7 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
   const auto head = [&](const std::string& text) { out += indent + (last ? "└─ " : "├─ ") + label + text + "\n"; };
   const std::string deeper = indent + (last ? "   " : "│  ");
   if (guide.kind() == GuideSpec::Kind::component) {
-    const GuideSpec self = GuideSpec::make(guide.name(), guide.options().entries());
-    head(self.text() + (guide.planner() ? "  searched by " + guide.planner()->text() : "  S = {0}"));
+    head(guide.alone().text() + (guide.planner() ? "  searched by " + guide.planner()->text() : "  S = {0}"));
     if (guide.below() != nullptr) draw(*guide.below(), "", deeper, true, out);
     return;
   }

@@ -12,6 +12,8 @@
 
 namespace trellis {
 
+class CustomGuide;
+
 // The algebra of guiding spaces as plain, immutable data. Nothing runs until a strategy is executed.
 //
 //   guide >> guide = guide          planner is a strategy           w * guide = guide
@@ -75,13 +77,20 @@ class GuideSpec {
   /// Throws Error for an unknown guide, a wrong option, or a planner that the guide's space cannot use.
   static GuideSpec make(const std::string& name, const std::vector<Options::Entry>& given,
                         std::optional<PlannerSpec> planner = {}, Origin origin = {});
+  /// The same of a guide that is no component of the registry.
+  static GuideSpec make(std::shared_ptr<const CustomGuide> custom, std::optional<PlannerSpec> planner = {},
+                        Origin origin = {});
 
   [[nodiscard]] Kind kind() const;
-  /// Of a component, or of the combinator that is neither component nor mixture.
-  [[nodiscard]] const Options& options() const;
   /// "shrink", "mixture", "schedule".
   [[nodiscard]] const std::string& name() const;
+  /// Of a component of the registry, or of the combinator that is neither component nor mixture; none of a custom guide.
+  [[nodiscard]] const Options& options() const;
   // Of a component:
+  /// nullptr for a guide of the registry.
+  [[nodiscard]] const std::shared_ptr<const CustomGuide>& custom() const;
+  /// The component without a guide of its own, its planner the default one: what a level is called by.
+  [[nodiscard]] GuideSpec alone() const;
   /// The planner of its own search (the default filled in); none where S = {0}.
   [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
   /// The guide of its own search, nullptr without.

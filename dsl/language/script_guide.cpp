@@ -1,0 +1,937 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guides that scripts write, at work: every call of their functions.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <dsl/language/configuration.hpp>
+#include <dsl/language/guiding_space.hpp>
+#include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/lifted.hpp>
+#include <trellis/guide/pieces.hpp>
+
+namespace trellis::dsl {
+
+namespace {
+
+using lua::Located;
+using lua::Reference;
+using lua::Stack;
+using lua::Type;
+using lua::Value;
+
+std::string names_of(const Space& space) {
+  std::string names;
+  for (const Axis& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  return names;
+}
+
+/// The coordinates among the values from `first` on: numbers, or one list of them.
+void read_coordinates(const Stack& stack, int first, int count, const Space& space, MutableView out, const char* what) {
+  if (count == 1 && stack[first].type() == Type::table) {
+    const Configuration q = read_configuration(stack[first], space, what);
+    std::copy(q.begin(), q.end(), out.begin());
+    return;
+  }
+  bool fits = static_cast<std::size_t>(count) == space.dimension();
+  for (int i = 0; fits && i < count; ++i) {
+    const auto number = stack[first + i].number();
+    fits = number.has_value();
+    if (!fits) break;
+    if (!std::isfinite(*number)) {
+      throw Located(fmt::format("{} must be finite numbers: {} is {:g}", what,
+                                space.axes()[static_cast<std::size_t>(i)].name, *number));
+    }
+    out[static_cast<std::size_t>(i)] = *number;
+  }
+  if (fits) return;
+  std::string got;
+  for (int i = 0; i < count; ++i) got += (i > 0 ? ", " : "") + stack[first + i].describe();
+  throw Located(fmt::format("{} must be {} numbers ({}), got {}", what, space.dimension(), names_of(space),
+                            count == 0 ? "nothing" : got));
+}
+
+/// What the function that a table of `instance` holds asks; it may outlive what it asks about.
+struct Asked {
+  Instance* instance = nullptr;
+
+  /// Ends it.
+  class Over {
+   public:
+    explicit Over(Asked& asked) : asked_(asked) {}
+    Over(const Over&) = delete;
+    Over& operator=(const Over&) = delete;
+    ~Over() { asked_.instance = nullptr; }
+
+   private:
+    Asked& asked_;
+  };
+};
+
+/// What was found in S; nil where nothing was searched.
+void push_found(Stack& stack, const Solution* found) {
+  if (found == nullptr) {
+    stack.push_nil();
+    return;
+  }
+  const Value table = stack.push_table();
+  stack.push(found->solved());
+  stack.set_field(table, "solved");
+  stack.push(to_string(found->status));
+  stack.set_field(table, "status");
+  const Value path = stack.push_table();
+  for (std::size_t i = 0; i < found->path.size(); ++i) {
+    push_numbers(stack, found->path[i]);
+    stack.append(path);
+  }
+  stack.set_field(table, "path");
+}
+
+void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr<Asked>& asked) {
+  const Value table = stack.push_table();
+  const auto set = [&](const char* name) { stack.set_field(table, name); };
+  push_space(stack, instance.space);
+  set("space");
+  push_numbers(stack, instance.start);
+  set("start");
+  push_numbers(stack, instance.goal);
+  set("goal");
+  stack.push_object(instance.scene->robot);
+  set("robot");
+  stack.push_object(instance.scene->world);
+  set("world");
+  stack.push(instance.goal_tolerance);
+  set("goal_tolerance");
+  stack.push(instance.resolution);
+  set("resolution");
+  stack.push_function([asked](Stack& call) {
+    if (asked->instance == nullptr) throw Error("valid: the call that this instance was given to is over");
+    Configuration q(asked->instance->space.dimension());
+    read_coordinates(call, 1, call.count(), asked->instance->space, q, "valid: its arguments");
+    return call.result(asked->instance->space.contains(q) && asked->instance->valid(q));
+  });
+  set("valid");
+}
+
+/// The functions of one guide in one run, as C++ calls them.
+class Calls {
+ public:
+  Calls(std::shared_ptr<RunInterpreter> run, std::shared_ptr<const GuideDefinition> definition,
+        std::shared_ptr<CalledSlots> called, const GuideSite& site)
+      : run_(std::move(run)),
+        definition_(std::move(definition)),
+        called_(std::move(called)),
+        place_(site.place),
+        math_(site.seed, site.key, "math.random"),
+        drawn_from_(std::make_shared<RandomSource>(math_)) {
+    drawn_from_->now = nullptr;
+    protect([&](Stack& stack) {
+      stack.push_function(random_function(drawn_from_, "random"));
+      random_ = std::make_unique<Reference>(stack, stack.top());
+      stack.push_function(normal_function(drawn_from_));
+      normal_ = std::make_unique<Reference>(stack, stack.top());
+    });
+  }
+
+  [[nodiscard]] const GuideDefinition& definition() const { return *definition_; }
+  [[nodiscard]] bool has(Slot slot) const { return (*definition_)[slot] != nullptr; }
+
+  /// Calls a function: `push` pushes its arguments and returns their number, `read` looks at what came back. What goes
+  /// wrong is said to have gone wrong in `which()`.
+  template <class Which, class Push, class Read>
+  void call(Slot slot, const Reference& function, const Which& which, const Push& push, const Read& read) const {
+    auto& called = called_->flags[static_cast<std::size_t>(slot)];
+    if (!called.load(std::memory_order_relaxed)) called = true;
+    try {
+      protect([&](Stack& stack) {
+        function.push(stack);
+        stack.call(push(stack));
+        read(stack);
+      });
+    } catch (const Error& error) {
+      throw PlacedError(fmt::format("{}: {}: {}", place_, which(), error.what()));
+    }
+  }
+
+  /// Calls a function that gets coordinates, and random and normal where it draws.
+  template <class Read>
+  void ask(Slot slot, View coordinates, Stream* stream, const Read& read) const {
+    const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, stream)};
+    const auto which = [&] { return fmt::format("{} at {}", slot_name(slot), coordinates_of(coordinates)); };
+    const auto push = [&](Stack& stack) {
+      for (const double x : coordinates) stack.push(x);
+      return static_cast<int>(coordinates.size()) + (stream != nullptr ? push_random(stack) : 0);
+    };
+    call(slot, *(*definition_)[slot], which, push, read);
+  }
+
+  /// Draws by a function that 'heuristic' returned. \param number  of the sample, for messages
+  void draw(const Reference& function, const Space& c, std::uint64_t number, Stream& stream, MutableView out) const {
+    const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, &stream)};
+    call(
+        Slot::heuristic, function, [&] { return fmt::format("its sample {}", number); },
+        [&](Stack& stack) { return push_random(stack); },
+        [&](Stack& stack) {
+          read_coordinates(stack, 1, stack.size(), c, out, "what the function that draws returns");
+          place(c, out, "what the function that draws returns");
+        });
+  }
+
+  [[nodiscard]] double density(const Reference& function, View q, bool drawn = false) const {
+    double value = 0.0;
+    call(
+        Slot::density, function,
+        [&] { return fmt::format("density at {}{}", coordinates_of(q), drawn ? ", where it drew a sample" : ""); },
+        [&](Stack& stack) {
+          for (const double x : q) stack.push(x);
+          return static_cast<int>(q.size());
+        },
+        [&](Stack& stack) {
+          const auto number = stack.size() > 0 ? stack[1].number() : std::nullopt;
+          if (!number || !std::isfinite(*number) || *number < 0.0 || (drawn && *number == 0.0)) {
+            throw Located(fmt::format("it returned {}, expected a finite number {}",
+                                      stack.size() > 0 ? stack[1].describe() : "nothing",
+                                      drawn ? "greater than 0: h has a density wherever it draws" : "of at least 0"));
+          }
+          value = *number;
+        });
+    return value;
+  }
+
+  /// Brings what a script gave as coordinates into a space, or says what is wrong with it.
+  static void place(const Space& space, MutableView q, const char* what) {
+    try {
+      bring_into(space, q, what);
+    } catch (const Error& error) {
+      throw Located(error.what());
+    }
+  }
+
+  /// Runs `body` in the interpreter, math.random on the guide's own stream.
+  template <class Body>
+  void protect(const Body& body) const {
+    std::unique_lock<std::recursive_mutex> lock;
+    if (run_->shared) lock = std::unique_lock(*run_->shared);
+    RandomSource& random = *run_->book->random;
+    const Restore restore{random.now, std::exchange(random.now, &math_)};
+    // So small a function object needs no memory of its own.
+    run_->state->run([&body](Stack& stack) { body(stack); }, run_->book->each);
+  }
+
+ private:
+  struct Restore {
+    Stream*& now;
+    Stream* before;
+    Restore(Stream*& at, Stream* was) : now(at), before(was) {}
+    Restore(const Restore&) = delete;
+    Restore& operator=(const Restore&) = delete;
+    ~Restore() { now = before; }
+  };
+
+  int push_random(Stack& stack) const {
+    random_->push(stack);
+    normal_->push(stack);
+    return 2;
+  }
+
+  std::shared_ptr<RunInterpreter> run_;
+  std::shared_ptr<const GuideDefinition> definition_;
+  std::shared_ptr<CalledSlots> called_;
+  std::string place_;
+  mutable Stream math_;
+  std::shared_ptr<RandomSource> drawn_from_;
+  std::unique_ptr<Reference> random_;
+  std::unique_ptr<Reference> normal_;
+};
+
+// f
+// ----------------------------------------------------------------------------------------------------------------
+
+/// f and its fibres, one or both by a script.
+class ScriptProjection final : public Projection {
+ public:
+  ScriptProjection(std::shared_ptr<const Calls> calls, Space c, Space s)
+      : calls_(std::move(calls)), c_(std::move(c)), s_(std::move(s)) {
+    if (!calls_->has(Slot::project)) axes_.emplace(c_, s_);
+  }
+
+  void project(View q, MutableView s) const override {
+    if (axes_) {
+      axes_->project(q, s);
+      return;
+    }
+    calls_->ask(Slot::project, q, nullptr, [&](Stack& stack) {
+      read_coordinates(stack, 1, stack.size(), s_, s, "what it returns");
+      s_.normalise(s);
+    });
+  }
+  void lift(View s, Stream& stream, MutableView q) const override {
+    calls_->ask(Slot::lift, s, &stream, [&](Stack& stack) {
+      read_coordinates(stack, 1, stack.size(), c_, q, "what it returns");
+      Calls::place(c_, q, "what it returns");
+    });
+  }
+  [[nodiscard]] bool closed_form() const override { return false; }
+  [[nodiscard]] double log_fibre_density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  std::shared_ptr<const Calls> calls_;
+  Space c_;
+  Space s_;
+  std::optional<AxisProjection> axes_;
+};
+
+/// Throws Error where project(lift(s)) is not s.
+void check_fibres(const Projection& projection, const Space& c, const Space& s, Stream stream) {
+  constexpr int samples = 20;
+  constexpr double tolerance = 1e-6;  // of the space's diameter
+  Configuration from(s.dimension());
+  Configuration back(s.dimension());
+  Configuration q(c.dimension());
+  for (int i = 0; i < samples; ++i) {
+    s.sample_uniform(stream, from);
+    projection.lift(from, stream, q);
+    projection.project(q, back);
+    if (s.distance(from, back) <= tolerance * s.diameter()) continue;
+    throw Error(fmt::format("project(lift(s)) must be s, but lift at {} gave {}, and project of that {}",
+                            coordinates_of(from), coordinates_of(q), coordinates_of(back)));
+  }
+}
+
+// Validity
+// ----------------------------------------------------------------------------------------------------------------
+
+/// Everything is valid, which costs nothing to find out.
+class AllValid final : public Validity {
+ public:
+  [[nodiscard]] bool state(View) override { return true; }
+  [[nodiscard]] MotionReport motion(View, View) override { return {true, 0, std::numeric_limits<double>::quiet_NaN()}; }
+  [[nodiscard]] double clearance(View) override { return std::numeric_limits<double>::infinity(); }
+  [[nodiscard]] bool spends_checks() const override { return false; }
+};
+
+/// What a script's function says of every configuration.
+class ScriptValidity final : public Validity {
+ public:
+  ScriptValidity(std::shared_ptr<const Calls> calls, Space space, double resolution)
+      : calls_(std::move(calls)), space_(std::move(space)), resolution_(resolution), q_(space_.dimension()) {}
+
+  [[nodiscard]] bool state(View q) override {
+    bool valid = false;
+    calls_->ask(Slot::valid, q, nullptr, [&](Stack& stack) {
+      const auto answer = stack.size() > 0 ? stack[1].boolean() : std::nullopt;
+      if (!answer) {
+        throw Located(
+            fmt::format("it returned {}, expected true or false", stack.size() > 0 ? stack[1].describe() : "nothing"));
+      }
+      valid = *answer;
+    });
+    return valid;
+  }
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    const auto n = static_cast<std::uint32_t>(std::max(1.0, std::ceil(space_.distance(a, b) / resolution_)));
+    if (n != order_of_) {
+      order_ = bisection_order(n);
+      order_of_ = n;
+    }
+    MotionReport report{true, 0, std::numeric_limits<double>::quiet_NaN()};
+    for (const std::uint32_t i : order_) {
+      const double t = static_cast<double>(i) / n;
+      space_.interpolate(a, b, t, q_);
+      ++report.checks;
+      if (!state(q_)) return {false, report.checks, t};
+    }
+    return report;
+  }
+  [[nodiscard]] double clearance(View) override {
+    throw Error("what is valid is a function of the script's, which knows no clearance");
+  }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  /// Answers may differ from now on.
+  void changed() { ++epoch_; }
+
+ private:
+  std::shared_ptr<const Calls> calls_;
+  Space space_;
+  double resolution_;
+  Configuration q_;  // scratch
+  std::uint32_t order_of_ = 0;
+  std::vector<std::uint32_t> order_;
+  std::uint64_t epoch_ = 0;
+};
+
+// h
+// ----------------------------------------------------------------------------------------------------------------
+
+/// What 'heuristic' or 'observe' returned: a composition of distributions, or functions.
+struct Returned {
+  std::optional<GuideSpec> pieces;
+  std::shared_ptr<const Reference> sample;
+  std::shared_ptr<const Reference> density;
+};
+
+/// A density that a function of a script's tells.
+class FunctionDensity final : public Density {
+ public:
+  FunctionDensity(std::shared_ptr<const Calls> calls, std::shared_ptr<const Reference> function)
+      : calls_(std::move(calls)), function_(std::move(function)) {}
+  [[nodiscard]] double at(View q) const override { return calls_->density(*function_, q); }
+  [[nodiscard]] double at_sample(View q) const { return calls_->density(*function_, q, true); }
+
+ private:
+  std::shared_ptr<const Calls> calls_;
+  std::shared_ptr<const Reference> function_;
+};
+
+/// h that a function of a script's draws from.
+class FunctionHeuristic final : public Heuristic {
+ public:
+  FunctionHeuristic(const std::shared_ptr<const Calls>& calls, Space c, const Returned& returned)
+      : calls_(calls), c_(std::move(c)), function_(returned.sample) {
+    if (returned.density) density_ = std::make_shared<const FunctionDensity>(calls, returned.density);
+  }
+
+  Source sample(Stream& stream, MutableView out) override {
+    constexpr std::uint64_t looked_at = 8;  // samples at which the density is looked at
+    calls_->draw(*function_, c_, ++drawn_, stream, out);
+    if (density_ && drawn_ <= looked_at) static_cast<void>(density_->at_sample(out));
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override {
+    return density_ ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
+  }
+  void record(DensityRecord& record, double share) const override {
+    if (density_) {
+      record.add(density_, share);
+    } else {
+      record.add_unknown(share);
+    }
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {calls_->definition().name}; }
+
+ private:
+  std::shared_ptr<const Calls> calls_;
+  Space c_;
+  std::shared_ptr<const Reference> function_;
+  std::shared_ptr<const FunctionDensity> density_;
+  std::uint64_t drawn_ = 0;
+};
+
+/// The table that 'observe' is given.
+class OutcomeTable {
+ public:
+  void push(Stack& stack, const Outcome& outcome, bool mine) {
+    if (!table_) make(stack);
+    table_->push(stack);
+    const Value table = stack.top();
+    stack.push(outcome.fate == Fate::reached ? "reached" : outcome.fate == Fate::advanced ? "advanced" : "rejected");
+    stack.set_field(table, "fate");
+    stack.push(mine);
+    stack.set_field(table, "mine");
+    const std::array<View, 4> views = {outcome.proposal, outcome.near, outcome.added, outcome.blocked_at};
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (views[i].empty()) {
+        stack.push_nil();
+      } else {
+        lists_[i]->push(stack);
+        const Value list = stack.top();
+        for (std::size_t k = 0; k < views[i].size(); ++k) stack.set_index(list, k + 1, views[i][k]);
+      }
+      stack.set_field(table, names[i]);
+    }
+  }
+
+ private:
+  static constexpr std::array<const char*, 4> names = {"proposal", "near", "added", "blocked_at"};
+
+  void make(Stack& stack) {
+    const int before = stack.size();
+    table_ = std::make_unique<Reference>(stack, stack.push_table());
+    for (auto& list : lists_) list = std::make_unique<Reference>(stack, stack.push_table());
+    stack.resize(before);
+  }
+
+  std::unique_ptr<Reference> table_;
+  std::array<std::unique_ptr<Reference>, 4> lists_;
+};
+
+class ScriptGuide;
+
+/// h of a script's guide: what it returned last, told and asked by the script.
+class ScriptHeuristic final : public Heuristic {
+ public:
+  ScriptHeuristic(ScriptGuide& guide, std::shared_ptr<const Calls> calls, std::unique_ptr<Heuristic> h)
+      : guide_(guide), calls_(std::move(calls)), h_(std::move(h)) {}
+
+  Source sample(Stream& stream, MutableView out) override {
+    h_->sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override { return h_->density(q); }
+  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
+  void record(DensityRecord& record, double share) const override { h_->record(record, share); }
+  void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override { return {calls_->definition().name}; }
+  [[nodiscard]] bool stale() const override;
+  [[nodiscard]] Configurations lifted_path() const override { return h_->lifted_path(); }
+
+ private:
+  ScriptGuide& guide_;
+  std::shared_ptr<const Calls> calls_;
+  std::unique_ptr<Heuristic> h_;
+  OutcomeTable table_;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t told_ = 0;  ///< outcomes
+};
+
+/// A distribution of the registry, with the guide that made it.
+class OwnedHeuristic final : public Heuristic {
+ public:
+  OwnedHeuristic(std::unique_ptr<Guide> guide, Instance& instance)
+      : guide_(std::move(guide)), h_(guide_->heuristic(instance, nullptr, nullptr)) {}
+  Source sample(Stream& stream, MutableView out) override { return h_->sample(stream, out); }
+  [[nodiscard]] double density(View q) const override { return h_->density(q); }
+  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
+  void record(DensityRecord& record, double share) const override { h_->record(record, share); }
+  void observe(const Outcome& outcome, bool mine) override {
+    guide_->learn(outcome);
+    h_->observe(outcome, mine);
+  }
+  [[nodiscard]] std::vector<std::string> sources() const override { return h_->sources(); }
+  [[nodiscard]] bool stale() const override { return h_->stale(); }
+
+ private:
+  std::unique_ptr<Guide> guide_;
+  std::unique_ptr<Heuristic> h_;
+};
+
+/// The nodes that a planner has added, as what follows a path asks for them.
+class Reached {
+ public:
+  void begin(const Space& space, View start) {
+    space_ = space;
+    nodes_ = Configurations(space.dimension());
+    nodes_.push(start);
+  }
+  void add(View q) {
+    if (index_) {
+      index_->add(q);
+    } else {
+      nodes_.push(q);
+    }
+  }
+  /// Made when it is first asked for: a function that draws asks for none.
+  const NearestIndex& index() {
+    if (!index_) {
+      index_.emplace(space_);
+      for (std::size_t i = 0; i < nodes_.size(); ++i) index_->add(std::as_const(nodes_)[i]);
+      nodes_.clear();
+    }
+    return *index_;
+  }
+
+ private:
+  Space space_;
+  Configurations nodes_;
+  std::optional<NearestIndex> index_;
+};
+
+class ScriptGuide final : public Guide {
+ public:
+  ScriptGuide(std::shared_ptr<const Calls> calls, const GuideSite& site)
+      : calls_(std::move(calls)), checking_(site.seed, site.key, "check lift") {}
+
+  std::unique_ptr<Instance> project(const Instance& parent) override;
+  void project(View q, MutableView s) const override { projection_->project(q, s); }
+  void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
+  [[nodiscard]] bool closed_fibre() const override { return projection_->closed_form(); }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
+  void learn(const Outcome& outcome) override;
+  void before_resolve() override {
+    if (validity_) validity_->changed();
+  }
+
+  /// What the values on the stack say that h is. Those from 1 on.
+  Returned read_returned(Stack& stack) const;
+  std::unique_ptr<Heuristic> make(const Returned& returned);
+
+ private:
+  /// Calls a function that gets an instance and returns one value; or hands over a constant.
+  template <class Read>
+  void with_value(Slot slot, Instance& parent, const Read& read) const;
+  void make_space(Instance& parent);
+  void make_validity(Instance& parent, Instance& sub);
+  void make_graph(Instance& parent, Instance& sub) const;
+  /// \param in_s  it is a distribution over S
+  std::unique_ptr<Heuristic> compose(const GuideSpec& spec, bool in_s);
+  std::unique_ptr<Heuristic> component(const GuideSpec& spec, bool in_s);
+
+  std::shared_ptr<const Calls> calls_;
+  Stream checking_;
+  std::shared_ptr<const Projection> projection_;
+  std::optional<Space> s_;
+  bool identity_ = false;  ///< S has the axes of C, and f is the identity
+  std::shared_ptr<ScriptValidity> validity_;
+  Instance* parent_ = nullptr;
+  Instance* sub_ = nullptr;
+  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by what 'heuristic' was given
+  Asked::Over over_{*asked_};
+  Reached reached_;
+  Reached reached_in_s_;
+  bool follows_in_s_ = false;  ///< reached_in_s_ is kept up to date
+};
+
+void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
+  h_->observe(outcome, mine);
+  if (!calls_->has(Slot::observe)) return;
+  ++told_;
+  std::optional<Returned> returned;
+  calls_->call(
+      Slot::observe, *calls_->definition()[Slot::observe], [&] { return fmt::format("observe, outcome {}", told_); },
+      [&](Stack& stack) {
+        table_.push(stack, outcome, mine);
+        return 1;
+      },
+      [&](Stack& stack) {
+        if (stack.size() > 0 && stack[1].given()) returned = guide_.read_returned(stack);
+      });
+  if (!returned) return;
+  epoch_ = epoch() + 1;
+  h_ = guide_.make(*returned);
+}
+
+bool ScriptHeuristic::stale() const {
+  if (h_->stale()) return true;
+  if (!calls_->has(Slot::stale)) return false;
+  bool stale = false;
+  calls_->ask(Slot::stale, {}, nullptr, [&](Stack& stack) {
+    const auto answer = stack.size() > 0 ? stack[1].boolean() : std::nullopt;
+    if (!answer) {
+      throw Located(
+          fmt::format("it returned {}, expected true or false", stack.size() > 0 ? stack[1].describe() : "nothing"));
+    }
+    stale = *answer;
+  });
+  return stale;
+}
+
+template <class Read>
+void ScriptGuide::with_value(Slot slot, Instance& parent, const Read& read) const {
+  const Reference& value = *calls_->definition()[slot];
+  if (!calls_->definition().calls(slot)) {
+    calls_->protect([&](Stack& stack) {
+      value.push(stack);
+      read(stack[1]);
+    });
+    return;
+  }
+  const auto asked = std::make_shared<Asked>(Asked{&parent});
+  const Asked::Over over(*asked);
+  calls_->call(
+      slot, value, [&] { return std::string(slot_name(slot)); },
+      [&](Stack& stack) {
+        push_instance(stack, parent, asked);
+        return 1;
+      },
+      [&](Stack& stack) {
+        if (stack.size() == 0) throw Located("it returned nothing");
+        read(stack[1]);
+      });
+}
+
+void ScriptGuide::make_space(Instance& parent) {
+  s_ = parent.space;
+  if (calls_->has(Slot::space)) {
+    with_value(Slot::space, parent, [&](Value value) { s_ = read_space(value, parent.space, "space"); });
+  }
+  if (!calls_->has(Slot::project)) {
+    const auto axes = std::make_shared<const AxisProjection>(parent.space, *s_);
+    identity_ = axes->identity() && !calls_->has(Slot::lift);
+    projection_ = axes;
+  }
+  if (calls_->has(Slot::lift)) {
+    projection_ = std::make_shared<const ScriptProjection>(calls_, parent.space, *s_);
+    check_fibres(*projection_, parent.space, *s_, checking_);
+  }
+}
+
+void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
+  const GuideDefinition& definition = calls_->definition();
+  const bool same_axes = s_->dimension() == parent.space.dimension() && !calls_->has(Slot::project);
+  const bool checked = calls_->has(Slot::robot) || calls_->has(Slot::world);
+  sub.scene = same_axes ? parent.scene : std::make_shared<const Scene>(Scene{parent.scene->world, Robot::point()});
+  if (definition.calls(Slot::valid)) {
+    validity_ = std::make_shared<ScriptValidity>(calls_, *s_, parent.resolution);
+    sub.validity = validity_;
+    return;
+  }
+  if (definition.validity == "parent") {
+    if (!same_axes)
+      throw Error("valid = \"parent\": S has other axes than C, so what is valid in C says nothing of it");
+    sub.validity = parent.validity;
+    return;
+  }
+  if (definition.validity == "free" || (!checked && calls_->has(Slot::graph))) {
+    sub.validity = std::make_shared<AllValid>();
+    return;
+  }
+  if (!checked && !same_axes) {
+    throw Error("S has other axes than C, so 'robot', 'world' or 'valid' must say what is valid in it");
+  }
+  Scene scene = *parent.scene;
+  if (calls_->has(Slot::robot)) {
+    with_value(Slot::robot, parent, [&](Value value) {
+      const auto* robot = value.get<Robot>();
+      if (robot == nullptr) throw Located(fmt::format("it must be a robot, got {}", describe(value)));
+      scene.robot = *robot;
+    });
+  }
+  if (calls_->has(Slot::world)) {
+    with_value(Slot::world, parent, [&](Value value) {
+      const auto* world = value.get<World>();
+      if (world == nullptr) throw Located(fmt::format("it must be a world, got {}", describe(value)));
+      scene.world = *world;
+    });
+  }
+  if (scene.robot.dimension() > s_->dimension()) {
+    throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", scene.robot.dimension(),
+                            s_->dimension(), names_of(*s_)));
+  }
+  sub.scene = std::make_shared<const Scene>(std::move(scene));
+  // Checked for real, whatever the parent presumes.
+  sub.validity =
+      trellis::make_validity(parent.collision, sub.scene, *s_, parent.resolution, sub.motion_model);
+}
+
+void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {
+  auto graph = std::make_shared<Graph>();
+  with_value(Slot::graph, parent, [&](Value value) {
+    if (value.type() != Type::table) {
+      throw Located(
+          fmt::format("it must be {{ vertices = ..., edges = ..., start = i, goal = j }}, got {}", describe(value)));
+    }
+    const auto list = [&](const char* name) {
+      const Value entry = value.field(name);
+      if (entry.type() != Type::table) {
+        throw Located(fmt::format("its field '{}' must be a list, got {}", name, describe(entry)));
+      }
+      return entry;
+    };
+    graph->vertices = Configurations(s_->dimension());
+    list("vertices").each([&](std::size_t i, Value vertex) {
+      const std::string what = fmt::format("vertex {}", i);
+      Configuration q = read_configuration(vertex, *s_, what);
+      Calls::place(*s_, q, what.c_str());
+      graph->vertices.push(q);
+    });
+    const auto vertex_of = [&](Value number, const std::string& what) {
+      const auto i = number.integer();
+      if (!i || *i < 1 || static_cast<std::size_t>(*i) > graph->vertices.size()) {
+        throw Located(fmt::format("{} must be the number of a vertex, from 1 to {}, got {}", what,
+                                  graph->vertices.size(), describe(number)));
+      }
+      return static_cast<std::uint32_t>(*i - 1);
+    };
+    list("edges").each([&](std::size_t i, Value edge) {
+      const std::string what = fmt::format("edge {}", i);
+      if (edge.type() != Type::table) throw Located(fmt::format("{} must be {{i, j}} or {{i, j, cost}}", what));
+      Graph::Edge made;
+      std::size_t entries = 0;
+      edge.each([&](std::size_t k, Value entry) {
+        entries = k;
+        if (k == 1) made.from = vertex_of(entry, what + ": its first end");
+        if (k == 2) made.to = vertex_of(entry, what + ": its second end");
+        if (k == 3) made.cost = entry.number().value_or(-1.0);
+      });
+      if (entries < 2 || entries > 3) throw Located(fmt::format("{} must be {{i, j}} or {{i, j, cost}}", what));
+      const View a = std::as_const(graph->vertices)[made.from];
+      const View b = std::as_const(graph->vertices)[made.to];
+      if (entries == 2) made.cost = s_->distance(a, b);
+      if (!(made.cost >= 0.0) || !std::isfinite(made.cost)) {
+        throw Located(fmt::format("{}: its cost must be a finite number of at least 0", what));
+      }
+      made.points = Configurations(s_->dimension());
+      made.points.push(a);
+      made.points.push(b);
+      graph->edges.push_back(std::move(made));
+    });
+    graph->start = vertex_of(value.field("start"), "'start'");
+    graph->goal = vertex_of(value.field("goal"), "'goal'");
+  });
+  sub.graph = std::move(graph);
+}
+
+std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
+  if (calls_->definition().spaceless) return nullptr;
+  // What the functions have checked is charged to the level that they make.
+  Instance c = parent;
+  c.checks = {};
+  make_space(c);
+  auto sub = std::make_unique<Instance>();
+  sub->space = *s_;
+  sub->goal_tolerance = parent.goal_tolerance;
+  sub->resolution = parent.resolution;
+  sub->collision = parent.collision;
+  // Another space than C's has no states to drive.
+  if (identity_) sub->motion_model = parent.motion_model;
+  make_validity(c, *sub);
+  if (calls_->has(Slot::graph)) make_graph(c, *sub);
+  sub->start.resize(s_->dimension());
+  sub->goal.resize(s_->dimension());
+  for (const auto& [q, into, what] :
+       {std::tuple<const Configuration&, Configuration&, const char*>{parent.start, sub->start, "f of the start"},
+        {parent.goal, sub->goal, "f of the goal"}}) {
+    projection_->project(q, into);
+    if (s_->contains(into)) continue;
+    throw Error(fmt::format("{}, {}, is outside of S, which is {} with {}", what, coordinates_of(into), s_->name(),
+                            names_of(*s_)));
+  }
+  if (const auto axes = std::dynamic_pointer_cast<const AxisProjection>(projection_)) {
+    for (const std::size_t position : parent.position_axes) {
+      const auto found = std::find(axes->kept().begin(), axes->kept().end(), position);
+      if (found != axes->kept().end()) {
+        sub->position_axes.push_back(static_cast<std::size_t>(found - axes->kept().begin()));
+      }
+    }
+    if (sub->position_axes.size() != parent.position_axes.size()) sub->position_axes.clear();
+  } else if (calls_->has(Slot::robot) && sub->scene->robot.translates()) {
+    sub->position_axes = {0, 1};
+  }
+  sub->checks = c.checks;
+  sub_ = sub.get();
+  reached_in_s_.begin(*s_, sub->start);
+  return sub;
+}
+
+void ScriptGuide::learn(const Outcome& outcome) {
+  if (outcome.added.empty() || parent_ == nullptr) return;
+  reached_.add(outcome.added);
+  if (!follows_in_s_) return;
+  Configuration s(s_->dimension());
+  projection_->project(outcome.added, s);
+  reached_in_s_.add(s);
+}
+
+Returned ScriptGuide::read_returned(Stack& stack) const {
+  Returned returned;
+  const int count = stack.size();
+  const auto fail = [](const std::string& got) -> void {
+    throw Located(
+        fmt::format("it returned {}, expected a distribution such as along(found.path), or a function that "
+                    "draws, with its density or without",
+                    got));
+  };
+  if (count == 0) fail("nothing");
+  if (const auto* spec = stack[1].get<GuideSpec>()) {
+    returned.pieces = *spec;
+    if (count > 1 && stack[2].given()) fail("a distribution and " + describe(stack[2]));
+    return returned;
+  }
+  if (stack[1].type() != Type::function) fail(describe(stack[1]));
+  returned.sample = std::make_shared<const Reference>(stack, stack[1]);
+  if (count > 1 && stack[2].given()) {
+    if (stack[2].type() != Type::function) fail("a function and " + describe(stack[2]));
+    returned.density = std::make_shared<const Reference>(stack, stack[2]);
+  } else if (calls_->has(Slot::density)) {
+    calls_->definition()[Slot::density]->push(stack);
+    returned.density = std::make_shared<const Reference>(stack, stack.top());
+  }
+  return returned;
+}
+
+std::unique_ptr<Heuristic> ScriptGuide::make(const Returned& returned) {
+  if (!returned.pieces) return std::make_unique<FunctionHeuristic>(calls_, parent_->space, returned);
+  return compose(*returned.pieces, false);
+}
+
+std::unique_ptr<Heuristic> ScriptGuide::compose(const GuideSpec& spec, bool in_s) {
+  switch (spec.kind()) {
+    case GuideSpec::Kind::component: return component(spec, in_s);
+    case GuideSpec::Kind::mixture: {
+      std::vector<SumHeuristic::Part> parts;
+      parts.reserve(spec.terms().size());
+      for (const auto& term : spec.terms()) parts.push_back({term.weight, compose(term.guide, in_s)});
+      return std::make_unique<SumHeuristic>(calls_->definition().name, std::move(parts));
+    }
+    default:
+      throw Error(fmt::format("h is a sum of distributions; '{}' has feedback of its own and cannot be a part of it",
+                              spec.text()));
+  }
+}
+
+std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in_s) {
+  Instance& over = in_s ? *sub_ : *parent_;
+  if (spec.searches()) {
+    throw Error(
+        fmt::format("h is a distribution; '{}' has a space of its own to search: compose it with this guide, by "
+                    ">>, + or ..",
+                    spec.text()));
+  }
+  if (!spec.custom()) {
+    const GuideKind& kind = *find_guide(spec.name());
+    return std::make_unique<OwnedHeuristic>(kind.make(spec.options()), over);
+  }
+  if (const auto* piece = dynamic_cast<const Piece*>(spec.custom().get())) {
+    if (!in_s) return piece->over(over, reached_.index());
+    follows_in_s_ = true;
+    return piece->over(over, reached_in_s_.index());
+  }
+  const auto* lift = dynamic_cast<const Lifted*>(spec.custom().get());
+  if (lift == nullptr) {
+    throw Error(
+        fmt::format("h is a distribution; '{}' is a guide of the script's own: compose it with this one, by + "
+                    "or ..",
+                    spec.text()));
+  }
+  if (in_s) throw Error("lifted within lifted: it is over S already");
+  if (sub_ == nullptr) throw Error("lifted: S = {0}, so there is nothing to lift from");
+  return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
+                                           compose(lift->distribution(), true));
+}
+
+std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {
+  if (parent_ == nullptr) {
+    parent_ = &parent;
+    asked_->instance = &parent;
+    reached_.begin(parent.space, parent.start);
+  }
+  Returned returned;
+  if (calls_->has(Slot::heuristic)) {
+    calls_->call(
+        Slot::heuristic, *calls_->definition()[Slot::heuristic], [] { return std::string("heuristic"); },
+        [&](Stack& stack) {
+          push_found(stack, found);
+          push_instance(stack, parent, asked_);
+          return 2;
+        },
+        [&](Stack& stack) { returned = read_returned(stack); });
+  } else {
+    const Options plain = Options::validate(along_settings().component(), {});
+    GuideSpec path = GuideSpec::make(along(found->path, plain));
+    returned.pieces = identity_ ? path : GuideSpec::make(std::make_shared<Lifted>(path));
+  }
+  return std::make_unique<ScriptHeuristic>(*this, calls_, make(returned));
+}
+
+}  // namespace
+
+std::unique_ptr<Guide> make_script_guide(std::shared_ptr<RunInterpreter> run,
+                                         std::shared_ptr<const GuideDefinition> definition,
+                                         std::shared_ptr<CalledSlots> called, const GuideSite& site) {
+  return std::make_unique<ScriptGuide>(
+      std::make_shared<const Calls>(std::move(run), std::move(definition), std::move(called), site), site);
+}
+
+}  // namespace trellis::dsl

@@ -1,0 +1,47 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- Guiding spaces of one's own: f and h written here, and composed like built-in ones. See docs/guiding_space.md.
+
+-- The built-in shrink(0.5): the robot at half its size in the same world. h is by default a tube about the path found.
+local half = guiding_space {
+  name = "half",
+  robot = function(instance) return instance.robot:scaled(0.5) end,
+}
+
+-- The robot as a free point in the workspace. S has two of C's axes; the third, the angle, is lifted uniformly.
+local point = guiding_space {
+  name = "point",
+  space = { "x", "y" },
+  robot = robot.point(),
+  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end,
+}
+
+-- A bias with no space behind it: S = {0}. Draws on the straight way from start to goal, off it by a normal distance
+-- on each axis, and has no density in closed form.
+local straight = guiding_space {
+  name = "straight",
+  space = {},
+  heuristic = function(_, instance)
+    local lower, upper = instance.space.lower, instance.space.upper
+    local from, to = instance.start, instance.goal
+    local function near(i, t, normal)
+      return math.min(upper[i], math.max(lower[i], from[i] + t * (to[i] - from[i]) + normal()))
+    end
+    return function(random, normal)
+      local t = random()
+      return near(1, t, normal), near(2, t, normal), from[3] + t * (to[3] - from[3]) + normal()
+    end
+  end,
+}
+
+return experiment {
+  problems   = { scenes.simple_passage() },
+  strategies = {
+    { "rrt", rrt { step = 0.5 } },
+    { "shrink", shrink(0.5) >> rrt { step = 0.5 } },
+    { "half", half >> rrt { step = 0.5 } },
+    { "point", point >> rrt { step = 0.5 } },
+    { "all", (0.8 * (point >> half) + 0.2 * straight) >> lazy() >> rrt { step = 0.5 } },
+  },
+  seeds      = 15,
+  measure    = tube { delta = 0.5 },
+}

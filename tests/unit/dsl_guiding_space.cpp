@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guides that scripts write: what they are, what they do in a run, and what is said of those that are wrong.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <dsl/language/guiding_space.hpp>
+#include <dsl/language/session.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/strategy/ablation.hpp>
+
+#include "support/catch.hpp"
+#include "support/script.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string room =
+    "local room = problem { name = 'room', world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7} },\n"
+    "  robot = robot.rectangle(0.6, 0.2), start = {1, 1, 0}, goal = {9, 1, 0} }\n";
+
+/// An experiment on the room, after a line of the script's own.
+std::string script(const std::string& guide, const std::string& strategy, const std::string& more = "") {
+  return room + guide + "\nreturn experiment { problems = room, strategies = { it = " + strategy +
+         " }, measure = false" + more + " }\n";
+}
+
+dsl::Program load(const std::string& text) { return dsl::Session("").load(text, "test.lua"); }
+
+StrategySpec strategy_of(const std::string& guide, const std::string& strategy = "g >> rrt {}") {
+  return load(script("local g = " + guide, strategy)).experiment.strategies.front().second;
+}
+
+RunRecord run_of(const std::string& guide, const std::string& strategy = "g >> rrt {}", std::uint64_t seed = 1) {
+  const Experiment experiment = load(script("local g = " + guide, strategy)).experiment;
+  return execute(experiment.strategies.front().second, experiment.problems.front(), seed);
+}
+
+/// What a run fails with, "" where it does not.
+std::string run_failure(const std::string& guide, const std::string& strategy = "g >> rrt {}") {
+  try {
+    run_of(guide, strategy);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<double> all(const Configurations& rows) { return {rows.values().begin(), rows.values().end()}; }
+
+ExperimentResult run_all(const std::string& text, unsigned jobs) {
+  ExperimentOptions options;
+  options.jobs = jobs;
+  return trellis::run(load(text).experiment, options);
+}
+
+const std::string half = "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end }";
+
+}  // namespace
+
+TEST_CASE("a guide of a script's own stands in strategies as built-in ones do") {
+  CHECK(strategy_of(half).text() == "half >> rrt()");
+  CHECK(strategy_of(half, "(0.5*g + 0.5*uniform()) >> lazy() >> rrt {}").text() ==
+        "(0.5*half + 0.5*uniform()) >> lazy() >> rrt()");
+  CHECK(strategy_of(half, "skeleton() >> g .. shrink(0.5) >> rrt {}").tree().find("half") != std::string::npos);
+  CHECK(strategy_of("guiding_space { name = 'half', robot = robot.disc(0.1), planner = rrt_connect {} }").text() ==
+        "half { planner = rrt_connect() } >> rrt()");
+  CHECK_THAT(strategy_of(half).json(), Contains("{\"guide\":\"half\",\"custom\":\"half (test.lua:3, "));
+  const auto taken = ablations(strategy_of(half, "skeleton() >> g >> rrt {}"));
+  REQUIRE(taken.size() == 3);
+  CHECK(taken[0].text() == "without half");
+  CHECK(taken[1].text() == "skipping half");
+}
+
+TEST_CASE("equal definitions are equal, wherever they are loaded, and others are not") {
+  CHECK(strategy_of(half) == strategy_of(half));
+  CHECK(strategy_of(half).hash() == strategy_of(half).hash());
+  const auto of = [](const std::string& what) {
+    return strategy_of(
+        "(function(k) local t = { deep = { k } } return guiding_space { name = 'half', robot = "
+        "function(i) return i.robot:scaled(t.deep[1]) end } end)(" +
+        what + ")");
+  };
+  CHECK(of("0.5") == of("0.5"));
+  CHECK_FALSE(of("0.5") == of("0.25"));
+  CHECK(of("0.5").hash() != of("0.25").hash());
+  const auto disc = [](const std::string& radius) {
+    return strategy_of("guiding_space { robot = robot.disc(" + radius + ") }");
+  };
+  CHECK(disc("0.1") == disc("0.1"));
+  CHECK_FALSE(disc("0.1") == disc("0.2"));
+}
+
+TEST_CASE("shrink written in Lua does what the built-in does, sample by sample") {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const RunRecord own = run_of(half, "g >> rrt {}", seed);
+    const RunRecord built_in = run_of("shrink(0.5)", "g >> rrt {}", seed);
+    REQUIRE(own.levels.size() == 2);
+    CHECK(own.solved);
+    CHECK(all(own.path) == all(built_in.path));
+    for (std::size_t i = 0; i < 2; ++i) {
+      CHECK(all(own.levels[i].search.proposals) == all(built_in.levels[i].search.proposals));
+      CHECK(all(own.levels[i].root_nodes) == all(built_in.levels[i].root_nodes));
+      REQUIRE(own.levels[i].root_proposal_density);
+      const View q = own.levels[0].search.proposals[5];
+      CHECK(own.levels[i].root_proposal_density(q) == built_in.levels[i].root_proposal_density(q));
+    }
+    CHECK(own.validity_checks == built_in.validity_checks);
+  }
+}
+
+TEST_CASE("f is told by the names of axes: what S lacks is lifted uniformly, and the density is exact") {
+  const std::string point = "guiding_space { name = 'point', space = {'x', 'y'}, robot = robot.point() }";
+  const RunRecord run = run_of(point);
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 2);
+  const LevelRecord& level = run.levels[1];
+  CHECK(level.space.dimension() == 2);
+  CHECK(level.position_axes == std::vector<std::size_t>{0, 1});
+  CHECK(level.root_nodes.dimension() == 3);
+  for (std::size_t i = 0; i < level.root_nodes.size(); ++i) {
+    CHECK(level.root_nodes[i][0] == level.search.nodes[i][0]);
+    CHECK(level.root_nodes[i][1] == level.search.nodes[i][1]);
+  }
+  REQUIRE(run.levels[0].proposal_density);
+  REQUIRE(level.root_proposal_density);
+  // Uniform points: the mean of the density times the volume is the mass, less the atoms at the goal.
+  for (const auto& density : {run.levels[0].proposal_density, level.root_proposal_density}) {
+    Stream stream(1, "0", "test");
+    Configuration q(3);
+    const Space& c = run.levels[0].space;
+    constexpr int points = 40000;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (int i = 0; i < points; ++i) {
+      c.sample_uniform(stream, q);
+      const double p = density(q) * std::exp(c.log_volume());
+      sum += p;
+      squares += p * p;
+    }
+    const double mass = sum / points;
+    const double error = std::sqrt(std::max(0.0, squares / points - mass * mass) / points);
+    CHECK(std::abs(mass - (1.0 - run.levels[0].proposal_atoms)) < 4.0 * error + 0.02);
+  }
+}
+
+TEST_CASE("f and its fibres may be functions") {
+  // S is C mirrored in x.
+  const RunRecord run = run_of(
+      "guiding_space { name = 'mirror', space = function(i) return i.space end,\n"
+      "  project = function(x, y, t) return 10 - x, y, t end,\n"
+      "  lift = function(x, y, t, random) return { 10 - x, y, t } end,\n"
+      "  valid = function(x, y) return x < 3.5 or x > 6.5 or y > 7.5 end,\n"
+      "  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end }");
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 2);
+  CHECK(run.levels[1].start == Configuration{9, 1, 0});
+  CHECK(run.levels[1].root_nodes[0][0] == Approx(1.0));
+  CHECK(run.levels[1].search.checks.validity > 0);
+  // Its density would need that of the fibre.
+  CHECK_FALSE(run.levels[0].proposal_density);
+  CHECK_FALSE(run.levels[1].root_proposal_density);
+  CHECK_THAT(run_failure("guiding_space { name = 'skew', project = function(x, y, t) return x, y, t end,\n"
+                         "  lift = function(x, y, t) return x, y, 0 end, valid = 'free' }"),
+             Contains("test.lua:3: in skew >> rrt, level 1 (problem 'room', seed 1): project(lift(s)) must be s, but "
+                      "lift at (") &&
+                 Contains("and project of that ("));
+}
+
+TEST_CASE("S may be an explicit graph, searched exactly") {
+  const RunRecord run = run_of(
+      "guiding_space { name = 'map', space = {'x', 'y'}, graph = function(instance)\n"
+      "  local s, t = instance.start, instance.goal\n"
+      "  return { vertices = { {s[1], s[2]}, {5, 8}, {5, 9}, {t[1], t[2]} },\n"
+      "    edges = { {1, 2}, {2, 4}, {1, 3, 0.1}, {3, 4, 0.1} }, start = 1, goal = 4 } end,\n"
+      "  heuristic = function(found) return lifted(along(found.path, { radius = 0.7 })) end }");
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 2);
+  CHECK(run.levels[1].planner == "graph_search");
+  // The dearer way, as its edges are made cheap.
+  CHECK(all(run.levels[1].solution.path) == std::vector<double>{1, 1, 5, 9, 9, 1});
+}
+
+TEST_CASE("h may be a function that draws, with its density") {
+  const std::string box =
+      "guiding_space { name = 'box', space = {}, heuristic = function(found, instance)\n"
+      "  return function(random, normal) return random() * 10, 5 + random() * 5, (random() - 0.5) end,\n"
+      "    function(x, y, t) return (y >= 5 and math.abs(t) <= 0.5) and 1 / (10 * 5 * instance.space.weights[3]) or 0 "
+      "end end }";
+  const RunRecord run = run_of(box);
+  REQUIRE(run.levels.size() == 1);
+  CHECK(run.solved);
+  REQUIRE(run.levels[0].proposal_density);
+  // Half the volume and more has uniform proposals alone.
+  const double inside = run.levels[0].proposal_density(Configuration{5, 8, 0.1});
+  const double outside = run.levels[0].proposal_density(Configuration{5, 2, 0.1});
+  const double uniform = 0.95 * 0.1 * std::exp(-run.levels[0].space.log_volume());
+  CHECK(outside == Approx(uniform));
+  CHECK(inside == Approx(uniform + 0.95 * 0.9 / 50.0 * std::numbers::pi));
+  CHECK_THAT(run_failure("guiding_space { name = 'box', space = {}, heuristic = function() return function(random) "
+                         "return random(), 1, 1 end end,\n density = function() return 0 end }"),
+             Contains("in box >> rrt (problem 'room', seed 1): density at (") &&
+                 Contains("where it drew a sample: it returned 0, expected a finite number greater than 0"));
+}
+
+TEST_CASE("h is told what became of its proposals, may change by that, and asks for another solution") {
+  const RunRecord run = run_of(
+      "(function() local n, kinds = 0, {}\n"
+      "return guiding_space { name = 'told', valid = 'free', resolves = 2,\n"
+      "  heuristic = function(found, instance) n = 0 return ball(instance.start, 1) end,\n"
+      "  observe = function(o) n = n + 1\n"
+      "    assert(#o.proposal == 3 and (o.added == nil) == (o.fate == 'rejected') and type(o.mine) == 'boolean')\n"
+      "    assert(o.fate ~= 'reached' or o.added[1] == o.proposal[1])\n"
+      "    if n == 10 then return 0.5 * uniform() + 0.5 * ball({9, 1, 0}, 1) end end,\n"
+      "  stale = function() return n == 60 end } end)()",
+      "g >> rrt { uniform = 0, goal_bias = 0, proposals = 1000 }");
+  REQUIRE(run.levels.size() == 2);
+  CHECK(run.levels[1].solves == 3);
+  const Space& space = run.levels[0].space;
+  const auto& proposals = run.levels[0].search.proposals;
+  REQUIRE(proposals.size() > 10);
+  for (std::size_t i = 0; i < 10; ++i) CHECK(space.distance(proposals[i], Configuration{1, 1, 0}) <= 1.0 + 1e-9);
+  bool far = false;
+  for (std::size_t i = 10; i < std::min<std::size_t>(proposals.size(), 60); ++i) {
+    far = far || space.distance(proposals[i], Configuration{1, 1, 0}) > 1.0 + 1e-9;
+  }
+  CHECK(far);
+}
+
+TEST_CASE("what a function leaves behind reaches no other run, and any number of jobs gives the same") {
+  const std::string counting = script(
+      "local n = 0\n"
+      "local g = guiding_space { name = 'counting', space = {}, heuristic = function(_, instance)\n"
+      "  return function(random) n = n + 1 return n % 10, 10 * random(), math.random() end end }",
+      "g >> lazy() >> rrt {}", ", seeds = 6");
+  const auto rows = [&](unsigned jobs) {
+    std::vector<std::vector<double>> all_rows;
+    for (const RunResult& run : run_all(counting, jobs).runs) {
+      for (const auto& level : run.levels) all_rows.push_back(all(level.record.search.proposals));
+    }
+    return all_rows;
+  };
+  const auto one = rows(1);
+  CHECK(one == rows(4));
+  const Experiment experiment = load(counting).experiment;
+  for (int again = 0; again < 2; ++again) {
+    const RunRecord run = execute(experiment.strategies[0].second, experiment.problems[0], 1);
+    CHECK(all(run.levels[0].search.proposals) == one[0]);
+    CHECK(all(run.levels[1].search.proposals) == one[1]);
+  }
+  CHECK(one[0] != one[2]);
+}
+
+TEST_CASE("a script that defines other guides when it is loaded again is told so") {
+  dsl::SessionOptions options;
+  options.trust = true;
+  const std::string fickle = script(
+      "local k = os.clock()\n"
+      "local g = guiding_space { name = 'fickle', robot = function(i) return i.robot:scaled(1 / (1 + k)) end }",
+      "g >> rrt {}");
+  const Experiment experiment = dsl::Session("", options).load(fickle, "test.lua").experiment;
+  CHECK_THROWS_WITH(execute(experiment.strategies[0].second, experiment.problems[0], 1),
+                    Contains("the script does not define the same guides each time it is loaded: guide 1 was fickle "
+                             "(test.lua:4, "));
+}
+
+TEST_CASE("what is wrong with a guide is said where it is written") {
+  const auto fails = [](const std::string& fields) { return test::failure("guiding_space { " + fields + " }"); };
+  CHECK_THAT(fails("nmae = 'x'"), Contains("test.lua:1: guiding_space: unknown field 'nmae' (did you mean 'name'?)"));
+  CHECK_THAT(fails("name = 'a b'"), Contains("field 'name' must be a name as of a variable, got \"a b\""));
+  CHECK_THAT(fails("project = 3"), Contains("field 'project' must be a function, got 3"));
+  CHECK_THAT(fails("robot = world { bounds = {0, 0, 1, 1} }"),
+             Contains("field 'robot' must be a robot, or a function"));
+  CHECK_THAT(fails("valid = 'fre'"), Contains("field 'valid' must be a function, \"free\""));
+  CHECK_THAT(fails("planner = 1"), Contains("field 'planner' must be a planner, got 1"));
+  CHECK_THAT(fails("resolves = -1"), Contains("resolves"));
+  CHECK_THAT(fails("project = function() end"), Contains("'lift' must say how to draw from the fibre"));
+  CHECK_THAT(fails("space = {}"), Contains("S = {0} (space = {}) needs a 'heuristic'"));
+  CHECK_THAT(fails("space = {}, valid = 'free', heuristic = print"), Contains("S = {0} (space = {}) has no 'valid'"));
+  CHECK_THAT(fails("valid = 'free', robot = robot.point()"), Contains("leave out 'robot' and 'world'"));
+  CHECK_THAT(fails("density = print"), Contains("there is no 'heuristic'"));
+  CHECK_THAT(fails("planner = graph_search {}"), Contains("its space is no explicit graph"));
+  CHECK_THAT(test::failure("along(3)"), Contains("along: its first argument must be a path"));
+  CHECK_THAT(test::failure("along({{1, 2}, {3}})"), Contains("along: point 2 of the path has 1 coordinates"));
+  CHECK_THAT(test::failure("along({}, { radus = 1 })"), Contains("did you mean 'radius'?"));
+  CHECK_THAT(test::failure("ball({1, 2}, 0)"), Contains("ball: its radius must be a number greater than 0"));
+  CHECK_THAT(test::failure("lifted(3)"), Contains("lifted: takes a distribution over S"));
+}
+
+TEST_CASE("what goes wrong in a guide's function is told with the level, the run and the line") {
+  const std::string at = "test.lua:3: in g >> rrt, level 1 (problem 'room', seed 1): ";
+  const auto fails = [](const std::string& fields) {
+    return run_failure("guiding_space { name = 'g', " + fields + " }");
+  };
+  CHECK_THAT(fails("robot = function() return nil + 1 end"),
+             Contains(at + "robot: test.lua:3: attempt to perform arithmetic on a nil value\nstack traceback:\n"));
+  CHECK_THAT(fails("robot = function() return 3 end"), Contains(at + "robot: it must be a robot, got 3"));
+  CHECK_THAT(fails("robot = function() end"), Contains(at + "robot: it returned nothing"));
+  CHECK_THAT(fails("space = {'x', 'z'}, valid = 'free'"),
+             Contains(at + "space: entry 2 must be the name of an axis of C"));
+  CHECK_THAT(fails("space = {'x'}"), Contains("'robot', 'world' or 'valid' must say what is valid in it"));
+  CHECK_THAT(fails("space = {'x', 'y'}, world = function(i) return i.world end"),
+             Contains("its robot needs 3 coordinates, and S has 2 (x, y)"));
+  CHECK_THAT(fails("space = { names = {'x'}, lower = {2}, upper = {8} }, valid = 'free'"),
+             Contains("f of the start, (1), is outside of S"));
+  CHECK_THAT(fails("space = {'x'}, valid = 'parent'"), Contains("valid = \"parent\": S has other axes than C"));
+  CHECK_THAT(fails("valid = function() return 1 end"),
+             Contains(at + "valid at (") && Contains("expected true or false"));
+  CHECK_THAT(fails("heuristic = function() return 3 end"),
+             Contains(at + "heuristic: it returned 3, expected a distri"));
+  CHECK_THAT(fails("heuristic = function() return shrink(0.5) end"), Contains("has a space of its own to search"));
+  CHECK_THAT(fails("heuristic = function() return along({{1, 2}, {3, 4}}) end"),
+             Contains("along: point 1 of the path has 2 coordinates, and the space SE(2)"));
+  CHECK_THAT(fails("heuristic = function() return ball({11, 1, 0}, 1) end"), Contains("is outside of the space SE(2)"));
+  const std::string draws = "heuristic = function() return function(random, normal) ";
+  CHECK_THAT(fails(draws + "return 1, 2 end end"),
+             Contains(at + "its sample 1: what the function that draws returns must be 3 numbers (x, y, theta), got 1, "
+                           "2"));
+  CHECK_THAT(fails(draws + "return 1, 0/0, 1 end end"), Contains("must be finite numbers: y is nan"));
+  CHECK_THAT(fails(draws + "return 1, 12, 1 end end"), Contains("y = 12 is outside of [0, 10]"));
+  CHECK_THAT(fails(draws + "error('seven') end end"),
+             Contains(at + "its sample 1: test.lua:3: seven\nstack traceback:"));
+  CHECK_THAT(fails(draws + "while true do end end end"),
+             Contains(at + "its sample 1: ") && Contains("comes to no end"));
+  CHECK_THAT(fails("observe = function(o) error(o.fate) end"), Contains(at + "observe, outcome 1: test.lua:3: "));
+  CHECK_THAT(fails("stale = function() end"), Contains(at + "stale") && Contains("it returned nothing"));
+  CHECK_THAT(fails("graph = function() return { vertices = {{1, 2, 3}}, edges = {{1, 2}}, start = 1, goal = 1 } end"),
+             Contains("edge 1: its second end must be the number of a vertex, from 1 to 1, got 2"));
+  CHECK_THAT(run_failure("uniform()", "lifted(uniform()) >> rrt {}"),
+             Contains("only the heuristic of a guiding_space may return what is lifted"));
+}
+
+TEST_CASE("functions that no run called are known, and random draws in its call only") {
+  const dsl::Program program = load(script(
+      "local g = guiding_space { name = 'g', valid = 'free', observe = function() end, stale = function() return false "
+      "end }\nlocal unused = guiding_space { name = 'unused', observe = function() end }",
+      "g >> rrt {}"));
+  trellis::run(program.experiment);
+  const auto uncalled = program.uncalled();
+  REQUIRE(uncalled.size() == 1);
+  CHECK(uncalled[0].function == "test.lua:4: 'observe' of the guiding space 'unused'");
+  CHECK(uncalled[0].guides);
+  CHECK_THAT(
+      run_failure("(function() local kept return guiding_space { name = 'g', heuristic = function() return "
+                  "function(random) kept = random return 1, 1, 0 end end, stale = function() kept() end } end)()"),
+      Contains("random: draws only while the function that it was given to is called"));
+}
+
+TEST_CASE("distributions guide by themselves, and within a guide's own space") {
+  const RunRecord run = run_of("along({{1, 1, 0}, {5, 8.5, 0}, {9, 1, 0}}, { radius = 0.8 })");
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 1);
+  CHECK(run.levels[0].proposal_density);
+  CHECK(strategy_of("ball({5, 8, 0}, 1)", "(0.5*g + 0.5*uniform()) >> rrt {}").text() ==
+        "(0.5*ball({ 5, 8, 0 }, 1) + 0.5*uniform()) >> rrt()");
+}
+
+TEST_CASE("guides in a session without a script use its own interpreter") {
+  dsl::Session session("");
+  session.with([](lua::Stack& stack) {
+    stack.load(
+        "calls = 0\n"
+        "g = guiding_space { name = 'live', valid = 'free', observe = function() calls = calls + 1 end }",
+        "@input 1");
+    stack.call(0);
+  });
+  StrategySpec strategy = PlannerSpec::make("rrt", {});
+  session.with([&](lua::Stack& stack) {
+    stack.load("return g >> rrt {}", "@input 2");
+    stack.call(0);
+    strategy = *stack[1].get<StrategySpec>();
+    // Within the call, as a session's `plan` does it.
+    CHECK(execute(strategy, test::simple_passage_problem(), 1).solved);
+  });
+  session.with([](lua::Stack& stack) { CHECK(*stack.push_global("calls").integer() > 0); });
+}
