@@ -63,7 +63,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
                    const std::shared_ptr<std::vector<Callback>>& given) {
   open_libraries(stack, options.trust);
   open_random(stack, options.seed);
-  open_algebra(stack);
+  open_algebra(stack, {folder, options.trust});
   open_world(stack);
   open_problem(stack);
   open_measure(stack, call_limits(options.instructions), given ? given : std::make_shared<std::vector<Callback>>());

@@ -46,7 +46,7 @@ struct Option {
   std::string unit;           ///< "m", "rad", "proposals", "" for a pure number
   OptionValue default_value;  ///< an infinite number means "no limit"
   Range range;                ///< of numbers and integers
-  std::vector<std::string> choices;
+  std::vector<std::string> choices;  ///< of a choice; none: it is the name of a file
   std::string doc;
 };
 

@@ -14,5 +14,7 @@ GuideKind identity_kind();
 GuideKind skeleton_kind();
 GuideKind shrink_kind();
 GuideKind lazy_kind();
+GuideKind experience_kind();
+GuideKind learned_kind();
 
 }  // namespace trellis

@@ -67,6 +67,7 @@ std::vector<Problem> read_problems(const std::string& path, const ReadOptions& o
   if (!std::isfinite(options.resolution) || options.resolution <= 0.0) {
     throw Error(fmt::format("reading {}: resolution must be greater than 0, got {}", path, options.resolution));
   }
+  if (is_image(path)) return read_image(path, options);
   const SourceText text = SourceText::load(path);
   return is_circle_world(text) ? read_circle_world(text, options) : read_dynobench(text, options);
 }
