@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <trellis/base/error.hpp>
 #include <trellis/guide/kinds.hpp>
 
 namespace trellis {
@@ -12,6 +13,18 @@ const std::vector<GuideKind>& guide_kinds() {
                                                identity_kind(), skeleton_kind(),  shrink_kind(),   lazy_kind(),
                                                experience_kind(), learned_kind()};
   return kinds;
+}
+
+std::string_view to_string(GuideClaims::Category category) {
+  switch (category) {
+    case GuideClaims::Category::trivial: return "trivial, S = C";
+    case GuideClaims::Category::robot: return "robot modification";
+    case GuideClaims::Category::environment: return "environment modification";
+    case GuideClaims::Category::experience: return "experience";
+    case GuideClaims::Category::sampling: return "sampling, S = {0}";
+    case GuideClaims::Category::combinator: return "combinator";
+  }
+  throw Fault("unknown category of guides");
 }
 
 const GuideKind* find_guide(std::string_view name) {
