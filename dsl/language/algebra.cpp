@@ -167,12 +167,13 @@ int constructor_text(Stack& call) {
 }
 
 /// The names of files among the options, as they are looked for: in the script's folder. Throws Error for one that a
-/// script may not reach, and where there is no such file.
+/// script may not reach, and where there is no file of a name that was given.
 void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place) {
   for (const Option& option : component.options) {
     if (option.type != Option::Type::choice || !option.choices.empty()) continue;
     auto entry = std::find_if(given.begin(), given.end(), [&](const auto& e) { return e.first == option.name; });
-    if (entry == given.end()) entry = given.insert(given.end(), {option.name, option.default_value});
+    const bool by_default = entry == given.end();
+    if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});
     auto* file = std::get_if<std::string>(&entry->second);
     if (file == nullptr || file->empty()) continue;  // what is wrong with it is told where options are validated
     if (!place.trust && !lies_within(*file, {place.folder})) {
@@ -182,8 +183,9 @@ void place_files(const Component& component, std::vector<Options::Entry>& given,
     }
     const std::filesystem::path path = (std::filesystem::path(place.folder) / *file).lexically_normal();
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) {
-      throw Error(fmt::format("{}: option '{}': there is no file '{}'", component.name, option.name, path.string()));
+    if (!by_default && !std::filesystem::exists(path, ignored)) {
+      throw Error(fmt::format("{}: option '{}': there is no file '{}': {}", component.name, option.name, path.string(),
+                              option.doc));
     }
     *file = path.string();
   }

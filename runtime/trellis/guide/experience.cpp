@@ -299,11 +299,24 @@ class Experience final : public PathGuide {
 }  // namespace
 
 GuideKind experience_kind() {
+  GuideClaims claims = path_claims(GuideClaims::Category::experience,
+                                   "q -> q, on the graph of the stored paths that are nearest to start and goal",
+                                   "they are joined to the graph all the same, by legs that count as ones to be repaired",
+                                   "examples/experience/use.lua");
+  claims.h =
+      "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` times, "
+      "and what is near those that are blocked; or a tube about the way";
+  claims.feedback =
+      "a node near a point moves h on to the next; after `patience` proposals without progress the first place not "
+      "reached is made dearer and the graph is searched again";
+  claims.fallback = GuideClaims::Fallback::own;
+  claims.no_path = "nothing was stored of this space and robot: h is uniform";
   return {&experience_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Experience>(experience_settings().read(o));
           },
-          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; }};
+          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; },
+          std::move(claims)};
 }
 
 }  // namespace trellis
