@@ -45,8 +45,9 @@ int dispatch(int argc, char** argv) {
   run->add_option("--figures", options.figures, "draw the results into a folder");
   run->add_option("--out", options.out, "write tables, the document and figures into a folder, problem by problem");
   run->add_option("--learn", options.learn, "add the paths that were found and are new to a library of paths");
-  run->add_option("--novelty", options.novelty,
-                  "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
+  run->add_option(
+      "--novelty", options.novelty,
+      "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
   run->add_option("--palette", options.palette,
                   "the figures' colours of samples: safe, for any colour vision, or paper");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");

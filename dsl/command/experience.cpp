@@ -87,8 +87,8 @@ void learn(const Experiment& experiment, const ExperimentResult& result, const s
     added += library.add(stored_path(*problem, run.run.path), problem->space, least) ? 1 : 0;
   }
   if (quiet) return;
-  fmt::print(stderr, "trellis: {}: {} of {} found {} new and added\n", file, added,
-             counted(solved, "path", "paths"), added == 1 ? "was" : "were");
+  fmt::print(stderr, "trellis: {}: {} of {} found {} new and added\n", file, added, counted(solved, "path", "paths"),
+             added == 1 ? "was" : "were");
 }
 
 }  // namespace trellis::command

@@ -225,7 +225,8 @@ int run(const RunOptions& options) {
     attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
     figures.keep();
   }
-  if (!options.learn.empty()) attempt([&] { learn(program.experiment, result, options.learn, novelty, options.quiet); });
+  if (!options.learn.empty())
+    attempt([&] { learn(program.experiment, result, options.learn, novelty, options.quiet); });
   warn(program, result);
   if (failure) throw Error(*failure);
   return success;

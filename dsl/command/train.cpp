@@ -63,8 +63,7 @@ std::vector<std::string> families_in(const std::string& data, const std::vector<
   }
   std::sort(known.begin(), known.end());
   if (known.empty()) {
-    throw Error(
-        fmt::format("--data: there is no family in '{}': a folder with the folders {}", data, splits));
+    throw Error(fmt::format("--data: there is no family in '{}': a folder with the folders {}", data, splits));
   }
   for (const std::string& name : asked) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -95,9 +94,8 @@ int train(const TrainOptions& options) {
   for (const std::string& family : families) {
     for (auto& task : tasks_in(fs::path(options.data) / family / "train")) learn_from.push_back(std::move(task));
   }
-  const std::string description =
-      fmt::format("{} worlds of {}, {} cells each, seed {}", learn_from.size(), fmt::join(families, ", "),
-                  settings.samples, settings.forest.seed);
+  const std::string description = fmt::format("{} worlds of {}, {} cells each, seed {}", learn_from.size(),
+                                              fmt::join(families, ", "), settings.samples, settings.forest.seed);
   Progress progress(!options.quiet);
   const Model model = Model::train(learn_from, settings, description, [&](std::size_t done, std::size_t all) {
     progress.show(done, all);

@@ -121,8 +121,7 @@ TEST_CASE("a script reaches the libraries in its folder, and others where it is 
   place.script("solve.lua", solve);
   REQUIRE(place.run({"run", "solve.lua", "--learn", "paths.db"}).status == 0);
   const std::string above = "return experience { db = '../paths.db' } >> rrt {}, scenes.cup()\n";
-  const std::string absolute =
-      "return experience { db = '" + (place / "paths.db") + "' } >> rrt {}, scenes.cup()\n";
+  const std::string absolute = "return experience { db = '" + (place / "paths.db") + "' } >> rrt {}, scenes.cup()\n";
   for (const std::string& text : {above, absolute}) {
     std::ofstream(place / "scripts/use.lua") << text;
     const auto held = place.run({"check", "scripts/use.lua"});
@@ -143,7 +142,8 @@ TEST_CASE("a heuristic is trained on worlds drawn as images, and used") {
   const auto trained = place.run(train);
   INFO(trained.err);
   REQUIRE(trained.status == 0);
-  CHECK_THAT(trained.out, Contains("trained on 8 worlds of gaps, 200 cells each, seed 1") && Contains("validation, nats"));
+  CHECK_THAT(trained.out,
+             Contains("trained on 8 worlds of gaps, 200 cells each, seed 1") && Contains("validation, nats"));
   const std::string model = content(place / "gaps.model");
   REQUIRE(place.run(train).status == 0);
   CHECK(content(place / "gaps.model") == model);

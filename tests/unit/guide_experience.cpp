@@ -198,16 +198,15 @@ TEST_CASE("only paths of the same space and robot are retrieved", "[guide][exper
   Problem disc = test::make_problem("disc", test::rectangle_world({}), Robot::disc(0.2), {1, 1}, {9, 1});
   CHECK(retrieve(disc, {{"db", library.file()}}).found.status == Status::no_path);
   CHECK(retrieve(disc, {{"db", library.file()}, {"robots", std::string("any")}}).found.solved());
-  const Problem wider =
-      test::make_problem("wider", test::rectangle_world({}, 12.0), Robot::point(), {1, 1}, {9, 1});
+  const Problem wider = test::make_problem("wider", test::rectangle_world({}, 12.0), Robot::point(), {1, 1}, {9, 1});
   CHECK(retrieve(wider, {{"db", library.file()}}).found.status == Status::no_path);
 }
 
 TEST_CASE("several ways guide at once, each another one", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}, {stored, way(under)}});
-  const auto r = retrieve(stored, {{"db", library.file()}, {"paths", std::int64_t{2}}, {"follow", std::string("tube")},
-                                   {"window", 1.0}});
+  const auto r = retrieve(
+      stored, {{"db", library.file()}, {"paths", std::int64_t{2}}, {"follow", std::string("tube")}, {"window", 1.0}});
   Stream stream(1, "0", "both");
   Configuration q(2);
   int above = 0;

@@ -79,8 +79,8 @@ std::string fault_of(const std::string& file, Library::Mode mode) {
 }
 
 bool same(const Configurations& a, const Configurations& b) {
-  return a.dimension() == b.dimension() && std::equal(a.values().begin(), a.values().end(), b.values().begin(),
-                                                      b.values().end());
+  return a.dimension() == b.dimension() &&
+         std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ PlannerSpec planner() { return PlannerSpec::make("rrt", {{"step", 0.5}, {"propos
 
 /// The ratio of validity checks of two strategies, seed by seed, in order; each run on the problem of its seed. A run
 /// without a path has spent all that there is.
-std::vector<double> ratios(const StrategySpec& a, const StrategySpec& b, const std::function<Problem(std::uint64_t)>& on) {
+std::vector<double> ratios(const StrategySpec& a, const StrategySpec& b,
+                           const std::function<Problem(std::uint64_t)>& on) {
   std::vector<double> all;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const auto spent = [&](const StrategySpec& strategy) {

@@ -34,10 +34,12 @@ const Settings<ExperienceSettings>& experience_settings() {
           Component::Kind::guide, "experience",
           "paths that solved problems before, joined into a graph where they come near each other; the way along them "
           "that has to be repaired least is followed",
-          "Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience (Lightning); "
+          "Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience "
+          "(Lightning); "
           "paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: "
           "Dellin and Srinivasa 2016, Lazy shortest paths")
-          .choice("db", &ExperienceSettings::db, {}, "the library of solved problems, as trellis run SCRIPT --learn makes it")
+          .choice("db", &ExperienceSettings::db, {},
+                  "the library of solved problems, as trellis run SCRIPT --learn makes it")
           .integer("candidates", &ExperienceSettings::candidates, "paths", {.lo = 1, .hi = 1000},
                    "paths that are retrieved: those whose ends are nearest to start and goal, either way round")
           .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
@@ -83,7 +85,8 @@ class ExperienceGraph {
     visit(path[0]);
     Configuration q(space_.dimension());
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-      const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(space_.distance(path[i], path[i + 1]) / piece)));
+      const auto pieces =
+          static_cast<std::size_t>(std::max(1.0, std::ceil(space_.distance(path[i], path[i + 1]) / piece)));
       for (std::size_t k = 1; k <= pieces; ++k) {
         space_.interpolate(path[i], path[i + 1], static_cast<double>(k) / static_cast<double>(pieces), q);
         visit(q);
@@ -147,8 +150,8 @@ class Experience final : public PathGuide {
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     library_ = known_paths(settings_.db);
-    ExperienceGraph graph(
-        *instance, settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
+    ExperienceGraph graph(*instance,
+                          settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
     for (const StoredPath* stored : retrieved(parent)) graph.add(stored->path);
     graph_ = std::make_shared<Graph>(graph.take());
     for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
@@ -162,8 +165,8 @@ class Experience final : public PathGuide {
     return instance;
   }
 
-  /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So the
-  /// way that is left is the cheapest of all, and only what could have been it was checked.
+  /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
+  /// the way that is left is the cheapest of all, and only what could have been it was checked.
   std::int64_t another(const Solution* found) override {
     constexpr std::int64_t again = 200;  // proposals, where a guide weighs the edges
     if (found != nullptr) {
@@ -290,21 +293,22 @@ class Experience final : public PathGuide {
   std::vector<EdgeState> edges_;
   std::vector<Seen> valid_;  ///< vertices
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> by_ends_;
-  std::optional<NearestIndex> places_;             ///< of the vertices
-  std::vector<Configurations> paths_;              ///< found since h was made last
-  std::vector<std::vector<std::uint32_t>> ways_;   ///< their edges
+  std::optional<NearestIndex> places_;            ///< of the vertices
+  std::vector<Configurations> paths_;             ///< found since h was made last
+  std::vector<std::vector<std::uint32_t>> ways_;  ///< their edges
   std::vector<std::vector<std::uint32_t>> followed_;
 };
 
 }  // namespace
 
 GuideKind experience_kind() {
-  GuideClaims claims = path_claims(GuideClaims::Category::experience,
-                                   "q -> q, on the graph of the stored paths that are nearest to start and goal",
-                                   "they are joined to the graph all the same, by legs that count as ones to be repaired",
-                                   "examples/experience/use.lua");
+  GuideClaims claims = path_claims(
+      GuideClaims::Category::experience, "q -> q, on the graph of the stored paths that are nearest to start and goal",
+      "they are joined to the graph all the same, by legs that count as ones to be repaired",
+      "examples/experience/use.lua");
   claims.h =
-      "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` times, "
+      "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` "
+      "times, "
       "and what is near those that are blocked; or a tube about the way";
   claims.feedback =
       "a node near a point moves h on to the next; after `patience` proposals without progress the first place not "
@@ -315,8 +319,7 @@ GuideKind experience_kind() {
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Experience>(experience_settings().read(o));
           },
-          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; },
-          std::move(claims)};
+          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; }, std::move(claims)};
 }
 
 }  // namespace trellis

@@ -9,8 +9,8 @@
 namespace trellis {
 
 const std::vector<GuideKind>& guide_kinds() {
-  static const std::vector<GuideKind> kinds = {uniform_kind(),  goal_bias_kind(), gaussian_kind(), bridge_test_kind(),
-                                               identity_kind(), skeleton_kind(),  shrink_kind(),   lazy_kind(),
+  static const std::vector<GuideKind> kinds = {uniform_kind(),    goal_bias_kind(), gaussian_kind(), bridge_test_kind(),
+                                               identity_kind(),   skeleton_kind(),  shrink_kind(),   lazy_kind(),
                                                experience_kind(), learned_kind()};
   return kinds;
 }

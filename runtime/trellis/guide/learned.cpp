@@ -134,23 +134,23 @@ class Learned final : public Guide {
 }  // namespace
 
 GuideKind learned_kind() {
-  return {&learned_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<Learned>(learned_settings().read(o));
-          },
-          "", [](const Options&) { return std::int64_t{0}; },
-          {.category = GuideClaims::Category::experience,
-           .f = "S = {0}; the model looks at the workspace as a grid",
-           .h = "a free cell of the workspace by the probability that a way that is nearly the shortest leads through it, "
-                "then uniform within the cell and in all that is not position",
-           .closed_form = true,
-           .density = "of the mixture of cells",
-           .feedback = "none",
-           .relaxes = true,
-           .invalid_ends = "nothing is projected",
-           .fallback = GuideClaims::Fallback::none,
-           .no_path = "nothing is searched",
-           .example = "examples/real/learned.lua"}};
+  return {
+      &learned_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Learned>(learned_settings().read(o)); },
+      "",
+      [](const Options&) { return std::int64_t{0}; },
+      {.category = GuideClaims::Category::experience,
+       .f = "S = {0}; the model looks at the workspace as a grid",
+       .h = "a free cell of the workspace by the probability that a way that is nearly the shortest leads through it, "
+            "then uniform within the cell and in all that is not position",
+       .closed_form = true,
+       .density = "of the mixture of cells",
+       .feedback = "none",
+       .relaxes = true,
+       .invalid_ends = "nothing is projected",
+       .fallback = GuideClaims::Fallback::none,
+       .no_path = "nothing is searched",
+       .example = "examples/real/learned.lua"}};
 }
 
 }  // namespace trellis

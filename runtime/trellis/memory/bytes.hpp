@@ -23,8 +23,6 @@ inline std::uint64_t integer_at(std::string_view bytes, std::size_t at) {
   }
   return value;
 }
-inline double number_at(std::string_view bytes, std::size_t at) {
-  return std::bit_cast<double>(integer_at(bytes, at));
-}
+inline double number_at(std::string_view bytes, std::size_t at) { return std::bit_cast<double>(integer_at(bytes, at)); }
 
 }  // namespace trellis

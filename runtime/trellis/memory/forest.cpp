@@ -57,8 +57,7 @@ Forest Forest::from_bytes(const std::string& bytes, std::size_t columns) {
   } catch (const std::exception&) {
     throw Error("the forest cannot be read");
   }
-  if (trees->function.get_num_trees() == 0 ||
-      trees->function.get_feature_extractor().max_num_feats() != columns) {
+  if (trees->function.get_num_trees() == 0 || trees->function.get_feature_extractor().max_num_feats() != columns) {
     throw Error("the forest is of other features");
   }
   return Forest(std::move(trees));

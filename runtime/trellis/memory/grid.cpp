@@ -68,9 +68,7 @@ std::vector<double> spread_from(const WorldGrid& grid, const std::vector<std::si
 WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : box_(box) {
   const Vec2 side = box.hi - box.lo;
   const double cell = std::max(side.x, side.y) / static_cast<double>(cells);
-  const auto count = [&](double length) {
-    return static_cast<std::size_t>(std::max(1.0, std::round(length / cell)));
-  };
+  const auto count = [&](double length) { return static_cast<std::size_t>(std::max(1.0, std::round(length / cell))); };
   columns_ = count(side.x);
   rows_ = count(side.y);
   width_ = side.x / static_cast<double>(columns_);
@@ -79,8 +77,8 @@ WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : b
 
   // A cell that touches an obstacle's side or the boundary with its own is still free.
   constexpr double inner = 0.49;
-  const auto scene = std::make_shared<const Scene>(
-      Scene{world, Robot::rigid({Box2{{-inner * width_, -inner * height_}, {inner * width_, inner * height_}}}, false)});
+  const auto scene = std::make_shared<const Scene>(Scene{
+      world, Robot::rigid({Box2{{-inner * width_, -inner * height_}, {inner * width_, inner * height_}}}, false)});
   const auto checker = make_checker("planar", scene, default_space(scene->robot, world, 1.0), cell);
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Vec2 p = centre(i);
@@ -89,7 +87,8 @@ WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : b
 
   std::vector<std::size_t> blocked;
   for (std::size_t i = 0; i < free_.size(); ++i) {
-    const bool outer = i % columns_ == 0 || i % columns_ + 1 == columns_ || i / columns_ == 0 || i / columns_ + 1 == rows_;
+    const bool outer =
+        i % columns_ == 0 || i % columns_ + 1 == columns_ || i / columns_ == 0 || i / columns_ + 1 == rows_;
     if (outer || free_[i] == 0) blocked.push_back(i);
   }
   clearance_ = spread_from(*this, blocked, [](std::size_t, std::size_t, const Step&) { return true; });

@@ -12,7 +12,8 @@ namespace trellis {
 /// A box of the plane divided into equal cells. A cell is free where no obstacle comes into it.
 class WorldGrid {
  public:
-  /// \param cells  along the longer side of the box, at least 2; the shorter side has as many as keep them nearly square
+  /// \param cells  along the longer side of the box, at least 2; the shorter side has as many as keep them nearly
+  /// square
   WorldGrid(const World& world, const Box2& box, std::size_t cells);
 
   [[nodiscard]] std::size_t columns() const { return columns_; }

@@ -288,8 +288,7 @@ class Library::Database {
       return;
     }
     if (ask("PRAGMA application_id") != application) {
-      throw Error(
-          fmt::format("{}: is a database, but no library of paths of trellis; it is left as it is", path_));
+      throw Error(fmt::format("{}: is a database, but no library of paths of trellis; it is left as it is", path_));
     }
     const std::int64_t found = ask("PRAGMA user_version");
     if (found != version) {

@@ -118,9 +118,10 @@ Model Model::load(const std::string& file) {
   if (all.size() < head + word) throw damaged("it ends too early");
   const auto number = [&](std::size_t i) { return integer_at(all, magic.size() + i * word); };
   if (number(0) != version || number(1) != cell_features) {
-    throw Error(fmt::format("{}: the model is of version {} with {} features, and this trellis knows version {} with {}; "
-                            "train it again",
-                            file, number(0), number(1), version, cell_features));
+    throw Error(
+        fmt::format("{}: the model is of version {} with {} features, and this trellis knows version {} with {}; "
+                    "train it again",
+                    file, number(0), number(1), version, cell_features));
   }
   constexpr std::uint64_t most_cells = 1000;
   const std::uint64_t cells = number(2);

@@ -24,22 +24,22 @@ struct LearningTask {
 };
 
 struct TrainingSettings {
-  std::int64_t cells = 67;       ///< along the longer side of the world
-  std::int64_t samples = 500;    ///< cells drawn from each world
-  double tolerance = 0.05;       ///< a way this much longer than the shortest is near-optimal, as a share
+  std::int64_t cells = 67;     ///< along the longer side of the world
+  std::int64_t samples = 500;  ///< cells drawn from each world
+  double tolerance = 0.01;     ///< a way this much longer than the shortest is near-optimal, as a share
   ForestSettings forest = {};
 };
 
 /// Where ways that are nearly the shortest lie, as the oracle tells by exact search of the grid.
 struct Oracle {
-  double shortest = 0.0;       ///< metres
-  std::vector<char> on_way;    ///< of each cell whether a near-optimal way leads through it
+  double shortest = 0.0;     ///< metres
+  std::vector<char> on_way;  ///< of each cell whether a near-optimal way leads through it
 };
 /// None where the oracle finds no way.
 std::optional<Oracle> ask_oracle(const WorldGrid& grid, Vec2 start, Vec2 goal, double tolerance);
 
-/// A heuristic learnt by imitation: the probability that a near-optimal way leads through a cell, of what can be said of
-/// the cell without search. In a file it is the same on every machine.
+/// A heuristic learnt by imitation: the probability that a near-optimal way leads through a cell, of what can be said
+/// of the cell without search. In a file it is the same on every machine.
 class Model {
  public:
   /// Throws Error where no task has a way from start to goal.
@@ -71,11 +71,11 @@ std::shared_ptr<const Model> known_model(const std::string& file);
 /// How well distributions over a world's cells tell where near-optimal ways lie: the divergence from the uniform
 /// distribution over the cells of these ways, nats, the mean over the tasks; lower is better.
 struct Validation {
-  std::size_t tasks = 0;    ///< that have a way
-  double learned = 0.0;     ///< by the model, with `share` of the free cells' uniform distribution
-  double uniform = 0.0;     ///< by the uniform distribution over the free cells
-  double straight = 0.0;    ///< by one that falls off with the detour that a cell means, obstacles ignored, at its best
-  double error = 0.0;       ///< standard error of learned - uniform, over the tasks
+  std::size_t tasks = 0;  ///< that have a way
+  double learned = 0.0;   ///< by the model, with `share` of the free cells' uniform distribution
+  double uniform = 0.0;   ///< by the uniform distribution over the free cells
+  double straight = 0.0;  ///< by one that falls off with the detour that a cell means, obstacles ignored, at its best
+  double error = 0.0;     ///< standard error of learned - uniform, over the tasks
 };
 Validation validate(const Model& model, const std::vector<LearningTask>& tasks, double tolerance, double share = 0.1);
 

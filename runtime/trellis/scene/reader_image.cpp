@@ -18,8 +18,8 @@ namespace trellis {
 
 namespace {
 
-constexpr double pixel = 0.05;     // metres
-constexpr unsigned dark = 128;     // grey values below are obstacle
+constexpr double pixel = 0.05;  // metres
+constexpr unsigned dark = 128;  // grey values below are obstacle
 constexpr unsigned most_side = 4096;
 
 /// An image's pixels as grey values, row by row from the top.
@@ -62,8 +62,8 @@ std::vector<Obstacle> boxes_of(const Image& image) {
   std::vector<Obstacle> boxes;
   const auto close = [&](const Run& run, std::size_t bottom) {
     const auto metres = [](std::size_t pixels) { return pixel * static_cast<double>(pixels); };
-    boxes.push_back({fmt::format("box {}", boxes.size() + 1),
-                     Box2{{metres(run.begin), metres(image.height - bottom)}, {metres(run.end), metres(image.height - run.top)}}});
+    boxes.push_back({fmt::format("box {}", boxes.size() + 1), Box2{{metres(run.begin), metres(image.height - bottom)},
+                                                                   {metres(run.end), metres(image.height - run.top)}}});
   };
   std::vector<Run> open;
   for (std::size_t row = 0; row <= image.height; ++row) {
@@ -106,7 +106,8 @@ std::vector<Problem> read_image(const std::string& path, const ReadOptions& opti
   const Image image = load(path);
   const double width = pixel * static_cast<double>(image.width);
   const double height = pixel * static_cast<double>(image.height);
-  auto scene = std::make_shared<const Scene>(Scene{World(Box2{{0, 0}, {width, height}}, boxes_of(image)), Robot::point()});
+  auto scene =
+      std::make_shared<const Scene>(Scene{World(Box2{{0, 0}, {width, height}}, boxes_of(image)), Robot::point()});
   const std::filesystem::path file(path);
   const std::string name = file.parent_path().parent_path().filename().string() + "/" +
                            file.parent_path().filename().string() + "/" + file.stem().string();
