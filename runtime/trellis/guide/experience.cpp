@@ -173,7 +173,7 @@ class Experience final : public PathGuide {
       std::vector<std::uint32_t> way = edges_along(found->path);
       if (!check(way)) return again;
       if (std::find(ways_.begin(), ways_.end(), way) == ways_.end()) {
-        paths_.push_back(found->path);
+        paths_.push_back(kept(way));
         ways_.push_back(std::move(way));
         if (static_cast<std::int64_t>(ways_.size()) < settings_.paths) {
           for (const std::uint32_t e : ways_.back()) graph_->edges[e].cost *= avoided;
@@ -279,6 +279,19 @@ class Experience final : public PathGuide {
       at = next;
     }
     return as_thought;
+  }
+
+  /// The points of a way without those that are invalid: where it has to be repaired, its next valid point is the aim.
+  [[nodiscard]] Configurations kept(const std::vector<std::uint32_t>& way) const {
+    const auto& vertices = std::as_const(graph_->vertices);
+    Configurations points(vertices.dimension());
+    points.push(vertices[graph_->start]);
+    std::uint32_t at = graph_->start;
+    for (const std::uint32_t e : way) {
+      at = graph_->edges[e].from == at ? graph_->edges[e].to : graph_->edges[e].from;
+      if (at == graph_->goal || valid_[at] != Seen::invalid) points.push(vertices[at]);
+    }
+    return points;
   }
 
   void set_cost(std::uint32_t e) {
