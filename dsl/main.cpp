@@ -47,6 +47,10 @@ int dispatch(int argc, char** argv) {
   run->add_option("--samples", options.samples, "write all samples and paths into a folder");
   run->add_option("--figures", options.figures, "draw the results into a folder");
   run->add_option("--out", options.out, "write tables, the document and figures into a folder, problem by problem");
+  run->add_option("--learn", options.learn, "add the paths that were found and are new to a library of paths");
+  run->add_option(
+      "--novelty", options.novelty,
+      "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
   run->add_option("--palette", options.palette,
                   "the figures' colours of samples: safe, for any colour vision, or paper");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
@@ -76,6 +80,23 @@ int dispatch(int argc, char** argv) {
   test->add_option("--jobs", testing.jobs, "runs at the same time (default all cores)");
   test->add_option("--junit", testing.junit, "write what came out as JUnit's XML");
   add_script_options(test, testing.scripts);
+
+  std::string library;
+  bool list = false;
+  auto* experience = app.add_subcommand("experience", "print what is in a library of paths");
+  experience->add_option("LIBRARY", library, "a file as trellis run --learn makes it")->required();
+  experience->add_flag("--list", list, "a line for each path, not for each problem");
+
+  command::TrainOptions training;
+  auto* train = app.add_subcommand("train", "train a heuristic to imitate exact search on worlds");
+  train->add_option("--data", training.data, "a folder of families, each with the folders train and validation of PNGs")
+      ->required();
+  train->add_option("--out", training.out, "the file that the model is written to")->required();
+  train->add_option("--family", training.families, "families to train on, separated by commas, instead of all")
+      ->delimiter(',');
+  train->add_option("--seed", training.seed, "of the samples and the forest (default 1)");
+  train->add_option("--samples", training.samples, "cells drawn from each world (default 500)");
+  train->add_flag("--quiet", training.quiet, "print neither figures nor progress");
 
   std::string fresh;
   auto* create = app.add_subcommand("new", "write a small script to begin with, and its test");
@@ -135,6 +156,8 @@ int dispatch(int argc, char** argv) {
   if (measure->parsed()) return command::measure(measuring);
   if (check->parsed()) return command::check(scripts, checking);
   if (test->parsed()) return command::test(testing);
+  if (experience->parsed()) return command::experience(library, list);
+  if (train->parsed()) return command::train(training);
   if (create->parsed()) return command::create(fresh);
   if (reference->parsed()) return command::reference(form, app);
   if (repl->parsed()) return command::repl(first, sitting);

@@ -36,8 +36,19 @@ struct RunOptions {
   std::string samples;  ///< a folder, "" without
   std::string figures;  ///< a folder, "" without
   std::string out;      ///< a folder for tables, figures and the document, "" without
+  std::string learn;    ///< a library of paths, "" without
+  std::string novelty;  ///< metres as typed, "" without
   std::string palette;  ///< of the figures, "" for the default
   bool ablate = false;
+  bool quiet = false;
+};
+
+struct TrainOptions {
+  std::string data;                   ///< a folder of families
+  std::string out;                    ///< a file
+  std::vector<std::string> families;  ///< none: all
+  std::string seed;                   ///< as typed, "" without
+  std::string samples;
   bool quiet = false;
 };
 
@@ -63,10 +74,14 @@ struct TestOptions {
 int run(const RunOptions& options);
 /// Measures samples of any program's against a tube, as a case file says, and prints the figures.
 int measure(const MeasureOptions& options);
+/// Prints what is in a library of paths: a line for each problem, or for each path.
+int experience(const std::string& file, bool list);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts, const ScriptOptions& options);
 /// Runs the scenarios of scripts, and prints what holds and what does not.
 int test(const TestOptions& options);
+/// Trains a heuristic to imitate exact search on a folder of worlds, writes it, and prints what it is worth on others.
+int train(const TrainOptions& options);
 /// Writes NAME.lua, a small script to begin with, and NAME_test.lua, its scenarios, where there are no such files.
 int create(const std::string& name);
 /// An interactive session, after a script where one is named; lines from stdin where that is no terminal.

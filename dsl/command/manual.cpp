@@ -309,12 +309,18 @@ void name_values(CLI::App& app) {
                                                     {"only", "SEED"},          {"problem", "NAME"},
                                                     {"strategy", "NAME"},      {"filter", "NAME"},
                                                     {"junit", "FILE"},         {"memory", "MIB"},
-                                                    {"instructions", "N"}};
+                                                    {"instructions", "N"},     {"learn", "FILE"},
+                                                    {"novelty", "METRES"},     {"LIBRARY", "FILE"},
+                                                    {"data", "FOLDER"},        {"family", "NAME"},
+                                                    {"train out", "FILE"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     for (CLI::Option* option : verb->get_options()) {
       const bool argument = option->get_positional();
       if (!argument && option->get_lnames().empty()) continue;
-      const auto name = names.find(argument ? option->get_name(true) : option->get_lnames().front());
+      const std::string word = argument ? option->get_name(true) : option->get_lnames().front();
+      // What `--out` of most verbs fills is a folder.
+      const auto own = names.find(verb->get_name() + " " + word);
+      const auto name = own != names.end() ? own : names.find(word);
       if (name != names.end() && option->get_expected_max() > 0) option->type_name(name->second);
     }
   }

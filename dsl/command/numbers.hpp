@@ -12,4 +12,8 @@ namespace trellis::command {
 std::optional<std::uint64_t> integer_option(const std::string& option, const std::string& typed, std::uint64_t least,
                                             std::uint64_t most);
 
+/// The number of at least `least` that was typed for an option; none for "". Throws Error that names the option and
+/// what it takes.
+std::optional<double> number_option(const std::string& option, const std::string& typed, double least);
+
 }  // namespace trellis::command

@@ -17,6 +17,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
+#include <dsl/command/learn.hpp>
 #include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
@@ -24,6 +25,7 @@
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/unused.hpp>
+#include <trellis/memory/library.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -195,7 +197,12 @@ int run(const RunOptions& options) {
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
   const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
 
+  const auto novelty = number_option("--novelty", options.novelty, 0.0);
+  if (novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
+
   const draw::RoleColours colours = palette_option(options);
+  // Made before the script is read, so that a script may go by a library to which nothing was added yet.
+  if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
 
   dsl::SessionOptions session = session_options(options.scripts);
   session.seed = seed.value_or(session.seed);
@@ -252,6 +259,8 @@ int run(const RunOptions& options) {
     attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
     figures.keep();
   }
+  if (!options.learn.empty())
+    attempt([&] { learn(program.experiment, result, options.learn, novelty, options.quiet); });
   warn(program, result);
   if (failure) throw Error(*failure);
   return success;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -154,7 +155,32 @@ int constructor_text(Stack& call) {
   return call.result(fmt::format("{}: {}, {}", name, to_string(kind), summary));
 }
 
-int construct(Stack& call) {
+/// The names of files among the options, as they are looked for: in the script's folder. Throws Error for one that a
+/// script may not reach, and where there is no file of a name that was given.
+void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place) {
+  for (const Option& option : component.options) {
+    if (option.type != Option::Type::choice || !option.choices.empty()) continue;
+    auto entry = std::find_if(given.begin(), given.end(), [&](const auto& e) { return e.first == option.name; });
+    const bool by_default = entry == given.end();
+    if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});
+    auto* file = std::get_if<std::string>(&entry->second);
+    if (file == nullptr || file->empty()) continue;  // what is wrong with it is told where options are validated
+    if (!place.trust && !lies_within(*file, {place.folder})) {
+      throw Error(fmt::format(
+          "{}: option '{}': '{}' does not lie in the script's folder; --trust lets a script that you trust read it",
+          component.name, option.name, *file));
+    }
+    const std::filesystem::path path = (std::filesystem::path(place.folder) / *file).lexically_normal();
+    std::error_code ignored;
+    if (!by_default && !std::filesystem::exists(path, ignored)) {
+      throw Error(fmt::format("{}: option '{}': there is no file '{}': {}", component.name, option.name, path.string(),
+                              option.doc));
+    }
+    *file = path.string();
+  }
+}
+
+int construct(Stack& call, const ScriptPlace& place) {
   const auto* constructor = call[1].get<Constructor>();
   if (constructor == nullptr) throw Error("not a constructor");
   const Component& component = *constructor->component;
@@ -167,6 +193,7 @@ int construct(Stack& call) {
     return call.result(PlannerSpec::make(component.name, given.options, origin));
   }
   Given given = read_options(component, call, 2, true);
+  place_files(component, given.options, place);
   return call.result(GuideSpec::make(component.name, given.options, std::move(given.planner), origin));
 }
 
@@ -317,12 +344,12 @@ std::vector<ObjectType> algebra_types() {
   return types;
 }
 
-void open_algebra(Stack& stack) {
+void open_algebra(Stack& stack, const ScriptPlace& place) {
   declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect);
   declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields);
   declare_spec<StrategySpec>(stack, equal<StrategySpec>, inspect);
   auto constructor = operators(constructor_text);
-  constructor.emplace_back("__call", construct);
+  constructor.emplace_back("__call", [place](Stack& call) { return construct(call, place); });
   constructor.emplace_back("__index", no_fields);
   stack.declare<Constructor>(constructor);
   for (const Component* component : components()) {

@@ -6,13 +6,15 @@
 #include <vector>
 
 #include <dsl/language/construct.hpp>
+#include <dsl/language/script_place.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
 
 /// Makes the specs and their operators known, a constructor of each planner and guide of the registry, and what is made
-/// of whole strategies.
-void open_algebra(lua::Stack& stack);
+/// of whole strategies. The files that their options name are looked for in the script's folder, and lie there unless
+/// the script is trusted.
+void open_algebra(lua::Stack& stack, const ScriptPlace& place);
 
 /// ablations(strategy).
 const Construct& ablations_construct();

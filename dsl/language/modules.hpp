@@ -6,14 +6,10 @@
 #include <vector>
 
 #include <dsl/language/construct.hpp>
+#include <dsl/language/script_place.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
-
-struct ScriptPlace {
-  std::string folder;  ///< the script's
-  bool trust = false;  ///< it may read scene files from anywhere
-};
 
 /// Makes `require` known, for modules of the standard library and then of the script's folder; makes each module of the
 /// standard library a global that is loaded when first read; makes reading any other unknown global an error that

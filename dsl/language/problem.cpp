@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <dsl/language/motion.hpp>
+#include <dsl/language/script_place.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/scene/readers.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -173,20 +174,9 @@ std::string scenes_folder() {
   return folder != nullptr && *folder != '\0' ? folder : TRELLIS_SCENES_FOLDER;
 }
 
-/// Throws Error for a file outside of the folders that scenes are looked for in, going by the words of its path: links
-/// in a folder are its owner's affair.
+/// Throws Error for a file outside of the folders that scenes are looked for in.
 void require_within(const char* function, const std::string& file, const std::string& script_folder) {
-  namespace fs = std::filesystem;
-  const auto stays = [](const fs::path& relative) { return !relative.empty() && *relative.begin() != ".."; };
-  const fs::path path = fs::path(file).lexically_normal();
-  std::error_code error;
-  bool within = !path.is_absolute() && stays(path);
-  for (const std::string& folder : {script_folder, scenes_folder()}) {
-    if (!path.is_absolute()) break;
-    const fs::path whole = fs::absolute(folder.empty() ? "." : folder, error).lexically_normal();
-    within = within || stays(path.lexically_relative(whole));
-  }
-  if (within) return;
+  if (lies_within(file, {script_folder, scenes_folder()})) return;
   throw Error(
       fmt::format("{}: '{}' lies neither in the script's folder nor in the folder of scenes; --trust lets a script "
                   "that you trust read it",

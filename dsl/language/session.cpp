@@ -67,7 +67,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   book->each = call_limits(options.instructions);
   open_libraries(stack, options.trust);
   book->random = open_random(stack, options.seed);
-  open_algebra(stack);
+  open_algebra(stack, {folder, options.trust});
   open_world(stack);
   open_motion(stack);
   open_problem(stack);

@@ -421,3 +421,34 @@ SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[e
     }
   }
 }
+
+SCENARIO("what was learnt in one world guides in others", "[examples][experience]") {
+  GIVEN("the scripts of examples/experience in a folder of their own") {
+    const Place place;
+    for (const char* name : {"learn.lua", "use.lua", "walls.lua"}) {
+      fs::copy_file(example(std::string("experience/") + name), place / name);
+    }
+    const auto learnt = place.run({"run", "learn.lua", "--learn", "paths.db", "--jobs", "2"});
+    INFO(learnt.err);
+    REQUIRE(learnt.status == 0);
+    WHEN("the library is gone by") {
+      const auto used = place.run({"run", "use.lua", "--json", "all.json", "--jobs", "2"});
+      INFO(used.err);
+      REQUIRE(used.status == 0);
+      const Json document = Json::parse(trellis::test::content(place / "all.json"));
+      const auto checks_on = [&](const std::string& problem, const std::string& strategy) {
+        std::vector<Json> runs;
+        for (const auto& run : runs_of(document, strategy)) {
+          if (run["problem"] == problem) runs.push_back(run);
+        }
+        REQUIRE(runs.size() == 30);
+        return median(field(runs, "validity_checks"));
+      };
+      THEN("it saves checks where the world is much the same, and costs some where it is not") {
+        CHECK(checks_on("as learnt", "lightning") < 0.5 * checks_on("as learnt", "rrt"));
+        CHECK(checks_on("boxes in the way", "lightning") < checks_on("boxes in the way", "rrt"));
+        CHECK(checks_on("gaps elsewhere", "lightning") > checks_on("gaps elsewhere", "rrt"));
+      }
+    }
+  }
+}

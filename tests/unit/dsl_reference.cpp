@@ -43,7 +43,7 @@ void check_option(const dsl::Word& word, const Option& option) {
   CHECK_FALSE(option.doc.empty());
   const bool quantity = option.type == Option::Type::number || option.type == Option::Type::integer;
   CHECK((!quantity || !option.unit.empty() || is_pure(word.name, option.name)));
-  CHECK((option.type != Option::Type::choice || option.choices.size() > 1));
+  CHECK((option.type != Option::Type::choice || option.choices.size() != 1));
   // The default is one that could be given.
   const Component alone{Component::Kind::guide, word.name, "", "", {option}, {}};
   CHECK_NOTHROW(Options::validate(alone, {{option.name, option.default_value}}));

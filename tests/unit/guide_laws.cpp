@@ -175,7 +175,7 @@ TEST_CASE("a guide has a closed form where it claims one", "[guide][claims]") {
     CAPTURE(kind.component->name);
     auto solved = solve(kind, test::simple_passage_problem());
     CHECK(std::isnan(solved.h->density(solved.parent->start)) == !kind.claims.closed_form);
-    CHECK((kind.claims.category == GuideClaims::Category::sampling) == kind.default_planner.empty());
+    if (kind.claims.category == GuideClaims::Category::sampling) CHECK(kind.default_planner.empty());
     CHECK((kind.claims.fallback == GuideClaims::Fallback::none) == kind.default_planner.empty());
   }
 }

@@ -64,6 +64,7 @@ std::string expectation(const Option& option) {
     case Option::Type::integer: return "an integer " + option.range.text() + unit;
     case Option::Type::boolean: return "true or false";
     case Option::Type::choice: {
+      if (option.choices.empty()) return "the name of a file";
       std::string all;
       for (const auto& c : option.choices) all += (all.empty() ? "" : ", ") + fmt::format("\"{}\"", c);
       return "one of " + all;
@@ -115,6 +116,10 @@ OptionValue checked(const Component& component, const Option& option, const Opti
     case Option::Type::choice: {
       const auto* text = std::get_if<std::string>(&value);
       if (text == nullptr) reject(component, option, value);
+      if (option.choices.empty()) {
+        if (text->empty() || text->find('\0') != std::string::npos) reject(component, option, value);
+        return value;
+      }
       if (std::find(option.choices.begin(), option.choices.end(), *text) == option.choices.end()) {
         reject(component, option, value, did_you_mean(*text, option.choices));
       }

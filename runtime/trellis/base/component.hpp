@@ -43,10 +43,10 @@ struct Option {
 
   std::string name;
   Type type = Type::number;
-  std::string unit;           ///< "m", "rad", "proposals", "" for a pure number
-  OptionValue default_value;  ///< an infinite number means "no limit"
-  Range range;                ///< of numbers and integers
-  std::vector<std::string> choices;
+  std::string unit;                  ///< "m", "rad", "proposals", "" for a pure number
+  OptionValue default_value;         ///< an infinite number means "no limit"
+  Range range;                       ///< of numbers and integers
+  std::vector<std::string> choices;  ///< of a choice; none: it is the name of a file
   std::string doc;
 };
 

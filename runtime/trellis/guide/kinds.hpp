@@ -24,5 +24,7 @@ GuideKind drop_kind();
 GuideKind aggregate_kind();
 GuideKind holonomic_kind();
 GuideKind decomposition_kind();
+GuideKind experience_kind();
+GuideKind learned_kind();
 
 }  // namespace trellis

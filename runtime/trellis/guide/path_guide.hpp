@@ -225,6 +225,12 @@ class PathGuide : public Guide {
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
   /// The heuristic in use; nullptr where nothing was found to go by.
   [[nodiscard]] PathFollower* path_heuristic() const { return current_; }
+  /// Whether a node of the planner's lies within a distance of q.
+  [[nodiscard]] bool reached(View q, double within) const {
+    return reached_ && reached_->size() > 0 && reached_->nearest(q).squared_distance <= within * within;
+  }
+  /// The paths that the next h follows where they are several, of a guide that looks for them by itself.
+  void follow(std::vector<Configurations> paths) { paths_ = std::move(paths); }
 
  private:
   /// Follows the paths found where there are several, else the path.

@@ -35,6 +35,12 @@ Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const R
 bool is_circle_world(const SourceText& text);
 std::vector<Problem> read_circle_world(const SourceText& text, const ReadOptions& options);
 
+/// Whether it is a PNG.
+bool is_image(const std::string& path);
+/// A world drawn in pixels of 0.05 m, the dark ones obstacles; a point goes from the lower left corner to the upper
+/// right one.
+std::vector<Problem> read_image(const std::string& path, const ReadOptions& options);
+
 /// Throws Error as well where the text is no YAML at all.
 std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options);
 

@@ -65,6 +65,7 @@ std::vector<Problem> read_problems(const std::string& path, const ReadOptions& o
   if (!std::isfinite(options.goal_tolerance) || options.goal_tolerance <= 0.0) {
     throw Error(fmt::format("reading {}: goal_tolerance must be greater than 0, got {}", path, options.goal_tolerance));
   }
+  if (is_image(path)) return read_image(path, options);
   const SourceText text = SourceText::load(path);
   return is_circle_world(text) ? read_circle_world(text, options) : read_dynobench(text, options);
 }

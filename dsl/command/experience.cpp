@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/learn.hpp>
+#include <dsl/command/outputs.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/memory/library.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+/// What is told of the paths of one problem.
+struct Row {
+  std::set<std::uint64_t> worlds;
+  std::size_t paths = 0;
+  double shortest = 0.0;
+  double longest = 0.0;
+};
+
+std::string summary(const std::vector<StoredPath>& paths) {
+  std::map<std::tuple<std::string, std::string, std::uint64_t>, Row> rows;
+  for (const StoredPath& path : paths) {
+    Row& row = rows[{path.problem, path.space_name, path.robot}];
+    row.worlds.insert(path.world);
+    row.shortest = row.paths == 0 ? path.length : std::min(row.shortest, path.length);
+    row.longest = std::max(row.longest, path.length);
+    ++row.paths;
+  }
+  std::string text = fmt::format("{:<24}  {:<12}  {:<16}  {:>6}  {:>5}  {}\n", "problem", "space", "robot", "worlds",
+                                 "paths", "length, m");
+  for (const auto& [key, row] : rows) {
+    const auto& [problem, space, robot] = key;
+    const std::string length = row.shortest == row.longest ? fmt::format("{:.2f}", row.shortest)
+                                                           : fmt::format("{:.2f} to {:.2f}", row.shortest, row.longest);
+    text += fmt::format("{:<24}  {:<12}  {:016x}  {:>6}  {:>5}  {}\n", problem, space, robot, row.worlds.size(),
+                        row.paths, length);
+  }
+  return text;
+}
+
+std::string listing(const std::vector<StoredPath>& paths) {
+  std::string text = fmt::format("{:>6}  {:<24}  {:<12}  {:<16}  {:<16}  {:>6}  {:>9}\n", "path", "problem", "space",
+                                 "robot", "world", "points", "length, m");
+  for (const StoredPath& path : paths) {
+    text += fmt::format("{:>6}  {:<24}  {:<12}  {:016x}  {:016x}  {:>6}  {:>9.2f}\n", path.id, path.problem,
+                        path.space_name, path.robot, path.world, path.path.size(), path.length);
+  }
+  return text;
+}
+
+}  // namespace
+
+int experience(const std::string& file, bool list) {
+  const std::vector<StoredPath> paths = Library(file).paths();
+  std::string text = fmt::format("{}: {}\n", file, counted(paths.size(), "path", "paths"));
+  if (!paths.empty()) text += "\n" + (list ? listing(paths) : summary(paths));
+  print_all(text);
+  return success;
+}
+
+void learn(const Experiment& experiment, const ExperimentResult& result, const std::string& file,
+           std::optional<double> novelty, bool quiet) {
+  Library library(file, Library::Mode::write);
+  std::size_t solved = 0;
+  std::size_t added = 0;
+  for (const RunResult& run : result.runs) {
+    if (!run.run.solved) continue;
+    const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
+                                      [&](const Problem& p) { return p.name == run.problem; });
+    const double least = novelty.value_or(default_novelty(problem->space, problem->scene->robot));
+    ++solved;
+    added += library.add(stored_path(*problem, run.run.path), problem->space, least) ? 1 : 0;
+  }
+  if (quiet) return;
+  fmt::print(stderr, "trellis: {}: {} of {} found {} new and added\n", file, added, counted(solved, "path", "paths"),
+             added == 1 ? "was" : "were");
+}
+
+}  // namespace trellis::command

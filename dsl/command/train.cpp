@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/numbers.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/progress.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/memory/model.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/scene/readers.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* splits = "train and validation";
+
+std::vector<std::string> sorted_entries(const fs::path& folder, const std::string& extension) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == extension) paths.push_back(entry.path().string());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/// The worlds of one split of a family, in the order of their names.
+std::vector<LearningTask> tasks_in(const fs::path& folder) {
+  std::vector<LearningTask> tasks;
+  for (const std::string& path : sorted_entries(folder, ".png")) {
+    for (const Problem& problem : read_problems(path, {})) {
+      tasks.push_back({problem.name,
+                       problem.scene->world,
+                       {problem.start[0], problem.start[1]},
+                       {problem.goal[0], problem.goal[1]}});
+    }
+  }
+  if (tasks.empty()) {
+    throw Error(fmt::format("--data: there are no worlds (*.png) in '{}'; a family is a folder with the folders {}",
+                            folder.string(), splits));
+  }
+  return tasks;
+}
+
+/// The families in a folder that were asked for; all of them where none was.
+std::vector<std::string> families_in(const std::string& data, const std::vector<std::string>& asked) {
+  std::error_code ignored;
+  if (!fs::is_directory(data, ignored)) throw Error(fmt::format("--data: there is no folder '{}'", data));
+  std::vector<std::string> known;
+  for (const auto& entry : fs::directory_iterator(data, ignored)) {
+    if (fs::is_directory(entry.path() / "train", ignored)) known.push_back(entry.path().filename().string());
+  }
+  std::sort(known.begin(), known.end());
+  if (known.empty()) {
+    throw Error(fmt::format("--data: there is no family in '{}': a folder with the folders {}", data, splits));
+  }
+  for (const std::string& name : asked) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw Error(fmt::format("--family: there is no family '{}' in '{}'{}; there are: {}", name, data,
+                            did_you_mean(name, known), fmt::join(known, ", ")));
+  }
+  return asked.empty() ? known : asked;
+}
+
+std::string row(const std::string& family, const Validation& found) {
+  if (found.tasks == 0) return fmt::format("{:<20}  no world with a way from start to goal\n", family);
+  return fmt::format("{:<20}  {:>6}  {:>7.2f}  {:>7.2f}  {:>8.2f}  {:>8.2f} +- {:.2f}\n", family, found.tasks,
+                     found.learned, found.uniform, found.straight, found.uniform - found.learned, found.error);
+}
+
+}  // namespace
+
+int train(const TrainOptions& options) {
+  constexpr std::uint64_t most = 1'000'000;
+  TrainingSettings settings;
+  settings.forest.seed = integer_option("--seed", options.seed, 0, most).value_or(settings.forest.seed);
+  settings.samples = static_cast<std::int64_t>(
+      integer_option("--samples", options.samples, 1, most).value_or(static_cast<std::uint64_t>(settings.samples)));
+  const std::vector<std::string> families = families_in(options.data, options.families);
+  require_writable_file(options.out);
+
+  std::vector<LearningTask> learn_from;
+  for (const std::string& family : families) {
+    for (auto& task : tasks_in(fs::path(options.data) / family / "train")) learn_from.push_back(std::move(task));
+  }
+  const std::string description = fmt::format("{} worlds of {}, {} cells each, seed {}", learn_from.size(),
+                                              fmt::join(families, ", "), settings.samples, settings.forest.seed);
+  Progress progress(!options.quiet);
+  const Model model = Model::train(learn_from, settings, description, [&](std::size_t done, std::size_t all) {
+    progress.show(done, all);
+    if (done == all) progress.show("growing the forest");
+  });
+  std::string text = fmt::format("trained on {}\n\n{:<20}  {:>6}  {:>7}  {:>7}  {:>8}  {}\n", description,
+                                 "validation, nats", "worlds", "learned", "uniform", "straight", "uniform - learned");
+  for (const std::string& family : families) {
+    progress.show("validating on " + family);
+    text += row(family, validate(model, tasks_in(fs::path(options.data) / family / "validation"), settings.tolerance));
+  }
+  write_file(options.out, model.bytes());
+  if (options.quiet) return success;
+  print_all(text +
+            "\nThe divergence of the cells on ways that are nearly the shortest from what each samples; lower is "
+            "better.\nuniform: free cells evenly. straight: less the longer the detour, obstacles ignored.\n");
+  return success;
+}
+
+}  // namespace trellis::command

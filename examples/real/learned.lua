@@ -1,0 +1,27 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- A heuristic learnt of other worlds: where ways that are nearly the shortest lead, of what can be seen without search.
+--
+--   trellis train --data SCENES/mp_datasets --family gaps_and_forest --out examples/real/gaps_and_forest.model
+--   trellis run examples/real/learned.lua
+--
+-- SCENES is the folder of scenes made by others. Training shows a random forest cells of the family's 60 worlds and the
+-- answers of an oracle that searches each world exactly; it prints what the model is worth on the worlds of the
+-- validation split, which it was not shown. The script runs on worlds of that split: three of the family, and three of
+-- another one, where the model says what it learnt elsewhere.
+
+local problems = {}
+for _, family in ipairs { "gaps_and_forest", "single_bugtrap" } do
+  for i = 800, 802 do
+    problems[#problems + 1] = scenes.load(("mp_datasets/%s/validation/%d.png"):format(family, i))
+  end
+end
+
+return experiment {
+  problems = problems,
+  strategies = {
+    rrt = rrt { step = 0.5 },
+    learned = learned { model = "gaps_and_forest.model" } >> rrt { step = 0.5 },
+  },
+  baseline = "rrt",
+  seeds = 30,
+}

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/memory/identity.hpp>
+#include <trellis/memory/library.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct ExperienceSettings : PathGuideSettings {
+  ExperienceSettings() { follow = "waypoints"; }
+  std::string db = "experience.db";
+  std::int64_t candidates = 10;
+  double join = 0.0;
+  double repair = 10.0;
+  std::string robots = "same";
+};
+
+const Settings<ExperienceSettings>& experience_settings() {
+  static const Settings<ExperienceSettings> settings = with_path_options(
+      Settings<ExperienceSettings>(
+          Component::Kind::guide, "experience",
+          "paths that solved problems before, joined into a graph where they come near each other; the way along them "
+          "that has to be repaired least is followed",
+          "Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience "
+          "(Lightning); "
+          "paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: "
+          "Dellin and Srinivasa 2016, Lazy shortest paths")
+          .choice("db", &ExperienceSettings::db, {},
+                  "the library of solved problems, as trellis run SCRIPT --learn makes it")
+          .integer("candidates", &ExperienceSettings::candidates, "paths", {.lo = 1, .hi = 1000},
+                   "paths that are retrieved: those whose ends are nearest to start and goal, either way round")
+          .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
+                  "distance within which two retrieved paths are joined, so that a way may change from one to the "
+                  "other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point")
+          .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
+                  "what a metre costs that is invalid in the present world, by one that is valid")
+          .choice("robots", &ExperienceSettings::robots, {"same", "any"},
+                  "whose paths: \"same\", of the same robot in the same space; \"any\", of any in the same space")
+          .integer("paths", &ExperienceSettings::paths, "paths", {.lo = 1, .hi = 64},
+                   "ways through the graph that guide at once, each found with those before it made dearer")
+          .positional({"db"}));
+  return settings;
+}
+
+/// How much dearer an edge becomes that a way before runs along, or on which the planner is stuck.
+constexpr double avoided = 4.0;
+
+/// How far a path's ends are from a start and a goal.
+double apart(const Space& space, View start, View goal, const Configurations& path) {
+  return space.distance(start, path.front()) + space.distance(goal, path.back());
+}
+
+/// The retrieved paths as a graph, with start and goal. Vertices in one place are one vertex.
+class ExperienceGraph {
+ public:
+  ExperienceGraph(const Instance& instance, double join) : space_(instance.space), join_(join), places_(space_) {
+    graph_.vertices = Configurations(space_.dimension());
+    graph_.start = vertex(instance.start);
+    graph_.goal = vertex(instance.goal);
+  }
+
+  void add(const Configurations& path) {
+    // However small `join` is, a path is divided into so many pieces at most.
+    constexpr double most_pieces = 1000.0;
+    const double piece = std::max(join_, path_length(space_, path) / most_pieces);
+    NearestIndex& own = indices_.emplace_back(space_);
+    std::vector<std::uint32_t>& ids = ids_.emplace_back();
+    const auto visit = [&](View q) {
+      own.add(q);
+      ids.push_back(vertex(q));
+    };
+    visit(path[0]);
+    Configuration q(space_.dimension());
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      const auto pieces =
+          static_cast<std::size_t>(std::max(1.0, std::ceil(space_.distance(path[i], path[i + 1]) / piece)));
+      for (std::size_t k = 1; k <= pieces; ++k) {
+        space_.interpolate(path[i], path[i + 1], static_cast<double>(k) / static_cast<double>(pieces), q);
+        visit(q);
+        edge(ids[ids.size() - 2], ids.back());
+      }
+    }
+    const auto& vertices = std::as_const(graph_.vertices);
+    const bool backwards = apart(space_, vertices[graph_.goal], vertices[graph_.start], path) <
+                           apart(space_, vertices[graph_.start], vertices[graph_.goal], path);
+    join(graph_.start, backwards ? ids.back() : ids.front());
+    join(graph_.goal, backwards ? ids.front() : ids.back());
+    for (const std::uint32_t end : {graph_.start, graph_.goal}) join(end, ids[own.nearest(vertices[end]).id]);
+    for (std::size_t other = 0; other + 1 < indices_.size(); ++other) {
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        const auto near = indices_[other].nearest(vertices[ids[i]]);
+        if (near.squared_distance <= join_ * join_) edge(ids[i], ids_[other][near.id]);
+      }
+    }
+  }
+
+  [[nodiscard]] Graph take() { return std::move(graph_); }
+
+ private:
+  std::uint32_t vertex(View q) {
+    if (places_.size() > 0) {
+      const auto near = places_.nearest(q);
+      if (near.squared_distance == 0.0) return near.id;
+    }
+    places_.add(q);
+    return graph_.vertices.push(q);
+  }
+
+  /// Joins start or goal to a point of a path; never the one to the other, which nobody experienced.
+  void join(std::uint32_t end, std::uint32_t point) {
+    if (point != graph_.start && point != graph_.goal) edge(end, point);
+  }
+
+  void edge(std::uint32_t from, std::uint32_t to) {
+    if (from == to || !known_.emplace(std::minmax(from, to)).second) return;
+    Graph::Edge edge{from, to, 0.0, Configurations(space_.dimension())};
+    edge.points.push(std::as_const(graph_.vertices)[from]);
+    edge.points.push(std::as_const(graph_.vertices)[to]);
+    edge.cost = space_.distance(edge.points[0], edge.points[1]);
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  const Space& space_;
+  double join_;
+  NearestIndex places_;
+  Graph graph_;
+  std::vector<NearestIndex> indices_;            ///< of each path's points
+  std::vector<std::vector<std::uint32_t>> ids_;  ///< their vertices
+  std::set<std::pair<std::uint32_t, std::uint32_t>> known_;
+};
+
+class Experience final : public PathGuide {
+ public:
+  explicit Experience(const ExperienceSettings& settings)
+      : PathGuide("experience", searching_itself(settings)), settings_(settings) {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    auto instance = same_instance(parent);
+    library_ = known_paths(settings_.db);
+    ExperienceGraph graph(*instance,
+                          settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
+    for (const StoredPath* stored : retrieved(parent)) graph.add(stored->path);
+    graph_ = std::make_shared<Graph>(graph.take());
+    for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
+      edges_.push_back({graph_->edges[e].cost});
+      by_ends_.emplace(std::minmax(graph_->edges[e].from, graph_->edges[e].to), e);
+    }
+    places_.emplace(parent.space);
+    for (std::size_t v = 0; v < graph_->vertices.size(); ++v) places_->add(std::as_const(graph_->vertices)[v]);
+    instance->graph = graph_;
+    sub_ = instance.get();
+    return instance;
+  }
+
+  /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
+  /// the way that is left is the cheapest of all, and only what could have been it was checked.
+  std::int64_t another(const Solution* found) override {
+    constexpr std::int64_t again = 200;  // proposals, where a guide weighs the edges
+    if (found != nullptr) {
+      std::vector<std::uint32_t> way = edges_along(found->path);
+      if (!check(way)) return again;
+      if (std::find(ways_.begin(), ways_.end(), way) == ways_.end()) {
+        paths_.push_back(kept(way));
+        ways_.push_back(std::move(way));
+        if (static_cast<std::int64_t>(ways_.size()) < settings_.paths) {
+          for (const std::uint32_t e : ways_.back()) graph_->edges[e].cost *= avoided;
+          return again;
+        }
+      }
+    }
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) set_cost(e);
+    return 0;
+  }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    if (paths_.empty()) return PathGuide::heuristic(parent, sub, found);
+    const Solution first{found->status, paths_.front(), {}};
+    followed_ = std::exchange(ways_, {});
+    follow(std::exchange(paths_, {}));
+    return PathGuide::heuristic(parent, sub, &first);
+  }
+
+  /// The first place of each way that the planner did not reach is avoided from now on.
+  void before_resolve() override {
+    if (path_heuristic() == nullptr) return;
+    for (const auto& way : followed_) {
+      std::uint32_t at = graph_->start;
+      for (const std::uint32_t e : way) {
+        const auto& edge = graph_->edges[e];
+        at = edge.from == at ? edge.to : edge.from;
+        if (reached(std::as_const(graph_->vertices)[at], path_heuristic()->radius())) continue;
+        edges_[e].stuck *= avoided;
+        set_cost(e);
+        break;
+      }
+    }
+  }
+
+ private:
+  enum class Seen : std::uint8_t { no, valid, invalid };
+
+  /// What is known of an edge of the graph.
+  struct EdgeState {
+    double length = 0.0;
+    double stuck = 1.0;
+    Seen seen = Seen::no;
+  };
+
+  static PathGuideSettings searching_itself(PathGuideSettings settings) {
+    settings.paths = 1;
+    return settings;
+  }
+
+  /// The stored paths of this space, those first whose ends are nearest to start and goal.
+  [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
+    const std::uint64_t space = identity(parent.space);
+    const std::uint64_t robot = identity(parent.scene->robot);
+    std::vector<std::pair<double, const StoredPath*>> fitting;
+    for (const StoredPath& stored : *library_) {
+      if (stored.space != space || stored.path.dimension() != parent.space.dimension()) continue;
+      if (settings_.robots == "same" && stored.robot != robot) continue;
+      fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal, stored.path),
+                                    apart(parent.space, parent.goal, parent.start, stored.path)),
+                           &stored);
+    }
+    std::stable_sort(fitting.begin(), fitting.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    fitting.resize(std::min(fitting.size(), static_cast<std::size_t>(settings_.candidates)));
+    std::vector<const StoredPath*> paths;
+    paths.reserve(fitting.size());
+    for (const auto& [distance, stored] : fitting) paths.push_back(stored);
+    return paths;
+  }
+
+  /// The edges that a path found in the graph runs along.
+  [[nodiscard]] std::vector<std::uint32_t> edges_along(const Configurations& path) const {
+    std::vector<std::uint32_t> way;
+    way.reserve(path.size());
+    std::uint32_t at = graph_->start;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const std::uint32_t next = places_->nearest(path[i]).id;
+      way.push_back(by_ends_.at(std::minmax(at, next)));
+      at = next;
+    }
+    return way;
+  }
+
+  /// Checks what was not yet looked at along a way; whether all of it costs what it was thought to.
+  bool check(const std::vector<std::uint32_t>& way) {
+    valid_.resize(graph_->vertices.size(), Seen::no);
+    bool as_thought = true;
+    std::uint32_t at = graph_->start;
+    for (const std::uint32_t e : way) {
+      const auto& edge = graph_->edges[e];
+      const std::uint32_t next = edge.from == at ? edge.to : edge.from;
+      if (edges_[e].seen == Seen::no) {
+        const auto& vertices = std::as_const(graph_->vertices);
+        if (valid_[at] == Seen::no) valid_[at] = sub_->valid(vertices[at]) ? Seen::valid : Seen::invalid;
+        const bool valid = valid_[at] == Seen::valid && sub_->motion(vertices[at], vertices[next]).valid;
+        if (valid) valid_[next] = Seen::valid;
+        edges_[e].seen = valid ? Seen::valid : Seen::invalid;
+        if (!valid) {
+          graph_->edges[e].cost *= settings_.repair;
+          as_thought = false;
+        }
+      }
+      at = next;
+    }
+    return as_thought;
+  }
+
+  /// The points of a way without those that are invalid: where it has to be repaired, its next valid point is the aim.
+  [[nodiscard]] Configurations kept(const std::vector<std::uint32_t>& way) const {
+    const auto& vertices = std::as_const(graph_->vertices);
+    Configurations points(vertices.dimension());
+    points.push(vertices[graph_->start]);
+    std::uint32_t at = graph_->start;
+    for (const std::uint32_t e : way) {
+      at = graph_->edges[e].from == at ? graph_->edges[e].to : graph_->edges[e].from;
+      if (at == graph_->goal || valid_[at] != Seen::invalid) points.push(vertices[at]);
+    }
+    return points;
+  }
+
+  void set_cost(std::uint32_t e) {
+    const EdgeState& state = edges_[e];
+    graph_->edges[e].cost = state.length * state.stuck * (state.seen == Seen::invalid ? settings_.repair : 1.0);
+  }
+
+  ExperienceSettings settings_;
+  std::shared_ptr<const std::vector<StoredPath>> library_;
+  std::shared_ptr<Graph> graph_;
+  Instance* sub_ = nullptr;
+  std::vector<EdgeState> edges_;
+  std::vector<Seen> valid_;  ///< vertices
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> by_ends_;
+  std::optional<NearestIndex> places_;            ///< of the vertices
+  std::vector<Configurations> paths_;             ///< found since h was made last
+  std::vector<std::vector<std::uint32_t>> ways_;  ///< their edges
+  std::vector<std::vector<std::uint32_t>> followed_;
+};
+
+}  // namespace
+
+GuideKind experience_kind() {
+  GuideClaims claims = path_claims(
+      GuideClaims::Category::experience, "q -> q, on the graph of the stored paths that are nearest to start and goal",
+      "they are joined to the graph all the same, by legs that count as ones to be repaired",
+      "examples/experience/use.lua");
+  claims.h =
+      "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` "
+      "times, "
+      "and what is near those that are blocked; or a tube about the way";
+  claims.feedback =
+      "a node near a point moves h on to the next; after `patience` proposals without progress the first place not "
+      "reached is made dearer and the graph is searched again";
+  claims.fallback = GuideClaims::Fallback::own;
+  claims.no_path = "nothing was stored of this space and robot: h is uniform";
+  return {&experience_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return std::make_unique<Experience>(experience_settings().read(o));
+          },
+          "graph_search", [](const Options& o) { return experience_settings().read(o).resolves; }, std::move(claims)};
+}
+
+}  // namespace trellis

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/memory/model.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct LearnedSettings {
+  std::string model = "learned.model";
+  double sharpness = 1.0;
+};
+
+const Settings<LearnedSettings>& learned_settings() {
+  static const Settings<LearnedSettings> settings =
+      Settings<LearnedSettings>(
+          Component::Kind::guide, "learned",
+          "where ways that are nearly the shortest lead, as a model tells that was trained on other worlds to imitate "
+          "exact search; S = {0}",
+          "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation")
+          .choice("model", &LearnedSettings::model, {}, "the model, as trellis train makes it")
+          .number("sharpness", &LearnedSettings::sharpness, "exponent", Range::non_negative(),
+                  "power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones "
+                  "more often than the model says")
+          .positional({"model"});
+  return settings;
+}
+
+/// Cells of the plane with a probability each, uniform within a cell and in all that is not position.
+class CellDensity final : public Density {
+ public:
+  /// \param weights  of the grid's cells, not all 0
+  CellDensity(const Instance& instance, const WorldGrid& grid, const std::vector<double>& weights)
+      : space_(instance.space), x_(instance.position_axes[0]), y_(instance.position_axes[1]), grid_(grid) {
+    double sum = 0.0;
+    until_.reserve(weights.size());
+    for (const double w : weights) until_.push_back(sum += w);
+    const auto& axes = space_.axes();
+    // Of a cell with all that is not position, in metric coordinates.
+    const double share = grid_.width() * grid_.height() / (axes[x_].period() * axes[y_].period());
+    const double volume = share * std::exp(space_.log_volume());
+    density_.reserve(weights.size());
+    for (const double w : weights) density_.push_back(w / sum / volume);
+  }
+
+  [[nodiscard]] double at(View q) const override { return density_[grid_.at({q[x_], q[y_]})]; }
+
+  void sample(Stream& stream, MutableView out) const {
+    space_.sample_uniform(stream, out);
+    const double u = stream.uniform() * until_.back();
+    const auto found = std::upper_bound(until_.begin(), until_.end(), u);
+    const auto cell = static_cast<std::size_t>(std::min(found, std::prev(until_.end())) - until_.begin());
+    const Vec2 corner = grid_.corner(cell);
+    out[x_] = corner.x + grid_.width() * stream.uniform();
+    out[y_] = corner.y + grid_.height() * stream.uniform();
+    space_.reflect(out);
+  }
+
+ private:
+  Space space_;
+  std::size_t x_;
+  std::size_t y_;
+  WorldGrid grid_;
+  std::vector<double> until_;  ///< sums of the weights up to each cell, itself included
+  std::vector<double> density_;
+};
+
+class LearnedHeuristic final : public Heuristic {
+ public:
+  explicit LearnedHeuristic(std::shared_ptr<const CellDensity> cells) : cells_(std::move(cells)) {}
+  Source sample(Stream& stream, MutableView out) override {
+    cells_->sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override { return cells_->at(q); }
+  void record(DensityRecord& record, double share) const override { record.add(cells_, share); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"learned"}; }
+
+ private:
+  std::shared_ptr<const CellDensity> cells_;
+};
+
+class Learned final : public Guide {
+ public:
+  explicit Learned(LearnedSettings settings) : settings_(std::move(settings)) {}
+
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    if (parent.position_axes.size() != 2) {
+      throw Error("learned: needs a robot whose reference point moves in the plane; this space (" +
+                  parent.space.name() + ") has no position");
+    }
+    model_ = known_model(settings_.model);
+    return nullptr;
+  }
+  void project(View, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no coordinates"); }
+  [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no coordinates"); }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    if (!model_) return std::make_unique<UniformHeuristic>("learned (no model)", parent.space);
+    const auto& x = parent.space.axes()[parent.position_axes[0]];
+    const auto& y = parent.space.axes()[parent.position_axes[1]];
+    const WorldGrid grid(parent.scene->world, Box2{{x.lo, y.lo}, {x.hi, y.hi}}, model_->cells());
+    const auto position = [&](const Configuration& q) {
+      return Vec2{q[parent.position_axes[0]], q[parent.position_axes[1]]};
+    };
+    std::vector<double> weights = model_->probabilities(grid, position(parent.start), position(parent.goal));
+    bool any = false;
+    for (double& w : weights) {
+      w = w > 0.0 ? std::pow(w, settings_.sharpness) : 0.0;
+      any = any || w > 0.0;
+    }
+    if (!any) return std::make_unique<UniformHeuristic>("learned (no free cell)", parent.space);
+    return std::make_unique<LearnedHeuristic>(std::make_shared<const CellDensity>(parent, grid, weights));
+  }
+
+ private:
+  LearnedSettings settings_;
+  std::shared_ptr<const Model> model_;
+};
+
+}  // namespace
+
+GuideKind learned_kind() {
+  return {
+      &learned_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Learned>(learned_settings().read(o)); },
+      "",
+      [](const Options&) { return std::int64_t{0}; },
+      {.category = GuideClaims::Category::experience,
+       .f = "S = {0}; the model looks at the workspace as a grid",
+       .h = "a free cell of the workspace by the probability that a way that is nearly the shortest leads through it, "
+            "then uniform within the cell and in all that is not position",
+       .closed_form = true,
+       .density = "of the mixture of cells",
+       .feedback = "none",
+       .relaxes = true,
+       .invalid_ends = "nothing is projected",
+       .fallback = GuideClaims::Fallback::none,
+       .no_path = "nothing is searched",
+       .example = "examples/real/learned.lua"}};
+}
+
+}  // namespace trellis

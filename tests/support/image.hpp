@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Worlds drawn as images, for what reads them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace trellis::test {
+
+namespace png {
+
+inline void put(std::string& bytes, std::uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>((value >> shift) & 0xFFU);
+}
+
+inline void chunk(std::string& image, std::string_view type, const std::string& data) {
+  put(image, static_cast<std::uint32_t>(data.size()));
+  const std::string body = std::string(type) + data;
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char c : body) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
+  }
+  image += body;
+  put(image, ~crc);
+}
+
+}  // namespace png
+
+/// A PNG of grey values, without compression. `obstacle` says of each column and row, from the top, whether it is dark.
+inline std::string image(std::size_t width, std::size_t height,
+                         const std::function<bool(std::size_t, std::size_t)>& obstacle) {
+  std::string bytes = "\x89PNG\r\n\x1a\n";
+  std::string header;
+  png::put(header, static_cast<std::uint32_t>(width));
+  png::put(header, static_cast<std::uint32_t>(height));
+  header += std::string("\x08\x00\x00\x00\x00", 5);  // 8 bits of grey
+  png::chunk(bytes, "IHDR", header);
+  // One stored block of deflate a row: a filter byte and the pixels.
+  std::string data = "\x78\x01";
+  std::uint32_t a = 1;
+  std::uint32_t b = 0;
+  for (std::size_t row = 0; row < height; ++row) {
+    std::string line(1, '\0');
+    for (std::size_t column = 0; column < width; ++column) line += obstacle(column, row) ? '\0' : '\xFF';
+    const auto length = static_cast<std::uint16_t>(line.size());
+    data += row + 1 == height ? '\1' : '\0';
+    for (const unsigned value : {static_cast<unsigned>(length), static_cast<unsigned>(~length)}) {
+      data += static_cast<char>(value & 0xFFU);
+      data += static_cast<char>((value >> 8U) & 0xFFU);
+    }
+    data += line;
+    for (const char c : line) {
+      a = (a + static_cast<unsigned char>(c)) % 65521;
+      b = (b + a) % 65521;
+    }
+  }
+  png::put(data, (b << 16U) | a);
+  png::chunk(bytes, "IDAT", data);
+  png::chunk(bytes, "IEND", "");
+  return bytes;
+}
+
+inline void write_image(const std::string& path, std::size_t width, std::size_t height,
+                        const std::function<bool(std::size_t, std::size_t)>& obstacle) {
+  std::ofstream(path, std::ios::binary) << image(width, height, obstacle);
+}
+
+}  // namespace trellis::test

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the guide makes of stored paths: which it retrieves, how it joins them, and what it follows.
+#include <stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/guide.hpp>
+#include <trellis/memory/library.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Points = std::vector<std::array<double, 2>>;
+
+/// A point robot's problem in an empty square of 10 m, but for rectangles.
+Problem plane(const test::Rectangles& rectangles, Configuration start, Configuration goal) {
+  return test::make_problem("plane", test::rectangle_world(rectangles), Robot::point(), std::move(start),
+                            std::move(goal));
+}
+
+Configurations way(const Points& points) {
+  Configurations path(2);
+  for (const auto& p : points) path.push(p);
+  return path;
+}
+
+/// A library of its own in a file that is gone with it. A process reads each file once, so each has its own name.
+class Stored {
+ public:
+  explicit Stored(const std::vector<std::pair<Problem, Configurations>>& solved) {
+    std::string name = (fs::temp_directory_path() / "trellis-experience-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+    Library library(file(), Library::Mode::write);
+    for (const auto& [problem, path] : solved) {
+      REQUIRE(library.add(stored_path(problem, path), problem.space, 0.0));
+    }
+  }
+  ~Stored() { fs::remove_all(folder_); }
+  Stored(const Stored&) = delete;
+  Stored& operator=(const Stored&) = delete;
+  [[nodiscard]] std::string file() const { return (folder_ / "paths.db").string(); }
+
+ private:
+  fs::path folder_;
+};
+
+/// The guide at work on an instance: its space is solved, and h made, as the executor does.
+struct Retrieved {
+  std::unique_ptr<Instance> parent;
+  std::unique_ptr<Guide> guide;
+  std::unique_ptr<Instance> sub;
+  std::unique_ptr<Search> search;
+  std::unique_ptr<UniformGuidance> uniform;
+  std::unique_ptr<Planner> planner;
+  Solution found;
+  std::unique_ptr<Heuristic> h;
+
+  void solve() {
+    const Budget budget;
+    found = planner->solve(budget);
+    while (guide->another(found.solved() ? &found : nullptr) > 0) found = planner->solve(budget);
+    h = guide->heuristic(*parent, sub.get(), &found);
+  }
+};
+
+Retrieved retrieve(const Problem& problem, std::vector<Options::Entry> options) {
+  Retrieved r;
+  const GuideKind& kind = *find_guide("experience");
+  r.parent = make_instance(problem);
+  r.guide = kind.make(Options::validate(*kind.component, options));
+  r.sub = r.guide->project(*r.parent);
+  r.search = std::make_unique<Search>(r.sub->space.dimension());
+  r.uniform = std::make_unique<UniformGuidance>(r.sub->space);
+  const PlannerKind& searcher = *find_planner(kind.default_planner);
+  r.planner = searcher.make(Options::validate(*searcher.component, {}),
+                            {*r.sub, *r.uniform, Stream(1, "0/0", "proposals"), *r.search, false, {}});
+  r.solve();
+  return r;
+}
+
+/// The farthest that any point of `path` is from the polyline `from`.
+double farthest(const Space& space, const Configurations& path, const Configurations& from) {
+  constexpr int steps = 20;
+  double most = 0.0;
+  Configuration q(space.dimension());
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    for (int step = 0; step <= steps; ++step) {
+      space.interpolate(path[i], path[i + 1], static_cast<double>(step) / steps, q);
+      double least = 1e300;
+      for (std::size_t k = 0; k + 1 < from.size(); ++k) {
+        least = std::min(least, nearest_on_motion(space, from[k], from[k + 1], q).squared_distance);
+      }
+      most = std::max(most, std::sqrt(least));
+    }
+  }
+  return most;
+}
+
+const Points over = {{1, 1}, {1, 9}, {9, 9}, {9, 1}};
+const Points under = {{1, 1}, {1, 0.5}, {9, 0.5}, {9, 1}};
+
+}  // namespace
+
+TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide][experience]") {
+  const Problem problem = plane({}, {1, 1}, {9, 1});
+  const Stored nothing({});
+  for (const std::string& file : {nothing.file(), nothing.file() + ".missing"}) {
+    const auto r = retrieve(problem, {{"db", file}});
+    CHECK(r.found.status == Status::no_path);
+    CHECK(r.sub->checks.validity == 0);
+    CHECK(r.h->density(problem.start) == Approx(std::exp(-problem.space.log_volume())));
+  }
+}
+
+TEST_CASE("a stored path is followed from the query's start to its goal, whichever way round it was stored",
+          "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}});
+  for (const bool backwards : {false, true}) {
+    // Near the stored ends, not at them.
+    Problem query = plane({{4, 0, 6, 3}}, {1.2, 1.1}, {8.9, 1.3});
+    if (backwards) std::swap(query.start, query.goal);
+    const auto r = retrieve(query, {{"db", library.file()}});
+    REQUIRE(r.found.solved());
+    const Configurations path = r.h->lifted_path();
+    CHECK(std::equal(path.front().begin(), path.front().end(), query.start.begin()));
+    CHECK(std::equal(path.back().begin(), path.back().end(), query.goal.begin()));
+    CHECK(farthest(query.space, path, way(over)) < 0.4);
+    CHECK(r.sub->checks.validity > 0);
+    CHECK(r.parent->checks.motion == 0);
+  }
+}
+
+TEST_CASE("of several paths the one is followed that the present world violates least", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  // Both are free: the shorter one.
+  const auto open = retrieve(plane({}, {1, 1}, {9, 1}), {{"db", library.file()}});
+  CHECK(farthest(open.sub->space, open.h->lifted_path(), way(under)) < 0.3);
+  // A wall across the short one.
+  const Problem blocked = plane({{4, 0, 6, 3}}, {1, 1}, {9, 1});
+  const auto r = retrieve(blocked, {{"db", library.file()}});
+  CHECK(farthest(r.sub->space, r.h->lifted_path(), way(over)) < 0.3);
+  // Walls across both, a thin one across the long one: what is dear enough to repair is gone round.
+  const Problem both = plane({{4, 0, 6, 3}, {4, 8.9, 4.1, 9.1}}, {1, 1}, {9, 1});
+  const auto thin = retrieve(both, {{"db", library.file()}});
+  CHECK(farthest(thin.sub->space, thin.h->lifted_path(), way(over)) < 0.3);
+  const auto cheap = retrieve(both, {{"db", library.file()}, {"repair", 1.0}});
+  CHECK(farthest(cheap.sub->space, cheap.h->lifted_path(), way(under)) < 0.3);
+}
+
+TEST_CASE("only what could be the way that needs least repair is checked", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored one({{stored, way(under)}});
+  const Stored both({{stored, way(under)}, {stored, way(over)}});
+  const Problem query = plane({}, {1, 1}, {9, 1});
+  const auto alone = retrieve(query, {{"db", one.file()}});
+  const auto beside = retrieve(query, {{"db", both.file()}});
+  CHECK(alone.sub->checks.validity > 0);
+  CHECK(alone.sub->checks.validity == beside.sub->checks.validity);
+}
+
+TEST_CASE("ways from A to B and from B to C make one from A to C", "[guide][experience]") {
+  const Points ab = {{1, 1}, {1, 9}, {5, 9}};
+  const Points bc = {{9, 1}, {9, 9}, {5.1, 9}};  // stored from C to B, and ends a little beside
+  const Stored library({{plane({}, {1, 1}, {5, 9}), way(ab)}, {plane({}, {9, 1}, {5.1, 9}), way(bc)}});
+  const Problem query = plane({{4, 0, 6, 8}}, {1, 1}, {9, 1});
+  const auto r = retrieve(query, {{"db", library.file()}});
+  REQUIRE(r.found.solved());
+  const Configurations path = r.h->lifted_path();
+  Configurations whole = way(ab);
+  for (std::size_t i = 3; i-- > 0;) whole.push(bc[i]);
+  CHECK(farthest(query.space, path, whole) < 1e-6);
+  CHECK(farthest(query.space, whole, path) < 0.3);
+  for (std::size_t i = 1; i < path.size(); ++i) CHECK(r.parent->motion(path[i - 1], path[i]).valid);
+  // Too far apart to be joined: the way changes over where it costs least, outside of what was stored.
+  const auto apart = retrieve(query, {{"db", library.file()}, {"join", 0.05}});
+  CHECK(apart.found.solved());
+}
+
+TEST_CASE("only paths of the same space and robot are retrieved", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}});
+  Problem disc = test::make_problem("disc", test::rectangle_world({}), Robot::disc(0.2), {1, 1}, {9, 1});
+  CHECK(retrieve(disc, {{"db", library.file()}}).found.status == Status::no_path);
+  CHECK(retrieve(disc, {{"db", library.file()}, {"robots", std::string("any")}}).found.solved());
+  const Problem wider = test::make_problem("wider", test::rectangle_world({}, 12.0), Robot::point(), {1, 1}, {9, 1});
+  CHECK(retrieve(wider, {{"db", library.file()}}).found.status == Status::no_path);
+}
+
+TEST_CASE("several ways guide at once, each another one", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  const auto r = retrieve(
+      stored, {{"db", library.file()}, {"paths", std::int64_t{2}}, {"follow", std::string("tube")}, {"window", 1.0}});
+  Stream stream(1, "0", "both");
+  Configuration q(2);
+  int above = 0;
+  for (int i = 0; i < 1000; ++i) {
+    r.h->sample(stream, q);
+    above += q[1] > 1.5 ? 1 : 0;
+  }
+  CHECK(above > 250);
+  CHECK(above < 600);
+}
+
+TEST_CASE("a way on which the planner is stuck is left for another one", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  auto r = retrieve(stored, {{"db", library.file()}});
+  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
+  int tries = 0;
+  while (farthest(r.sub->space, r.h->lifted_path(), way(over)) > 0.3 && tries < 10) {
+    r.guide->before_resolve();
+    r.solve();
+    ++tries;
+  }
+  CHECK(tries > 0);
+  CHECK(tries < 10);
+}
