@@ -8,6 +8,7 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/manual.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/language/catalogue.hpp>
 #include <dsl/language/reference.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/base/error.hpp>
@@ -25,14 +26,16 @@ std::string names_of_words() {
 }  // namespace
 
 const std::vector<std::string>& reference_forms() {
-  static const std::vector<std::string> forms = {"markdown", "stubs", "luacheck", "words",
-                                                 "man",      "bash",  "fish",     "zsh"};
+  static const std::vector<std::string> forms = {"markdown", "catalogue", "stubs", "luacheck", "words",
+                                                 "man",      "bash",      "fish",  "zsh"};
   return forms;
 }
 
 int reference(const std::string& form, const CLI::App& app) {
   if (form.empty() || form == "markdown") {
     print_all(dsl::reference_markdown());
+  } else if (form == "catalogue") {
+    print_all(dsl::catalogue_markdown());
   } else if (form == "stubs") {
     print_all(dsl::reference_stubs());
   } else if (form == "luacheck") {

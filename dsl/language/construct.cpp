@@ -34,7 +34,15 @@ std::optional<OptionValue> option_value(Value value) {
   if (const auto number = value.number()) return OptionValue(*number);
   if (const auto boolean = value.boolean()) return OptionValue(*boolean);
   if (const auto text = value.string()) return OptionValue(*text);
-  return {};
+  if (value.type() != Type::table || !value.keys().names.empty() || !value.keys().odd.empty()) return {};
+  std::vector<std::string> names;
+  bool all = true;
+  value.each([&](std::size_t, Value element) {
+    const auto name = element.string();
+    all = all && name;
+    if (name) names.push_back(*name);
+  });
+  return all ? std::optional(OptionValue(std::move(names))) : std::nullopt;
 }
 
 /// Adds what was given for an option. Whether the option exists is left to Options::validate, which knows what to say.
@@ -72,8 +80,13 @@ class OptionReader {
       throw Error(fmt::format("{}: {}, got {}; name the others, as in {} {{ name = value }}", component_.name,
                               unnamed(component_), describe(value), component_.name));
     }
-    const std::string& name = component_.positional[next_++];
+    const std::string& name = component_.positional[next_];
     if (!value.given()) throw Error(fmt::format("{}: option '{}' is nil", component_.name, name));
+    if (component_.find(name)->type == Option::Type::names) {
+      add_name(name, value);
+      return;
+    }
+    ++next_;
     add_option(component_, name, value, given_.options);
   }
 
@@ -89,6 +102,19 @@ class OptionReader {
   Given take() { return std::move(given_); }
 
  private:
+  /// An unnamed element of the list that ends the unnamed options.
+  void add_name(const std::string& option, Value value) {
+    const auto element = value.string();
+    if (!element) throw Error(fmt::format("{}: expected a name, got {}", component_.name, describe(value)));
+    auto& options = given_.options;
+    const auto begun = std::find_if(options.begin(), options.end(), [&](const auto& e) { return e.first == option; });
+    if (begun == options.end()) {
+      options.emplace_back(option, std::vector<std::string>{*element});
+    } else {
+      std::get<std::vector<std::string>>(begun->second).push_back(*element);
+    }
+  }
+
   void named(const std::string& name, Value value) {
     constexpr const char* planner_name = "planner";
     if (takes_planner_ && name == planner_name) {

@@ -177,6 +177,7 @@ std::string stub_type(const Option& option) {
       for (const auto& choice : option.choices) all += fmt::format("{}\"{}\"", all.empty() ? "" : "|", choice);
       return all;
     }
+    case Option::Type::names: return "string[]";
   }
   throw Fault("unknown type of option");
 }
@@ -200,6 +201,10 @@ std::string stub_options(const Word& word) {
   for (std::size_t i = 0; i < word.positional.size(); ++i) {
     const auto option = std::find_if(word.options.begin(), word.options.end(),
                                      [&](const Option& o) { return o.name == word.positional[i]; });
+    if (option->type == Option::Type::names) {
+      text += fmt::format("---@field [integer] string `{}` without its name\n", option->name);
+      continue;
+    }
     text += fmt::format("---@field [{}]? {} `{}` without its name\n", i + 1, stub_type(*option), option->name);
   }
   if (!word.element.empty()) text += fmt::format("---@field [integer] {} {}\n", word.element, word.list);
@@ -230,7 +235,8 @@ std::string stub_function(const Word& word) {
     for (const auto& name : word.positional) {
       const auto option =
           std::find_if(word.options.begin(), word.options.end(), [&](const Option& o) { return o.name == name; });
-      unnamed += fmt::format("{}: {}, ", name, stub_type(*option));
+      const bool names = option->type == Option::Type::names;
+      unnamed += names ? "...: string, " : fmt::format("{}: {}, ", name, stub_type(*option));
     }
     text += fmt::format("---@overload fun({}options?: {}){}\n", unnamed, options_class(word), result);
   }

@@ -10,7 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include <dsl/language/catalogue.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/guide/guide.hpp>
 
 namespace trellis::dsl {
 
@@ -71,6 +73,10 @@ std::string contents(const std::string& module) {
 std::string component_text(const Word& word) {
   std::string text = fmt::format("{} ({}): {}\n", word.name, word.kind_text(), word.summary);
   if (!word.source.empty()) text += fmt::format("source: {}\n", word.source);
+  if (const GuideKind* guide = word.kind == Word::Kind::guide ? find_guide(word.name) : nullptr) {
+    text += '\n';
+    for (const auto& [title, line] : claim_lines(guide->claims)) text += row(title, line);
+  }
   std::string options;
   for (const Option& option : word.options) options += rows_of(option);
   for (const Field& field : word.fields) options += rows_of(field);

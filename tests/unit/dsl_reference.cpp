@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The registry is complete, and what is committed of it is what it says.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -11,9 +13,13 @@
 #include "support/catch.hpp"
 #include "support/script.hpp"
 
+#include <dsl/language/catalogue.hpp>
 #include <dsl/language/reference.hpp>
+#include <dsl/language/vocabulary.hpp>
 #include <dsl/language/words.hpp>
 #include <dsl/lua/state.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/strategy/combinators.hpp>
 
 namespace fs = std::filesystem;
 using namespace trellis;
@@ -74,6 +80,37 @@ TEST_CASE("every word tells all that there is to know") {
   }
 }
 
+namespace {
+
+void check_claims(const std::string& name, const GuideClaims& claims) {
+  INFO(name);
+  for (const auto& [title, line] : dsl::claim_lines(claims)) {
+    INFO(title);
+    CHECK_FALSE(line.empty());
+    CHECK_FALSE(line.ends_with('.'));
+    CHECK_FALSE(line.ends_with(": "));
+    CHECK(line.find('\n') == std::string::npos);
+  }
+  const std::string example = content(fs::path(TRELLIS_SOURCE) / claims.example);
+  INFO(claims.example);
+  CHECK_FALSE(example.empty());
+  CHECK(claims.example.starts_with("examples/"));
+}
+
+}  // namespace
+
+TEST_CASE("every guide says what f and h are, and its example uses it") {
+  for (const GuideKind& kind : guide_kinds()) {
+    const std::string& name = kind.component->name;
+    check_claims(name, kind.claims);
+    CHECK(content(fs::path(TRELLIS_SOURCE) / kind.claims.example).find(name) != std::string::npos);
+    const std::string help = dsl::help_text("guide." + name);
+    CHECK(help.find("no path in S") != std::string::npos);
+    CHECK(dsl::catalogue_markdown().find(fmt::format("| [{}](reference.md#{}) |", name, name)) != std::string::npos);
+  }
+  for (const Combinator& combinator : combinators()) check_claims(combinator.name, combinator.claims);
+}
+
 TEST_CASE("every global that a script finds is a word, or Lua's own") {
   const auto globals = test::values(
       "local names = {} for name in pairs(_G) do names[#names + 1] = name end table.sort(names) "
@@ -116,9 +153,11 @@ TEST_CASE("the types that words speak of are described") {
 TEST_CASE("what is committed of the registry is what it says: scripts/reference writes it") {
   const fs::path source = TRELLIS_SOURCE;
   const bool markdown = content(source / "docs/reference.md") == dsl::reference_markdown();
+  const bool catalogue = content(source / "docs/catalogue.md") == dsl::catalogue_markdown();
   const bool stubs = content(source / "stdlib/meta/trellis.lua") == dsl::reference_stubs();
   const bool luacheck = content(source / ".luacheckrc") == dsl::reference_luacheck();
   CHECK(markdown);
+  CHECK(catalogue);
   CHECK(stubs);
   CHECK(luacheck);
 }

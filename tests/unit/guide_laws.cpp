@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/guide/guide.hpp>
@@ -28,7 +29,8 @@ struct Solved {
   std::unique_ptr<Heuristic> h;
 };
 
-Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed = 1) {
+Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed = 1,
+             double proposals = Budget::unlimited) {
   Solved s;
   s.parent = make_instance(problem);
   s.guide = kind.make(Options::validate(*kind.component, {}));
@@ -43,8 +45,14 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   Search search;
   search.nodes = Configurations(s.sub->space.dimension());
   search.proposals = Configurations(s.sub->space.dimension());
-  s.found = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}})
-                ->solve(planner.common(options).budget);
+  Budget budget = planner.common(options).budget;
+  budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
+  const auto at_work = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}});
+  s.found = at_work->solve(budget);
+  while (const std::int64_t more = s.guide->another(s.found.solved() ? &s.found : nullptr)) {
+    budget.proposals = static_cast<double>(search.proposals.size()) + static_cast<double>(more);
+    s.found = at_work->solve(budget);
+  }
   s.h = s.guide->heuristic(*s.parent, s.sub.get(), &s.found);
   return s;
 }
@@ -93,9 +101,9 @@ TEST_CASE("lifting draws from the fibre: f(lift(s)) = s", "[guide][projection]")
   }
 }
 
-TEST_CASE("f maps what is valid in C to what is valid in S", "[guide][projection]") {
+TEST_CASE("f of a guide that relaxes maps what is valid in C to what is valid in S", "[guide][projection]") {
   for (const auto& kind : guide_kinds()) {
-    if (kind.default_planner.empty()) continue;
+    if (kind.default_planner.empty() || !kind.claims.relaxes) continue;
     for (const auto& problem : problems()) {
       CAPTURE(kind.component->name, problem.name);
       const auto solved = solve(kind, problem);
@@ -109,6 +117,94 @@ TEST_CASE("f maps what is valid in C to what is valid in S", "[guide][projection
         REQUIRE(solved.sub->valid(s));
       }
     }
+  }
+}
+
+namespace {
+
+/// The mass of h's density over C, with its standard error.
+std::pair<double, double> mass(const Heuristic& h, const Space& space, std::uint64_t seed) {
+  constexpr int points = 40000;
+  Stream stream(seed, "0", "mass");
+  Configuration q(space.dimension());
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 0; i < points; ++i) {
+    space.sample_uniform(stream, q);
+    const double p = h.density(q) * std::exp(space.log_volume());
+    sum += p;
+    squares += p * p;
+  }
+  const double mean = sum / points;
+  return {mean, std::sqrt((squares / points - mean * mean) / points)};
+}
+
+/// h is a distribution over C: it draws inside, and has the mass that it claims.
+void check_distribution(const GuideKind& kind, Solved& solved, std::uint64_t seed) {
+  const Space& space = solved.parent->space;
+  Stream stream(seed, "0", "draws");
+  Configuration q(space.dimension());
+  for (int i = 0; i < 200; ++i) {
+    solved.h->sample(stream, q);
+    REQUIRE(space.contains(q));
+  }
+  const double there = solved.h->density(solved.parent->start);
+  if (!kind.claims.closed_form) CHECK(std::isnan(there));
+  if (std::isnan(there)) return;
+  const auto [mean, error] = mass(*solved.h, space, seed);
+  CHECK(std::abs(mean - (1.0 - solved.h->atom_mass())) < 5.0 * error + 1e-9);
+}
+
+/// A wall from side to side between start and goal.
+Problem sealed_problem() {
+  return test::make_problem("sealed", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(), {1, 8.5, 0},
+                            {9, 1.5, 0});
+}
+
+}  // namespace
+
+TEST_CASE("a guide has a closed form where it claims one", "[guide][claims]") {
+  for (const auto& kind : guide_kinds()) {
+    CAPTURE(kind.component->name);
+    auto solved = solve(kind, test::simple_passage_problem());
+    CHECK(std::isnan(solved.h->density(solved.parent->start)) == !kind.claims.closed_form);
+    CHECK((kind.claims.category == GuideClaims::Category::sampling) == kind.default_planner.empty());
+    CHECK((kind.claims.fallback == GuideClaims::Fallback::none) == kind.default_planner.empty());
+  }
+}
+
+TEST_CASE("an end that is invalid in C leaves a guide with a distribution over C", "[guide][claims]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const bool at_goal : {false, true}) {
+      CAPTURE(kind.component->name, at_goal);
+      auto problem = test::cup_problem();
+      (at_goal ? problem.goal : problem.start) = {6.75, 5, 0};  // inside the cup's bottom
+      auto solved = solve(kind, problem, 1, 500);
+      if (solved.sub) {
+        const Configuration& end = at_goal ? solved.sub->goal : solved.sub->start;
+        Configuration s(end.size());
+        solved.guide->project(at_goal ? problem.goal : problem.start, s);
+        CHECK(s == end);  // f moves nothing
+        if (solved.sub->valid(end)) continue;
+        CHECK_FALSE(solved.found.solved());
+      }
+      check_distribution(kind, solved, 11);
+    }
+  }
+}
+
+TEST_CASE("a guide whose space has no path goes by what it claims to", "[guide][claims]") {
+  for (const auto& kind : guide_kinds()) {
+    if (kind.default_planner.empty()) continue;
+    CAPTURE(kind.component->name);
+    auto solved = solve(kind, sealed_problem(), 1, 1000);
+    if (solved.found.solved()) continue;  // what it leaves out is the wall
+    check_distribution(kind, solved, 12);
+    if (kind.claims.fallback != GuideClaims::Fallback::nearest || solved.found.path.size() < 2) continue;
+    const auto path = solved.h->lifted_path();
+    REQUIRE(path.size() == solved.found.path.size());
+    const Space& space = solved.parent->space;
+    CHECK(space.distance(path.back(), solved.parent->goal) < space.distance(path.front(), solved.parent->goal));
   }
 }
 

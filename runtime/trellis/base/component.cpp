@@ -14,6 +14,11 @@ std::string to_string(const OptionValue& value) {
     std::string operator()(std::int64_t x) const { return fmt::format("{}", x); }
     std::string operator()(bool x) const { return x ? "true" : "false"; }
     std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }
+    std::string operator()(const std::vector<std::string>& names) const {
+      std::string all;
+      for (const auto& name : names) all += (all.empty() ? "" : ", ") + (*this)(name);
+      return names.empty() ? "{}" : "{ " + all + " }";
+    }
   };
   return std::visit(Text{}, value);
 }
@@ -57,6 +62,7 @@ std::string expectation(const Option& option) {
       for (const auto& c : option.choices) all += (all.empty() ? "" : ", ") + fmt::format("\"{}\"", c);
       return "one of " + all;
     }
+    case Option::Type::names: return "a list of names";
   }
   throw Fault("unknown type of option");
 }
@@ -105,6 +111,14 @@ OptionValue checked(const Component& component, const Option& option, const Opti
       if (text == nullptr) reject(component, option, value);
       if (std::find(option.choices.begin(), option.choices.end(), *text) == option.choices.end()) {
         reject(component, option, value, did_you_mean(*text, option.choices));
+      }
+      return value;
+    }
+    case Option::Type::names: {
+      const auto* names = std::get_if<std::vector<std::string>>(&value);
+      if (names == nullptr) reject(component, option, value);
+      for (auto name = names->begin(); name != names->end(); ++name) {
+        if (std::find(names->begin(), name, *name) != name) reject(component, option, value, "; one is there twice");
       }
       return value;
     }

@@ -15,7 +15,7 @@
 namespace trellis {
 
 /// What an option may hold. Integers are kept apart from numbers so that 15 and 15.5 are told apart in messages.
-using OptionValue = std::variant<double, std::int64_t, bool, std::string>;
+using OptionValue = std::variant<double, std::int64_t, bool, std::string, std::vector<std::string>>;
 
 /// The text of a value as a script would write it.
 std::string to_string(const OptionValue& value);
@@ -39,7 +39,7 @@ struct Range {
 
 /// One option of a component, described once: validation, messages, help, stubs and the reference are made from it.
 struct Option {
-  enum class Type { number, integer, boolean, choice };
+  enum class Type { number, integer, boolean, choice, names };
 
   std::string name;
   Type type = Type::number;
@@ -124,6 +124,12 @@ class Settings {
   Settings& choice(std::string name, std::string S::*field, std::vector<std::string> choices, std::string doc) {
     add({std::move(name), Option::Type::choice, "", S{}.*field, {}, std::move(choices), std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
+    return *this;
+  }
+  /// A list of names; given without its own, the last of the unnamed options.
+  Settings& names(std::string name, std::vector<std::string> S::*field, std::string doc) {
+    add({std::move(name), Option::Type::names, "", S{}.*field, {}, {}, std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<std::vector<std::string>>(v); });
     return *this;
   }
   /// The options that may be given without a name, in order.

@@ -155,46 +155,68 @@ std::unique_ptr<Guide> bias(Make make) {
 
 std::int64_t never(const Options&) { return 0; }
 
+GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
+                        std::string density, bool closed_form) {
+  return {&component, make, "", never,
+          {.category = GuideClaims::Category::sampling,
+           .f = "S = {0}",
+           .h = std::move(h),
+           .closed_form = closed_form,
+           .density = std::move(density),
+           .feedback = "none",
+           .relaxes = true,
+           .invalid_ends = "nothing is projected",
+           .fallback = GuideClaims::Fallback::none,
+           .no_path = "nothing is searched",
+           .example = "examples/samplers.lua"}};
+}
+
 }  // namespace
 
 GuideKind uniform_kind() {
-  return {&uniform_settings().component(),
-          [](const Options&) -> std::unique_ptr<Guide> {
-            return bias([](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<UniformHeuristic>("uniform", parent.space);
-            });
-          },
-          "", never};
+  return sampling_kind(
+      uniform_settings().component(),
+      [](const Options&) -> std::unique_ptr<Guide> {
+        return bias([](Instance& parent) -> std::unique_ptr<Heuristic> {
+          return std::make_unique<UniformHeuristic>("uniform", parent.space);
+        });
+      },
+      "uniform on C", "of C's volume", true);
 }
 
 GuideKind goal_bias_kind() {
-  return {&goal_bias_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return bias([share = goal_bias_settings().read(o).share](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<GoalBias>(parent, share);
-            });
-          },
-          "", never};
+  return sampling_kind(
+      goal_bias_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return bias([share = goal_bias_settings().read(o).share](Instance& parent) -> std::unique_ptr<Heuristic> {
+          return std::make_unique<GoalBias>(parent, share);
+        });
+      },
+      "the goal with probability `share`, else uniform on C", "of the uniform part; the goal is an atom", true);
 }
 
 GuideKind gaussian_kind() {
-  return {&gaussian_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return bias([settings = gaussian_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::gaussian);
-            });
-          },
-          "", never};
+  return sampling_kind(
+      gaussian_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return bias([settings = gaussian_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
+          return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::gaussian);
+        });
+      },
+      "the valid one of a pair at Gaussian distance of which the other is invalid; the pair's checks are C's",
+      "it would need the share of C near q that is invalid", false);
 }
 
 GuideKind bridge_test_kind() {
-  return {&bridge_test_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return bias([settings = bridge_test_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::bridge);
-            });
-          },
-          "", never};
+  return sampling_kind(
+      bridge_test_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return bias([settings = bridge_test_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
+          return std::make_unique<NearObstacle>(parent, settings, NearObstacle::Test::bridge);
+        });
+      },
+      "the valid middle of a pair at Gaussian distance that is invalid at both ends; the pair's checks are C's",
+      "it would need the share of C about q that is invalid on both sides", false);
 }
 
 }  // namespace trellis

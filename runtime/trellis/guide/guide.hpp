@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <trellis/base/component.hpp>
+#include <trellis/guide/claims.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/planner/guidance.hpp>
 #include <trellis/planner/planner.hpp>
@@ -42,6 +43,8 @@ class Guide {
   /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at
   /// validity (bridge test) spends the parent's checks.
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
+  /// How many proposals a search of S for its first path may spend, within its own budget.
+  [[nodiscard]] virtual double effort() const { return Budget::unlimited; }
   /// Asked after each solve of the instance in S whether another path is wanted before h is made: how many proposals
   /// may be spent on finding it; 0: none is wanted. S may have been changed so that it will be another. \param found
   /// the path just found; nullptr where there was none
@@ -63,6 +66,9 @@ struct GuideKind {
   std::string default_planner;
   /// How often a level below may be solved again; read by whoever runs it.
   std::int64_t (*resolves)(const Options&) = nullptr;
+  GuideClaims claims = {};
+  /// Its space comes with an explicit graph that a sampling planner may do without.
+  bool graph_optional = false;
 };
 
 /// All guides, in the order of the reference.

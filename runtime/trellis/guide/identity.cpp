@@ -27,7 +27,9 @@ GuideKind identity_kind() {
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Identity>(identity_settings().read(o));
           },
-          "rrt_connect", [](const Options& o) { return identity_settings().read(o).resolves; }};
+          "rrt_connect", [](const Options& o) { return identity_settings().read(o).resolves; },
+          path_claims(GuideClaims::Category::trivial, "q -> q, in the instance itself",
+                      "S has no path: f changes nothing, so they are invalid in C too", "examples/catalogue.lua")};
 }
 
 }  // namespace trellis

@@ -106,9 +106,15 @@ class Lazy final : public PathGuide {
 }  // namespace
 
 GuideKind lazy_kind() {
+  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, where everything is presumed valid",
+                                   "they are presumed valid, until C finds something invalid within `margin` of them",
+                                   "examples/nested.lua");
+  claims.feedback =
+      "what C finds invalid is taken out of S; a leg of the path beside it is checked in C, once, and S is solved again "
+      "where that is invalid";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
-          "lazy_prm", [](const Options& o) { return lazy_settings().read(o).resolves; }};
+          "lazy_prm", [](const Options& o) { return lazy_settings().read(o).resolves; }, std::move(claims)};
 }
 
 }  // namespace trellis

@@ -17,6 +17,22 @@ constexpr std::int64_t patience_when_covered = 10;
 
 }  // namespace
 
+GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example) {
+  return {.category = category,
+          .f = std::move(f),
+          .h = "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a "
+               "ball about it; or the path's points in turn",
+          .closed_form = true,
+          .density = "of the tube about the stretch; points that are proposed themselves are atoms",
+          .feedback = "new nodes move the stretch on; `patience` proposals without progress, and S is solved again",
+          .relaxes = true,
+          .invalid_ends = std::move(invalid_ends),
+          .fallback = GuideClaims::Fallback::nearest,
+          .no_path = "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
+                     "start alone",
+          .example = std::move(example)};
+}
+
 double tube_radius(const PathGuideSettings& settings, const Instance& instance) {
   if (settings.radius > 0.0) return settings.radius;
   const double robot = instance.scene->robot.bounding_radius();

@@ -59,6 +59,9 @@ Settings<S> with_several_paths(Settings<S> settings) {
   return settings;
 }
 
+/// What guides of this kind claim alike: h, its density and feedback, and what happens without a path.
+GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
+
 /// The radius that the option `radius` stands for in an instance.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 

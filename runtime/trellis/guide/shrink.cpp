@@ -45,7 +45,11 @@ GuideKind shrink_kind() {
   return {
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
-      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }};
+      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
+      path_claims(GuideClaims::Category::robot, "q -> q, for the robot scaled about its reference point",
+                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
+                  "reference point",
+                  "examples/nested.lua")};
 }
 
 }  // namespace trellis

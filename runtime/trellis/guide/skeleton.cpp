@@ -546,7 +546,22 @@ GuideKind skeleton_kind() {
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<SkeletonGuide>(skeleton_settings().read(o));
           },
-          "graph_search", [](const Options& o) { return skeleton_settings().read(o).resolves; }};
+          "graph_search",
+          [](const Options& o) { return skeleton_settings().read(o).resolves; },
+          {.category = GuideClaims::Category::robot,
+           .f = "q -> the position of the reference point, on the medial axis of the free workspace",
+           .h = "a ball that travels along the directed axis ahead of the tree, with uniform angles; the whole space "
+                "with a share of `explore`",
+           .closed_form = true,
+           .density = "of the mixture of balls and the whole space",
+           .feedback = "a node in a ball moves it on; successes and attempts weigh the balls; where all are stuck their "
+                       "edges are made dearer and the graph is searched again",
+           .relaxes = true,
+           .invalid_ends = "an end whose position is inside an obstacle is not joined to the axis, so S has no path",
+           .fallback = GuideClaims::Fallback::own,
+           .no_path = "balls travel along all of the axis that the start is joined to; uniform where it is joined to "
+                      "none",
+           .example = "examples/nested.lua"}};
 }
 
 }  // namespace trellis

@@ -46,12 +46,13 @@ struct Graph {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
     double cost = 0.0;
-    Configurations points;  ///< the edge's polyline, both ends included
+    Configurations points;  ///< the edge's polyline, both ends included; empty: straight
   };
   Configurations vertices;
   std::vector<Edge> edges;  ///< undirected
   std::uint32_t start = 0;  ///< vertices
   std::uint32_t goal = 0;
+  bool verified = true;  ///< its edges are known to be valid; else the search looks at those that it goes along
 };
 
 /// Checks spent, in total or by one level.
@@ -86,6 +87,12 @@ class Instance {
       ++checks.motion;
     }
     return report;
+  }
+
+  /// Counted as the validity check that it is at least.
+  [[nodiscard]] double clearance(View q) {
+    if (validity->spends_checks()) ++checks.validity;
+    return validity->clearance(q);
   }
 
   Checks checks;

@@ -56,6 +56,8 @@ class Guidance {
     static_cast<void>(outcome);
     static_cast<void>(mine);
   }
+  /// Told when a path from start to goal was found, or a shorter one: its length in the metric.
+  virtual void found(double length) { static_cast<void>(length); }
   /// Grows when the density may have changed, while a sample is drawn or an outcome is observed.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
   /// Enters into the record what h is now, with a share of it. As a part without closed form unless h says otherwise.

@@ -132,6 +132,9 @@ class LevelGuidance final : public Guidance {
   void observe(const Outcome& outcome, bool mine) override {
     if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
   }
+  void found(double length) override {
+    if (guide_ != nullptr) guide_->found(length);
+  }
 
   [[nodiscard]] std::vector<std::string> sources() const override {
     std::vector<std::string> all = {"goal", "uniform", "informed path"};
@@ -184,6 +187,7 @@ class WatchedGuidance final : public Guidance {
   [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
   void record(DensityRecord& record, double share) const override { h_.record(record, share); }
   void observe(const Outcome& outcome, bool mine) override { h_.observe(outcome, mine); }
+  void found(double length) override { h_.found(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return h_.sources(); }
 
  private:
@@ -205,6 +209,7 @@ class Level {
         planner_spec_(planner),
         common_(kind_.common(planner.options())),
         guidance_(*instance_, common_) {
+    if (!kind_.graph) instance_->graph = nullptr;
     record_.level = static_cast<int>(run.levels.size());
     record_.parent = parent != nullptr ? parent->record_.level : -1;
     record_.depth = parent != nullptr ? parent->record_.depth + 1 : 0;
@@ -242,6 +247,7 @@ class Level {
     budget.proposals = std::min(budget.proposals, static_cast<double>(record_.search.proposals.size()) + proposals);
     Solution found = planner_->solve(budget);
     found_ = found.solved();
+    if (found_) guidance_.found(path_length(instance_->space, found.path));
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
     run_.at_work = asking;
@@ -400,6 +406,10 @@ class ComponentGuidance final : public Prepared {
     heuristic_ = guide_->heuristic(parent_.instance(), &level_->instance(), &found);
   }
 
+  void found(double length) override {
+    if (heuristic_) heuristic_->found(length);
+  }
+
   [[nodiscard]] std::vector<std::string> sources() const override { return {name_}; }
   [[nodiscard]] Configurations guiding_path() const override {
     return heuristic_ ? heuristic_->lifted_path() : Configurations{};
@@ -430,7 +440,7 @@ class ComponentGuidance final : public Prepared {
 
   /// Solves the instance in S, for as many paths as the guide wants.
   const Solution& solve_below() {
-    const Solution* found = &level_->solve();
+    const Solution* found = &level_->solve(guide_->effort());
     while (const std::int64_t more = guide_->another(level_->found() ? found : nullptr)) {
       found = &level_->solve(static_cast<double>(more));
     }
@@ -457,6 +467,9 @@ class PartsGuidance : public Prepared {
   }
   void observe(const Outcome& outcome, bool mine) override {
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->observe(outcome, mine && i == drawn_);
+  }
+  void found(double length) override {
+    for (auto& part : parts_) part->found(length);
   }
   [[nodiscard]] std::uint64_t epoch() const override {
     std::uint64_t sum = 0;

@@ -27,7 +27,11 @@ std::string options_text(const Component& component, const Options& options, con
     const bool changed = !(value == component.find(name)->default_value);
     const auto& positional = component.positional;
     if (std::find(positional.begin(), positional.end(), name) != positional.end()) {
-      unnamed.push_back(to_string(value));
+      if (const auto* names = std::get_if<std::vector<std::string>>(&value)) {
+        for (const auto& element : *names) unnamed.push_back(to_string(OptionValue(element)));
+      } else {
+        unnamed.push_back(to_string(value));
+      }
     } else if (changed) {
       named.push_back(fmt::format("{} = {}", name, to_string(value)));
     }
@@ -139,7 +143,7 @@ GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::En
     return GuideSpec(std::move(node));
   }
   const bool graph = find_planner(kind.default_planner)->graph;
-  if (planner && find_planner(planner->name())->graph != graph) {
+  if (planner && !kind.graph_optional && find_planner(planner->name())->graph != graph) {
     throw Error(graph ? fmt::format("{}: its space is an explicit graph and is searched exactly; '{}' cannot search it "
                                     "(expected planner = graph_search)",
                                     name, planner->name())
