@@ -36,6 +36,10 @@ Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const R
 bool is_circle_world(const SourceText& text);
 std::vector<Problem> read_circle_world(const SourceText& text, const ReadOptions& options);
 
+/// Whether it is a planar arm of SBPL's: its first line gives the size of the environment, a later one the links.
+bool is_sbpl_arm(const SourceText& text);
+std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& options);
+
 /// Throws Error as well where the text is no YAML at all.
 std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options);
 

@@ -16,8 +16,10 @@ struct ReadOptions {
 
 /// Reads a scene file made by others and returns its problems, at least one. Which reader is meant is told from the
 /// content: the circle world of ompl_tests (two header lines, then "index x y r"; queries come from the file next to it
-/// in which "obstacles" of the name is replaced by "queries") or dynobench YAML (boxes; models are looked up in
-/// ../shared/models beside the scene's folder). Throws Error with file and line for anything malformed or missing.
+/// in which "obstacles" of the name is replaced by "queries"), a planar arm of SBPL's on a grid (its goal is a cell for
+/// the end of the last link: `reach` is set and `goal` is empty, see settle_goal) or dynobench YAML (boxes; models are
+/// looked up in ../shared/models beside the scene's folder). Throws Error with file and line for anything malformed or
+/// missing.
 std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options);
 
 }  // namespace trellis
