@@ -50,7 +50,7 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libfcl-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
+    "libboost-dev, libcairo2-dev, libcgal-dev, libeigen3-dev, libfcl-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\
 in the one above it; trellis executes them and reports what each level cost\n\

@@ -10,7 +10,8 @@ namespace trellis {
 
 const std::vector<GuideKind>& guide_kinds() {
   static const std::vector<GuideKind> kinds = {uniform_kind(),  goal_bias_kind(), gaussian_kind(), bridge_test_kind(),
-                                               identity_kind(), skeleton_kind(),  shrink_kind(),   lazy_kind()};
+                                               identity_kind(), skeleton_kind(),  shrink_kind(),   joints_kind(),
+                                               pca_kind(),      lazy_kind()};
   return kinds;
 }
 

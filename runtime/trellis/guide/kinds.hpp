@@ -13,6 +13,8 @@ GuideKind bridge_test_kind();
 GuideKind identity_kind();
 GuideKind skeleton_kind();
 GuideKind shrink_kind();
+GuideKind joints_kind();
+GuideKind pca_kind();
 GuideKind lazy_kind();
 
 }  // namespace trellis

@@ -18,25 +18,31 @@ constexpr std::int64_t patience_when_covered = 10;
 }  // namespace
 
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example) {
-  return {.category = category,
-          .f = std::move(f),
-          .h = "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a "
-               "ball about it; or the path's points in turn",
-          .closed_form = true,
-          .density = "of the tube about the stretch; points that are proposed themselves are atoms",
-          .feedback = "new nodes move the stretch on; `patience` proposals without progress, and S is solved again",
-          .relaxes = true,
-          .invalid_ends = std::move(invalid_ends),
-          .fallback = GuideClaims::Fallback::nearest,
-          .no_path = "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
-                     "start alone",
-          .example = std::move(example)};
+  return {
+      .category = category,
+      .f = std::move(f),
+      .h = "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a "
+           "ball about it; or the path's points in turn",
+      .closed_form = true,
+      .density = "of the tube about the stretch; points that are proposed themselves are atoms",
+      .feedback = "new nodes move the stretch on; `patience` proposals without progress, and S is solved again",
+      .relaxes = true,
+      .invalid_ends = std::move(invalid_ends),
+      .fallback = GuideClaims::Fallback::nearest,
+      .no_path =
+          "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
+          "start alone",
+      .example = std::move(example)};
+}
+
+double natural_distance(const Instance& instance) {
+  const Robot& robot = instance.scene->robot;
+  if (!robot.translates()) return 0.1 * instance.space.diameter();
+  return robot.bounding_radius() > 0.0 ? robot.bounding_radius() : 0.02 * instance.space.diameter();
 }
 
 double tube_radius(const PathGuideSettings& settings, const Instance& instance) {
-  if (settings.radius > 0.0) return settings.radius;
-  const double robot = instance.scene->robot.bounding_radius();
-  return robot > 0.0 ? 0.5 * robot : 0.01 * instance.space.diameter();
+  return settings.radius > 0.0 ? settings.radius : 0.5 * natural_distance(instance);
 }
 
 PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
@@ -263,10 +269,8 @@ void PathGuide::learn(const Outcome& outcome) {
 std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   auto instance = reduced(parent);
   if (path_settings_.paths > 1) {
-    const double robot = parent.scene->robot.bounding_radius();
-    const double plain = robot > 0.0 ? robot : 0.02 * parent.space.diameter();
-    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space,
-                                                     path_settings_.distinct > 0.0 ? path_settings_.distinct : plain);
+    const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
+    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct);
     instance->validity = excluding_;
   }
   return instance;

@@ -9,6 +9,7 @@
 #include <queue>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/planner/nearest.hpp>
@@ -62,65 +63,6 @@ const Settings<SkeletonSettings>& skeleton_settings() {
 constexpr double stuck_penalty = 4.0;
 /// Points of the skeleton, nearest first, that start and goal try to see.
 constexpr std::size_t most_sights = 100;
-
-/// f: the position of the reference point. The fibre is everything else, uniform.
-class PositionProjection {
- public:
-  explicit PositionProjection(const Instance& parent)
-      : parent_(parent.space),
-        position_(parent.position_axes),
-        space_("R^2", {parent.space.axes()[position_[0]], parent.space.axes()[position_[1]]}),
-        log_fibre_volume_(parent_.log_volume() - space_.log_volume()) {}
-
-  void project(View q, MutableView s) const {
-    s[0] = q[position_[0]];
-    s[1] = q[position_[1]];
-  }
-  void lift(View s, Stream& stream, MutableView q) const {
-    parent_.sample_uniform(stream, q);
-    q[position_[0]] = s[0];
-    q[position_[1]] = s[1];
-  }
-  [[nodiscard]] const Space& space() const { return space_; }
-  /// Per volume in metric coordinates of C and S. The position's weights are the same in both; were they not, the
-  /// quotient of the volumes would hold the Jacobian too.
-  [[nodiscard]] double log_fibre_volume() const { return log_fibre_volume_; }
-
- private:
-  Space parent_;
-  std::vector<std::size_t> position_;
-  Space space_;
-  double log_fibre_volume_;
-};
-
-/// A density of positions with the uniform fibre on it.
-class LiftedDensity final : public Density {
- public:
-  LiftedDensity(std::shared_ptr<const PositionProjection> projection, std::shared_ptr<const Density> positions)
-      : projection_(std::move(projection)), positions_(std::move(positions)) {}
-
-  [[nodiscard]] double at(View q) const override {
-    std::array<double, 2> s{};
-    projection_->project(q, s);
-    return positions_->at(s) * std::exp(-projection_->log_fibre_volume());
-  }
-  [[nodiscard]] bool akin(const Density& other) const override {
-    const auto* lifted = dynamic_cast<const LiftedDensity*>(&other);
-    return lifted != nullptr && lifted->projection_ == projection_ && positions_->akin(*lifted->positions_);
-  }
-  [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override {
-    std::vector<Term> positions;
-    positions.reserve(terms.size());
-    for (const auto& term : terms) {
-      positions.push_back({dynamic_cast<const LiftedDensity&>(*term.density).positions_, term.weight});
-    }
-    return std::make_shared<LiftedDensity>(projection_, positions_->sum(positions));
-  }
-
- private:
-  std::shared_ptr<const PositionProjection> projection_;
-  std::shared_ptr<const Density> positions_;
-};
 
 /// The skeleton's edges as a Graph, with start and goal joined to the nearest points of it that they see.
 class GraphBuilder {
@@ -266,7 +208,7 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
-  DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
+  DynamicRegions(std::shared_ptr<const AxisProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
                  Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
                  const NearestIndex& reached)
       : projection_(std::move(projection)),
@@ -444,7 +386,7 @@ class DynamicRegions final : public Heuristic {
     }
   }
 
-  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const AxisProjection> projection_;
   Space parent_;
   std::shared_ptr<const Graph> graph_;
   DirectedGraph directed_;
@@ -469,7 +411,7 @@ class SkeletonGuide final : public Guide {
       throw Error("skeleton: needs a robot whose reference point moves in the plane; this space (" +
                   parent.space.name() + ") has no position");
     }
-    projection_ = std::make_shared<PositionProjection>(parent);
+    projection_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
     reached_.emplace(projection_->space());
     auto instance = std::make_unique<Instance>();
     instance->space = projection_->space();
@@ -506,8 +448,9 @@ class SkeletonGuide final : public Guide {
     // A region is as large as the robot needs; a point has no size, so the world gives one.
     const double robot = parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, lifted(parent, *found), settings_,
-                                              settings_.region * unit, robot, *reached_);
+    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_,
+                                              projection_->lifted_path(found->path, parent.start, parent.goal),
+                                              settings_, settings_.region * unit, robot, *reached_);
     current_ = h.get();
     return h;
   }
@@ -517,23 +460,8 @@ class SkeletonGuide final : public Guide {
   }
 
  private:
-  /// The found positions with the other coordinates turned evenly from the start's to the goal's.
-  Configurations lifted(const Instance& parent, const Solution& found) const {
-    Configurations path(parent.space.dimension());
-    Configuration q(parent.space.dimension());
-    const double length = path_length(projection_->space(), found.path);
-    double at = 0.0;
-    for (std::size_t i = 0; i < found.path.size(); ++i) {
-      if (i > 0) at += projection_->space().distance(found.path[i - 1], found.path[i]);
-      parent.space.interpolate(parent.start, parent.goal, length > 0.0 ? at / length : 0.0, q);
-      for (std::size_t j = 0; j < 2; ++j) q[parent.position_axes[j]] = found.path[i][j];
-      path.push(q);
-    }
-    return path;
-  }
-
   SkeletonSettings settings_;
-  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const AxisProjection> projection_;
   std::optional<NearestIndex> reached_;
   std::shared_ptr<Graph> graph_;
   DynamicRegions* current_ = nullptr;
@@ -542,26 +470,27 @@ class SkeletonGuide final : public Guide {
 }  // namespace
 
 GuideKind skeleton_kind() {
-  return {&skeleton_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<SkeletonGuide>(skeleton_settings().read(o));
-          },
-          "graph_search",
-          [](const Options& o) { return skeleton_settings().read(o).resolves; },
-          {.category = GuideClaims::Category::robot,
-           .f = "q -> the position of the reference point, on the medial axis of the free workspace",
-           .h = "a ball that travels along the directed axis ahead of the tree, with uniform angles; the whole space "
-                "with a share of `explore`",
-           .closed_form = true,
-           .density = "of the mixture of balls and the whole space",
-           .feedback = "a node in a ball moves it on; successes and attempts weigh the balls; where all are stuck their "
-                       "edges are made dearer and the graph is searched again",
-           .relaxes = true,
-           .invalid_ends = "an end whose position is inside an obstacle is not joined to the axis, so S has no path",
-           .fallback = GuideClaims::Fallback::own,
-           .no_path = "balls travel along all of the axis that the start is joined to; uniform where it is joined to "
-                      "none",
-           .example = "examples/nested.lua"}};
+  return {
+      &skeleton_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<SkeletonGuide>(skeleton_settings().read(o));
+      },
+      "graph_search",
+      [](const Options& o) { return skeleton_settings().read(o).resolves; },
+      {.category = GuideClaims::Category::robot,
+       .f = "q -> the position of the reference point, on the medial axis of the free workspace",
+       .h = "a ball that travels along the directed axis ahead of the tree, with uniform angles; the whole space "
+            "with a share of `explore`",
+       .closed_form = true,
+       .density = "of the mixture of balls and the whole space",
+       .feedback = "a node in a ball moves it on; successes and attempts weigh the balls; where all are stuck their "
+                   "edges are made dearer and the graph is searched again",
+       .relaxes = true,
+       .invalid_ends = "an end whose position is inside an obstacle is not joined to the axis, so S has no path",
+       .fallback = GuideClaims::Fallback::own,
+       .no_path = "balls travel along all of the axis that the start is joined to; uniform where it is joined to "
+                  "none",
+       .example = "examples/nested.lua"}};
 }
 
 }  // namespace trellis
