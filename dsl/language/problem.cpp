@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <dsl/language/words.hpp>
+#include <trellis/instance/settle_goal.hpp>
 #include <trellis/scene/readers.hpp>
 #include <trellis/strategy/executor.hpp>
 
@@ -266,6 +267,7 @@ lua::Callback scene_loader(std::string script_folder, bool trust) {
     auto problems = read_problems(path, {settings.weight, settings.resolution, settings.collision});
     const Value list = call.push_table();
     for (auto& problem : problems) {
+      settle_goal(problem);
       call.push_object(std::move(problem));
       call.append(list);
     }

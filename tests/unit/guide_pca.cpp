@@ -33,8 +33,7 @@ void check_orthonormal(const std::vector<std::vector<double>>& axes) {
 Problem arm_problem(const test::Rectangles& boxes = {{6.5, 6.5, 8, 8}, {2, 2, 3.5, 3.5}}) {
   Arm arm{.links = {2, 1.5, 1}, .widths = {0.2, 0.2, 0.1}, .base = {5, 5}};
   arm.limits = {std::nullopt, std::pair(-2.5, 2.5)};
-  return test::make_problem("arm", test::rectangle_world(boxes), Robot::arm(arm),
-                            {1.8, 0.3, 0.3}, {-0.8, -0.4, 0.5});
+  return test::make_problem("arm", test::rectangle_world(boxes), Robot::arm(arm), {1.8, 0.3, 0.3}, {-0.8, -0.4, 0.5});
 }
 
 std::unique_ptr<Guide> guide_of(const std::vector<Options::Entry>& options) {

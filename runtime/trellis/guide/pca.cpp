@@ -131,8 +131,8 @@ class Flat {
     return inside;
   }
   /// A configuration that projects to s: on a line through the point of the subspace, in a uniform direction orthogonal
-  /// to it, as far as C goes to either side or less; with one dimension left uniform on the fibre. Where the subspace has
-  /// left C, the nearest configuration.
+  /// to it, as far as C goes to either side or less; with one dimension left uniform on the fibre. Where the subspace
+  /// has left C, the nearest configuration.
   void lift(View s, Stream& stream, MutableView q) const {
     std::vector<double> y = point(s);
     const std::size_t m = axes_.size() - k_;
