@@ -89,6 +89,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
                        draw::RoleColours colours, bool quiet) {
   const unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
   write_figures(experiment, result, folder, jobs);
+  write_motion_figures(experiment, result, folder, jobs);
   for (const std::string& note : write_scene_figures(experiment, result, folder, {.colours = colours, .jobs = jobs})) {
     if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
   }

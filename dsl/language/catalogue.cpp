@@ -47,6 +47,11 @@ std::string cell(std::string_view text) {
   return escaped;
 }
 
+std::string projection(const GuideClaims& claims) {
+  if (claims.needs == GuideClaims::Needs::nothing) return claims.f;
+  return fmt::format("{}; needs {}", claims.f, to_string(claims.needs));
+}
+
 std::string density(const GuideClaims& claims) {
   return fmt::format("{}: {}", claims.closed_form ? "closed form" : "no closed form", claims.density);
 }
@@ -55,7 +60,7 @@ std::string density(const GuideClaims& claims) {
 
 std::vector<std::pair<std::string, std::string>> claim_lines(const GuideClaims& claims) {
   return {{"kind", std::string(to_string(claims.category))},
-          {"f", claims.f},
+          {"f", projection(claims)},
           {"h", claims.h},
           {"density", density(claims)},
           {"feedback", claims.feedback},
@@ -80,7 +85,7 @@ std::string catalogue_markdown() {
       const GuideClaims& claims = *entry.claims;
       if (claims.category != category) continue;
       table += fmt::format("| {} | {} | {} | {} | {} | {} | [{}](../{}) |\n", entry.link, cell(entry.source),
-                           cell(claims.f), cell(claims.h), cell(density(claims)), cell(claims.feedback),
+                           cell(projection(claims)), cell(claims.h), cell(density(claims)), cell(claims.feedback),
                            claims.example.substr(claims.example.rfind('/') + 1), claims.example);
       if (category != Category::sampling) {
         edges += fmt::format("| {} | {} | {} |\n", entry.link, cell(claims.invalid_ends), cell(claims.no_path));

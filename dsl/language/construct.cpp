@@ -28,6 +28,12 @@ std::string joined(const std::vector<std::string>& names) {
   return all;
 }
 
+/// A name in a list of names: text, or a whole number, which is written as text.
+std::optional<std::string> name_of(Value value) {
+  if (value.is_integer()) return fmt::format("{}", *value.integer());
+  return value.string();
+}
+
 /// The value as an option holds it; none where an option cannot hold it.
 std::optional<OptionValue> option_value(Value value) {
   if (value.is_integer()) return OptionValue(*value.integer());
@@ -38,7 +44,7 @@ std::optional<OptionValue> option_value(Value value) {
   std::vector<std::string> names;
   bool all = true;
   value.each([&](std::size_t, Value element) {
-    const auto name = element.string();
+    const auto name = name_of(element);
     all = all && name;
     if (name) names.push_back(*name);
   });
@@ -107,7 +113,7 @@ class OptionReader {
  private:
   /// An unnamed element of the list that ends the unnamed options.
   void add_name(const std::string& option, Value value) {
-    const auto element = value.string();
+    const auto element = name_of(value);
     if (!element) throw Error(fmt::format("{}: expected a name, got {}", component_.name, describe(value)));
     auto& options = given_.options;
     const auto begun = std::find_if(options.begin(), options.end(), [&](const auto& e) { return e.first == option; });

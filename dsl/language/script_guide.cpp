@@ -705,14 +705,19 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
       scene.world = *world;
     });
   }
-  if (scene.robot.dimension() > s_->dimension()) {
+  const bool embedded = identity_ && parent.validity_of;
+  if (!embedded && scene.robot.dimension() > s_->dimension()) {
     throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", scene.robot.dimension(),
                             s_->dimension(), names_of(*s_)));
   }
   sub.scene = std::make_shared<const Scene>(std::move(scene));
   // Checked for real, whatever the parent presumes.
-  sub.validity =
-      trellis::make_validity(parent.collision, sub.scene, *s_, parent.resolution, sub.motion_model);
+  if (embedded) {
+    sub.validity = parent.validity_in(sub.scene);
+    sub.validity_of = parent.validity_of;
+    return;
+  }
+  sub.validity = trellis::make_validity(parent.collision, sub.scene, *s_, parent.resolution, sub.motion_model);
 }
 
 void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {

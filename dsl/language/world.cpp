@@ -115,6 +115,42 @@ const Construct& rigid_construct() {
   return construct;
 }
 
+struct ArmSettings {
+  double width = 0.1;
+  bool self_collision = true;
+};
+
+const Settings<ArmSettings>& arm_settings() {
+  static const auto settings =
+      Settings<ArmSettings>(Component::Kind::scene, "robot", "a planar arm", "")
+          .number("width", &ArmSettings::width, "m", Range::positive(),
+                  "the width of all links, where `widths` is not given")
+          .boolean("self_collision", &ArmSettings::self_collision, "links that are no neighbours must not meet");
+  return settings;
+}
+
+const Construct& arm_construct() {
+  static const Construct construct = {
+      .name = "robot.arm",
+      .usage = "robot.arm { links = {2, 1.5}, base = {5, 5}, limits = { {-2, 2} } }",
+      .summary =
+          "a planar arm of rectangular links; its configuration holds the angle of each joint, relative to the "
+          "link before",
+      .list = "",
+      .element = "",
+      .fields = {{"links", "number[]", "a list of numbers", "the lengths of the links from the base on, in metres",
+                  true},
+                 {"widths", "number[]", "a list of numbers", "the width of each link, in metres"},
+                 {"base", "number[]", "a list of 2 numbers: x, y", "where the first joint is fixed, in metres", false,
+                  "{0, 0}"},
+                 {"limits", "(number[]|false)[]", "a list with {lo, hi} or false for each joint",
+                  "the least and the greatest angle of each joint, in radians; false, or beyond the list's end: full "
+                  "turns"}},
+      .options = arm_settings().component(),
+      .returns = "trellis.Robot"};
+  return construct;
+}
+
 /// Exactly `count` finite numbers.
 std::vector<double> elements(const Construct& construct, const Arguments& arguments, std::size_t count) {
   std::vector<double> numbers;
@@ -330,6 +366,37 @@ int read_robot(Stack& call) {
   return 1;
 }
 
+int make_arm(Stack& call) {
+  const Arguments arguments(arm_construct(), call);
+  const auto settings = arm_settings().read(arguments.options());
+  Arm arm;
+  arm.links = read_numbers(arguments["links"], "robot.arm: field 'links'");
+  arm.widths.assign(arm.links.size(), settings.width);
+  if (arguments["widths"].type() != Type::nil) {
+    arm.widths = read_numbers(arguments["widths"], "robot.arm: field 'widths'");
+  }
+  if (arguments["base"].type() != Type::nil) {
+    const auto base = read_numbers(arguments["base"], "robot.arm: field 'base'");
+    if (base.size() != 2) arguments.reject("base");
+    arm.base = {base[0], base[1]};
+  }
+  const Value limits = arguments["limits"];
+  if (limits.type() != Type::nil) {
+    if (limits.type() != Type::table) arguments.reject("limits");
+    limits.each([&](std::size_t i, Value value) {
+      if (value.boolean() == std::optional(false)) {
+        arm.limits.emplace_back();
+        return;
+      }
+      const auto bounds = read_numbers(value, fmt::format("robot.arm: limits of joint {}", i));
+      if (bounds.size() != 2) arguments.reject("limits");
+      arm.limits.emplace_back(std::pair(bounds[0], bounds[1]));
+    });
+  }
+  arm.self_collision = settings.self_collision;
+  return call.result(Robot::arm(arm));
+}
+
 template <class T>
 lua::Callback text_of(std::string (*text)(const T&)) {
   return [text](Stack& call) {
@@ -341,9 +408,9 @@ lua::Callback text_of(std::string (*text)(const T&)) {
 }  // namespace
 
 std::vector<const Construct*> world_constructs() {
-  return {&box_construct,    &disc_construct,       &polygon_construct,     &world_construct,
-          &point_construct,  &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
-          &rigid_construct()};
+  return {&box_construct,     &disc_construct,       &polygon_construct,     &world_construct,
+          &point_construct,   &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
+          &rigid_construct(), &arm_construct()};
 }
 
 std::vector<ObjectType> world_types() {
@@ -377,7 +444,8 @@ void open_world(Stack& stack) {
                                                                                        {"disc", make_disc_robot},
                                                                                        {"rectangle", make_rectangle},
                                                                                        {"polygon", make_polygon_robot},
-                                                                                       {"rigid", make_rigid}}) {
+                                                                                       {"rigid", make_rigid},
+                                                                                       {"arm", make_arm}}) {
     stack.push_function(make);
     stack.set_field(robots, name);
   }

@@ -212,7 +212,7 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
 
 SCENARIO("the other examples run to their end", "[examples]") {
   for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua",
-                           "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua"}) {
+                           "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua", "pca.lua", "two_joint_arm.lua"}) {
     GIVEN(name) {
       const Result& result = run(name);
       INFO(result.outcome.err);
@@ -352,6 +352,24 @@ SCENARIO("the circle world that others made, with its 100 queries", "[examples][
     THEN("guidance by the skeleton costs fewer checks than none") {
       CHECK(median(field(runs_of(result.document, "skeleton"), "validity_checks")) <
             median(field(runs_of(result.document, "rrt"), "validity_checks")));
+    }
+  }
+}
+
+SCENARIO("planar arms with 6 and 20 links that others made", "[examples][real]") {
+  if (!scenes_are_here()) return;
+  GIVEN("the three arms of SBPL") {
+    const Result& result = run("real/sbpl.lua");
+    INFO(result.outcome.err);
+    REQUIRE(result.outcome.status == 0);
+    THEN("RRT-Connect finds a path for one of 6 links and for that of 20, with every seed") {
+      const auto runs = runs_of(result.document, "rrt_connect");
+      REQUIRE(runs.size() == 9);
+      for (const auto& run : runs) {
+        const std::string problem = run["problem"];
+        CAPTURE(problem);
+        if (problem.starts_with("robarm/env1")) CHECK(run["solved"] == true);
+      }
     }
   }
 }

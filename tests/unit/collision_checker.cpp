@@ -322,6 +322,15 @@ TEST_CASE("a contact names the first body and obstacle that touch") {
         }
         if (!expected && out) expected = Contact{body, std::nullopt};
       }
+      for (const auto& [first, second] : c.scene->robot.pairs()) {
+        if (expected) break;
+        for (const Shape& part : c.bodies[first]) {
+          for (const Shape& other : c.bodies[second]) {
+            if (reference_distance(moved(part, poses[first]), moved(other, poses[second])) > 0) continue;
+            expected = Contact{first, std::nullopt, second};
+          }
+        }
+      }
       for (const auto* checker : {planar.get(), fcl.get()}) {
         const auto found = checker->contact(q);
         REQUIRE(found.has_value() == expected.has_value());
@@ -329,6 +338,7 @@ TEST_CASE("a contact names the first body and obstacle that touch") {
         if (!found) continue;
         REQUIRE(found->body == expected->body);
         REQUIRE(found->obstacle == expected->obstacle);
+        REQUIRE(found->other == expected->other);
       }
     }
   }
@@ -338,6 +348,27 @@ TEST_CASE("contacts in words") {
   const Scene scene{World({{0, 0}, {10, 10}}, {{"obstacle 1 (box 4 2 6 5)", Box2{{4, 2}, {6, 5}}}}), Robot::point()};
   CHECK(describe({0, 0}, scene) == "obstacle 1 (box 4 2 6 5)");
   CHECK(describe({0, std::nullopt}, scene) == "the world's boundary");
+  const Scene arm{World({{0, 0}, {10, 10}}, {}), Robot::arm({.links = {1, 1, 1}, .widths = {0.1, 0.1, 0.1}})};
+  CHECK(describe({0, std::nullopt, 2}, arm) == "itself (link 1 meets link 3)");
+}
+
+TEST_CASE("an arm that folds upon itself is invalid, and one whose links may cross is not") {
+  Arm arm{.links = {1, 1, 1}, .widths = {0.1, 0.1, 0.1}, .base = {5, 5}};
+  const Configuration folded = {0, 2.5, 2.5};
+  const Configuration stretched = {0, 0.3, 0.3};
+  for (const auto& backend : backends) {
+    for (const bool kept_apart : {true, false}) {
+      INFO(backend << kept_apart);
+      arm.self_collision = kept_apart;
+      const auto scene = std::make_shared<const Scene>(Scene{World({{0, 0}, {10, 10}}, {}), Robot::arm(arm)});
+      const auto checker = make_checker(backend, scene, default_space(scene->robot, scene->world, 0.3), 0.05);
+      CHECK(checker->valid(stretched));
+      CHECK(checker->valid(folded) == !kept_apart);
+      CHECK(checker->motion(stretched, folded).valid == !kept_apart);
+      CHECK(checker->contact(folded).has_value() == kept_apart);
+      CHECK((checker->clearance(folded) == 0.0) == kept_apart);
+    }
+  }
 }
 
 TEST_CASE("the index finds the boxes that overlap and no others") {

@@ -105,6 +105,25 @@ inline std::vector<Case> mixed_cases() {
                                    {convex({hand, disc}), 1, {1.2, 0}, 2, false}},
                                   false, {0.3, 0.1}),
                             {{link}, {link}, {hand, disc}}));
+  // Bodies that must not meet each other: links that fold back, and shapes of every kind.
+  Arm folding;
+  folding.links = {0.9, 0.7, 0.8, 0.6};
+  folding.widths = {0.1, 0.08, 0.06, 0.1};
+  folding.base = {0.3, 0.1};
+  folding.limits = {std::nullopt, std::pair(-2.5, 2.5), std::nullopt, std::pair(-3.0, 1.0)};
+  std::vector<std::vector<Shape>> folding_links;
+  for (std::size_t i = 0; i < folding.links.size(); ++i) {
+    const double half = 0.5 * folding.widths[i];
+    folding_links.push_back({Box2{{0, -half}, {folding.links[i], half}}});
+  }
+  cases.push_back(make_case("folding arm", mixed_world(), Robot::arm(folding), folding_links));
+  cases.push_back(make_case("tree of odd bodies", mixed_world(),
+                            Robot("tree", {{convex({disc}), -1, {}, 2, false},
+                                           {convex({ell}), 0, {0.5, 0}, 3, false},
+                                           {convex({kite, off_centre}), 0, {-0.5, 0.2}, 4, true},
+                                           {convex({hand, disc}), 1, {0.2, 0.6}, 5, false}})
+                                .apart({{3, 0}, {1, 2}, {2, 3}}),
+                            {{disc}, {ell}, {kite, off_centre}, {hand, disc}}));
   return cases;
 }
 
@@ -182,7 +201,8 @@ inline double reference_margin(const Shape& shape, const Box2& bounds) {
   return margin;
 }
 
-/// The clearance at q: of all bodies from all obstacles and the boundary. Not positive in collision.
+/// The clearance at q: of all bodies from all obstacles and the boundary, and from bodies that they must not meet. Not
+/// positive in collision.
 inline double reference_clearance(const Case& c, View q) {
   std::vector<Pose2> poses(c.bodies.size());
   c.scene->robot.place(q, poses);
@@ -194,6 +214,14 @@ inline double reference_clearance(const Case& c, View q) {
       if (best < 0) return best;
       for (const auto& obstacle : c.scene->world.obstacles()) {
         best = std::min(best, reference_distance(shape, obstacle.shape));
+        if (best == 0) return 0;
+      }
+    }
+  }
+  for (const auto& [first, second] : c.scene->robot.pairs()) {
+    for (const Shape& part : c.bodies[first]) {
+      for (const Shape& other : c.bodies[second]) {
+        best = std::min(best, reference_distance(moved(part, poses[first]), moved(other, poses[second])));
         if (best == 0) return 0;
       }
     }

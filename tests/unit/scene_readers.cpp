@@ -85,6 +85,18 @@ const std::string car_scene =
     "  - type: car1_v0\n"
     "    start: [0.5, 2, 1.5, -4]\n"
     "    goal: [5, 2, 7, 0]\n";
+const std::string arm_file =
+    "environmentsize(meters): 5.0 4.0\n"
+    "discretization(cells): 5 4\n"
+    "basex(cells): 2\n"
+    "linklengths(meters): 1.5 1.0\n"
+    "linkstartangles(degrees): 90.0 0.0\n"
+    "endeffectorgoal(cells): 1 0\n"
+    "environment:\n"
+    "0 0 0 0 1 \n"
+    "0 0 0 1 1 \n"
+    "0 0 0 0 0 \n"
+    "0 0 0 0 0 \n";
 const std::string car_model =
     "shape: box\nshape_trailer: box\nsize: [.5, .25]\nsize_trailer: [.3, .25]\nhitch_lengths: [.5]\n"
     "dt: 0.1\nl: 0.25\nmax_vel: 0.5\nmin_vel: -0.1\nmax_steering_abs: 1.0\n";
@@ -354,4 +366,80 @@ TEST_CASE("a malformed dynobench scene is told with file, line and what was expe
   fs::remove(model);
   CHECK_THAT(fault_of(folder.write("car1_v0/good.yaml", car_scene)),
              Contains("models/car1_v0.yaml") && Contains("cannot be opened"));
+}
+
+TEST_CASE("an arm of SBPL's: its base, angles, goal cell and cells", "[scene][readers]") {
+  const Folder folder;
+  const auto problems = read_problems(folder.write("two.cfg", arm_file), {.weight = 0.5});
+  REQUIRE(problems.size() == 1);
+  const Problem& p = problems[0];
+  CHECK(p.name == "robarm/two");
+  CHECK(p.space.name() == "SO(2)^2");
+  CHECK(p.space.axes()[1].weight == 0.5);
+  CHECK(p.scene->world.bounds() == Box2{{0, 0}, {5, 4}});
+  CHECK(p.scene->robot.base() == Vec2{2.5, 0.5});
+  REQUIRE(p.start.size() == 2);
+  CHECK(p.start[0] == Approx(std::numbers::pi / 2));
+  CHECK(p.start[1] == Approx(-std::numbers::pi / 2));
+  CHECK(p.goal.empty());
+  REQUIRE(p.reach);
+  CHECK(p.reach->box == Box2{{1, 3}, {2, 4}});
+  std::vector<Pose2> poses(2);
+  p.scene->robot.place(p.start, poses);
+  CHECK(norm(poses[p.reach->body](p.reach->point) - Vec2{3.5, 2.0}) < 1e-12);
+  // The cells that are taken, whatever rectangles they are put into.
+  for (int column = 0; column < 5; ++column) {
+    for (int row = 0; row < 4; ++row) {
+      const bool taken = (row == 0 && column == 4) || (row == 1 && column >= 3);
+      CHECK(brute::is_free(p.scene->world, {column + 0.5, 3.5 - row}) == !taken);
+    }
+  }
+}
+
+TEST_CASE("SBPL's own arms start where they are free", "[scene][readers]") {
+  const std::string folder = scenes();
+  if (folder.empty()) return;
+  for (const auto& [name, links] : {std::pair("env1_6d", 6), std::pair("env3_6d", 6), std::pair("env1_20d", 20)}) {
+    CAPTURE(name);
+    const auto problems = read_problems(folder + "/sbpl/robarm/" + name + ".cfg", {});
+    REQUIRE(problems.size() == 1);
+    const Problem& p = problems[0];
+    REQUIRE(p.space.dimension() == static_cast<std::size_t>(links));
+    CHECK(p.scene->robot.base() == Vec2{25.5, 0.5});
+    CHECK(p.scene->world.obstacles().size() < 20);
+    std::vector<Pose2> poses(p.scene->robot.bodies().size());
+    p.scene->robot.place(p.start, poses);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto& link = std::get<Polygon>(p.scene->robot.bodies()[i].parts[0]).vertices;
+      const double length = link[1].x;
+      for (int k = 0; k <= 100; ++k) {
+        const Vec2 at = poses[i]({length * k / 100.0, 0.0});
+        CHECK(brute::is_free(p.scene->world, at));
+      }
+    }
+    const Vec2 goal = 0.5 * (p.reach->box.lo + p.reach->box.hi);
+    CHECK(brute::is_free(p.scene->world, goal));
+  }
+}
+
+TEST_CASE("a malformed arm of SBPL's is told with file, line and what was expected", "[scene][readers]") {
+  const Folder folder;
+  const auto fault = [&](const std::string& from, const std::string& to) {
+    return fault_of(folder.write("bad.cfg", replaced(arm_file, from, to)));
+  };
+  CHECK_THAT(fault("5.0 4.0", "5.0"), Contains("bad.cfg:1: ") && Contains("1 number, expected 2"));
+  CHECK_THAT(fault("5.0 4.0", "5.0 -4.0"), Contains(":1: ") && Contains("greater than 0"));
+  CHECK_THAT(fault("(cells): 5 4", "(cells): 5 4.5"), Contains(":2: ") && Contains("whole number"));
+  CHECK_THAT(fault("basex(cells): 2", "basex(cells): 5"), Contains(":3: ") && Contains("below 5"));
+  CHECK_THAT(fault("1.5 1.0", "1.5 0.0"), Contains(":4: ") && Contains("greater than 0"));
+  CHECK_THAT(fault("90.0 0.0", "90.0 0.0 1.0"), Contains(":5: ") && Contains("expected 2"));
+  CHECK_THAT(fault("90.0", "up"), Contains(":5: ") && Contains("'up', expected a finite number"));
+  CHECK_THAT(fault("goal(cells): 1 0", "goal(cells): 1 4"), Contains(":6: ") && Contains("below 4"));
+  CHECK_THAT(fault("basex", "base"), Contains(":3: ") && Contains("'base(cells):', expected one of"));
+  CHECK_THAT(fault("basex(cells): 2\n", ""), Contains("'basex(cells):' is missing"));
+  CHECK_THAT(fault("basex(cells): 2\n", "basex(cells): 2\nbasex(cells): 2\n"), Contains(":4: ") && Contains("second"));
+  CHECK_THAT(fault("environment:\n", ""), Contains(":7: "));
+  CHECK_THAT(fault("0 0 0 1 1 \n", "0 0 0 1 \n"), Contains(":9: ") && Contains("a row of 4 cells, expected 5"));
+  CHECK_THAT(fault("0 0 0 1 1 \n", ""), Contains("3 rows, expected 4"));
+  CHECK_THAT(fault("0 0 0 1 1", "0 0 2 1 1"), Contains(":9: ") && Contains("'2', expected 0 or 1"));
 }

@@ -293,3 +293,40 @@ TEST_CASE("every robot has a default space", "[scene][robot]") {
   CHECK(default_space(arm(1, false), world, 0.4).name() == "SO(2)");
   CHECK(default_space(arm(3, false), world, 0.4).dimension() == 3);
 }
+
+TEST_CASE("an arm is a chain of links with limits, whose distant links are kept apart", "[scene][robot]") {
+  const World world({{-5, -5}, {5, 5}}, {});
+  Arm description{.links = {2, 1.5, 1}, .widths = {0.2, 0.1, 0.1}, .base = {1, 0}};
+  description.limits = {std::nullopt, std::pair(-2.0, 1.0)};
+  const Robot robot = Robot::arm(description);
+  CHECK(robot.body_name(1) == "link 2");
+  CHECK(robot.pairs() == std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}});
+  CHECK(robot.scaled(0.5).pairs() == robot.pairs());
+  const auto tips = points_of(robot, Configuration{pi / 2, -pi / 2, pi / 2}, {{0, {2, 0}}, {1, {1.5, 0}}, {2, {1, 0}}});
+  CHECK(norm(tips[0] - Vec2{1, 2}) < 1e-12);
+  CHECK(norm(tips[1] - Vec2{2.5, 2}) < 1e-12);
+  CHECK(norm(tips[2] - Vec2{2.5, 3}) < 1e-12);
+
+  const Space space = default_space(robot, world, 0.4);
+  CHECK(space.name() == "SO(2) x R x SO(2)");
+  REQUIRE(space.dimension() == 3);
+  CHECK(space.axes()[0].periodic);
+  CHECK(space.axes()[1] == Axis{"theta2", -2.0, 1.0, 0.4, false});
+  CHECK(space.axes()[2].name == "theta3");
+
+  description.self_collision = false;
+  CHECK(Robot::arm(description).pairs().empty());
+}
+
+TEST_CASE("an arm that cannot be is told", "[scene][robot]") {
+  const auto fault = [](const Arm& arm) { return fault_of([&] { static_cast<void>(Robot::arm(arm)); }); };
+  CHECK_THAT(fault({}), Contains("at least one link"));
+  CHECK_THAT(fault({.links = {1, 0}, .widths = {1, 1}}), Contains("length of link 2") && Contains("got 0"));
+  CHECK_THAT(fault({.links = {1, 1}, .widths = {1, inf}}), Contains("width of link 2"));
+  CHECK_THAT(fault({.links = {1, 1}, .widths = {1}}), Contains("2 links and 1 widths"));
+  CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {std::pair(1.0, -1.0)}}),
+             Contains("limits of joint 1") && Contains("got 1 and -1"));
+  CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {std::pair(-4.0, 4.0)}}), Contains("full turn"));
+  CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {{}, {}}}), Contains("limits of 2"));
+  CHECK_THAT(fault_of([] { static_cast<void>(Robot::disc(1).apart({{0, 1}})); }), Contains("bodies 1 and 2"));
+}

@@ -27,9 +27,25 @@ GuideSpec small(const GuideKind& kind) {
                          PlannerSpec::make(kind.default_planner, {{"proposals", std::int64_t{100}}}));
 }
 
+/// Whether a guide claims to need what the other one's space lacks.
+bool refuses(const GuideKind& above, const GuideKind& guided) {
+  const auto parent = make_instance(block_problem());
+  const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);
+  switch (above.claims.needs) {
+    case GuideClaims::Needs::nothing: return false;
+    case GuideClaims::Needs::position: return sub->position_axes.size() != 2;
+    case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
+  }
+  return false;
+}
+
+StrategySpec over(const GuideSpec& guide) {
+  return {PlannerSpec::make("rrt", {{"step", 0.5}, {"proposals", std::int64_t{120}}}), guide};
+}
+
 void check_run(const GuideSpec& guide) {
   static const Problem problem = block_problem();
-  const StrategySpec strategy(PlannerSpec::make("rrt", {{"step", 0.5}, {"proposals", std::int64_t{120}}}), guide);
+  const StrategySpec strategy = over(guide);
   CAPTURE(strategy.text());
   const RunRecord one = execute(strategy, problem, 5);
   const RunRecord two = execute(strategy, problem, 5);
@@ -56,7 +72,15 @@ void check_run(const GuideSpec& guide) {
 TEST_CASE("any guide guides the search of any other that has one", "[strategy][pairs]") {
   for (const auto& above : guide_kinds()) {
     for (const auto& guided : guide_kinds()) {
-      if (!guided.default_planner.empty()) check_run(small(above) >> small(guided));
+      if (guided.default_planner.empty()) continue;
+      const GuideSpec both = small(above) >> small(guided);
+      if (refuses(above, guided)) {
+        CAPTURE(both.text());
+        const std::string what = above.component->name + ": needs " + std::string(to_string(above.claims.needs));
+        CHECK_THROWS_WITH(execute(over(both), block_problem(), 5), Catch::Matchers::Contains(what));
+      } else {
+        check_run(both);
+      }
     }
   }
 }

@@ -21,6 +21,10 @@ std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_pt
 }
 
 std::string describe(const Contact& contact, const Scene& scene) {
+  if (contact.other) {
+    const Robot& robot = scene.robot;
+    return fmt::format("itself ({} meets {})", robot.body_name(contact.body), robot.body_name(*contact.other));
+  }
   if (!contact.obstacle) return "the world's boundary";
   return scene.world.obstacles().at(*contact.obstacle).name;
 }

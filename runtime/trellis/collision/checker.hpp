@@ -25,12 +25,14 @@ struct MotionReport {
 
 /// What a configuration touches.
 struct Contact {
-  std::size_t body = 0;                 ///< of the robot
-  std::optional<std::size_t> obstacle;  ///< of the world; none: the boundary
+  std::size_t body = 0;                   ///< of the robot
+  std::optional<std::size_t> obstacle;    ///< of the world; none: the boundary, or another body
+  std::optional<std::size_t> other = {};  ///< the body of the robot that it meets
 };
 
 /// Validity of configurations and motions of a robot in a world. The robot is valid where it lies inside the closed
-/// boundary box and touches no (closed) obstacle. Bodies of one robot may overlap. Touching is meant to within
+/// boundary box and touches no (closed) obstacle, and where no two of its bodies that are to be kept apart
+/// (Robot::pairs) touch each other; others may overlap. Touching is meant to within
 /// rounding: gaps below 2^-43 (1e-13) of the world's size count as touching, and the boundary gives way by as much. A
 /// configuration with a coordinate that is not finite is invalid.
 ///
@@ -46,9 +48,11 @@ class Checker {
 
   [[nodiscard]] virtual bool valid(View q) const = 0;
   [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
-  /// The distance from the robot at q to the nearest obstacle or, from inside, to the boundary; 0 in collision.
+  /// The distance from the robot at q to the nearest obstacle or, from inside, to the boundary, and between bodies that
+  /// are to be kept apart; 0 in collision.
   [[nodiscard]] virtual double clearance(View q) const = 0;
-  /// What the robot at q touches, the first in order of bodies and obstacles; none when q is valid.
+  /// What the robot at q touches, the first in order of bodies and obstacles, then of pairs of bodies; none when q is
+  /// valid.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
 };
 
@@ -61,7 +65,8 @@ std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, co
 std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
                                       const Space& space, double resolution);
 
-/// "obstacle 3 (box 4 0 6 4.75)" or "the world's boundary".
+/// What it is in collision with: "obstacle 3 (box 4 0 6 4.75)", "the world's boundary" or "itself (link 1 meets link
+/// 3)".
 std::string describe(const Contact& contact, const Scene& scene);
 
 /// The order in which the configurations 1..n of a motion are visited: n, then midpoints level by level. 0-based rank

@@ -161,6 +161,15 @@ class FclChecker final : public Checker {
         pieces_.push_back({i, &part, Solid(part, robot_height, 0.5 * slack_), {}, {}});
       }
     }
+    for (const auto& [first, second] : robot_.pairs()) {
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        for (std::size_t k = 0; k < pieces_.size(); ++k) {
+          if (pieces_[i].body != first || pieces_[k].body != second) continue;
+          // The one of two that stands for the obstacle is as high as obstacles are.
+          pairs_.push_back({i, k, Solid(*pieces_[i].shape, obstacle_height, 0.5 * slack_)});
+        }
+      }
+    }
     frames_.resize(robot_.bodies().size());
     q_.resize(space_.dimension());
     // On a periodic axis a position jumps, so that no box around its ends holds the whole motion.
@@ -172,7 +181,8 @@ class FclChecker final : public Checker {
   [[nodiscard]] bool valid(View q) const override {
     if (!is_finite(robot_, q)) return false;
     robot_.place(q, frames_);
-    return std::none_of(pieces_.begin(), pieces_.end(), [&](Piece& piece) { return invalid_by_tree(piece); });
+    return std::none_of(pieces_.begin(), pieces_.end(), [&](Piece& piece) { return invalid_by_tree(piece); }) &&
+           std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meeting(pair); });
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
@@ -186,7 +196,7 @@ class FclChecker final : public Checker {
       const Box2 swept{{std::min(from.x, to.x) - radius, std::min(from.y, to.y) - radius},
                        {std::max(from.x, to.x) + radius, std::max(from.y, to.y) + radius}};
       look_up(swept);
-      if (found_.empty() && margin_inside(swept, scene_->world.bounds()) >= 0.0) {
+      if (found_.empty() && pairs_.empty() && margin_inside(swept, scene_->world.bounds()) >= 0.0) {
         return {true, n, std::numeric_limits<double>::quiet_NaN()};
       }
       constexpr std::size_t few = 16;
@@ -198,6 +208,9 @@ class FclChecker final : public Checker {
       robot_.place(q_, frames_);
       for (Piece& piece : pieces_) {
         if (by_tree ? invalid_by_tree(piece) : invalid_by_found(piece)) return {false, rank + 1, order.share(rank)};
+      }
+      for (const Pair& pair : pairs_) {
+        if (meeting(pair)) return {false, rank + 1, order.share(rank)};
       }
     }
     return {true, n, std::numeric_limits<double>::quiet_NaN()};
@@ -219,6 +232,13 @@ class FclChecker final : public Checker {
                       result);
         best = std::min(best, result.min_distance);
       }
+    }
+    for (const Pair& pair : pairs_) {
+      const Solid& solid = pieces_[pair.second].solid;
+      fcl::DistanceResultd result;
+      fcl::distance(solid.facing(pair.solid), frame_of(pieces_[pair.second]), pair.solid.facing(solid), frame_of(pair),
+                    request, result);
+      best = std::min(best, result.min_distance);
     }
     return std::max(best, 0.0);
   }
@@ -243,6 +263,9 @@ class FclChecker final : public Checker {
       }
       if (nearest || out) return Contact{body, nearest};
     }
+    for (const Pair& pair : pairs_) {
+      if (meeting(pair)) return Contact{pieces_[pair.first].body, std::nullopt, pieces_[pair.second].body};
+    }
     return std::nullopt;
   }
 
@@ -253,6 +276,13 @@ class FclChecker final : public Checker {
     Solid solid;
     ConvexShape moved;  ///< at the present pose, with the box around it
     Box2 box;
+  };
+
+  /// Pieces of two bodies that are kept apart.
+  struct Pair {
+    std::size_t first;
+    std::size_t second;
+    Solid solid;  ///< of the first
   };
 
   /// What a query of the tree is told through FCL's one untyped pointer.
@@ -304,6 +334,22 @@ class FclChecker final : public Checker {
     return piece.solid.framed ? frame * piece.solid.frame : frame;
   }
 
+  [[nodiscard]] Transform3 frame_of(const Pair& pair) const {
+    const Transform3 frame = transform(frames_[pieces_[pair.first].body]);
+    return pair.solid.framed ? frame * pair.solid.frame : frame;
+  }
+
+  /// Whether the pieces, which have been moved, meet.
+  [[nodiscard]] bool meeting(const Pair& pair) const {
+    const Piece& second = pieces_[pair.second];
+    const Vec2 margin{slack_, slack_};
+    const Box2& box = pieces_[pair.first].box;
+    if (!overlap({box.lo - margin, box.hi + margin}, second.box)) return false;
+    result_.clear();
+    return fcl::collide(second.solid.facing(pair.solid), frame_of(second), pair.solid.facing(second.solid),
+                        frame_of(pair), request_, result_) > 0;
+  }
+
   /// Moves the piece to its body's frame; whether it sticks out of the world there.
   bool leaves(Piece& piece) const {
     move_shape(*piece.shape, frames_[piece.body], piece.moved);
@@ -339,6 +385,7 @@ class FclChecker final : public Checker {
   std::vector<Solid> obstacles_;  ///< as the world's parts, with boxes and objects
   std::vector<Box2> boxes_;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
+  std::vector<Pair> pairs_;
   fcl::CollisionRequestd request_;
 
   // Scratch.

@@ -112,6 +112,8 @@ class PlanarChecker final : public Checker {
         corners = std::max<std::size_t>(corners, pieces_[pieces_.size() - 1].edge_count);
       }
     }
+    for (const auto& [first, second] : robot_.pairs()) add_pairs(first, second);
+    hulls_.resize(pairs_.empty() ? 0 : pieces_.size());
     corners_.resize(corners);
     placed_.corners = corners_.data();
     poses_.resize(bodies.size());
@@ -143,7 +145,7 @@ class PlanarChecker final : public Checker {
       inside =
           bounds_.xlo <= swept.xlo && swept.xhi <= bounds_.xhi && bounds_.ylo <= swept.ylo && swept.yhi <= bounds_.yhi;
       candidates = index_.query(swept, candidates_.data());
-      if (inside && candidates == 0) return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      if (inside && candidates == 0 && pairs_.empty()) return {true, n, std::numeric_limits<double>::quiet_NaN()};
       // A box around several bodies is so much larger than they are that each is culled by its own.
       if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
     }
@@ -182,6 +184,15 @@ class PlanarChecker final : public Checker {
         }
       }
     }
+    for (const auto& [first, second] : robot_.pairs()) {
+      for (const auto& part : robot_.bodies()[first].parts) {
+        move_shape(part, frames_[first], moved_);
+        for (const auto& other : robot_.bodies()[second].parts) {
+          move_shape(other, frames_[second], other_);
+          best = std::min(best, distance(moved_, other_));
+        }
+      }
+    }
     return std::max(best, 0.0);
   }
 
@@ -203,12 +214,49 @@ class PlanarChecker final : public Checker {
       }
       if (nearest || out) return Contact{body, nearest};
     }
+    for (const auto& pair : pairs_) {
+      if ((meeting(pair) & 1U) != 0) return Contact{body_of_[pair.first], std::nullopt, body_of_[pair.second]};
+    }
     return std::nullopt;
   }
 
  private:
   /// In place of a number of candidates: they are to be looked up for each piece of the robot.
   static constexpr unsigned cull_each = std::numeric_limits<unsigned>::max();
+
+  /// Pieces of two bodies that are kept apart.
+  struct Pair {
+    std::size_t first;
+    std::size_t second;
+  };
+
+  void add_pairs(std::size_t first, std::size_t second) {
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      for (std::size_t k = 0; k < pieces_.size(); ++k) {
+        if (body_of_[i] == first && body_of_[k] == second) pairs_.push_back({i, k});
+      }
+    }
+  }
+
+  /// The lanes in which the pieces meet: as an obstacle's and a robot's, seen from the first one's body.
+  [[nodiscard]] unsigned meeting(const Pair& pair) const {
+    const kernel::Poses& from = poses_[body_of_[pair.first]];
+    const kernel::Poses& to = poses_[body_of_[pair.second]];
+    for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
+      const double c = from.c.v[lane];
+      const double s = from.s.v[lane];
+      const double dx = to.x.v[lane] - from.x.v[lane];
+      const double dy = to.y.v[lane] - from.y.v[lane];
+      seen_.x.v[lane] = c * dx + s * dy;
+      seen_.y.v[lane] = c * dy - s * dx;
+      seen_.c.v[lane] = c * to.c.v[lane] + s * to.s.v[lane];
+      seen_.s.v[lane] = c * to.s.v[lane] - s * to.c.v[lane];
+    }
+    const Piece& piece = pieces_[pair.second];
+    kernels_.place(seen_, piece, placed_);
+    const auto first = static_cast<unsigned>(pair.first);
+    return kernels_.collide(placed_, piece, pieces_.data(), &first, 1);
+  }
 
   void set_reach() {
     const double margin = 2.0 * slack_;
@@ -300,10 +348,20 @@ class PlanarChecker final : public Checker {
       kernels_.place(poses_[body_of_[i]], piece, placed_);
       if (!inside) hit |= kernels_.outside(placed_, bounds_);
       if ((hit & 1U) != 0) break;
-      const unsigned count = candidates == cull_each ? index_.query(hull(lanes), candidates_.data()) : candidates;
+      const bool cull = candidates == cull_each;
+      if (!pairs_.empty()) hulls_[i] = hull(lanes);
+      const unsigned count =
+          cull ? index_.query(pairs_.empty() ? hull(lanes) : hulls_[i], candidates_.data()) : candidates;
       if (count > 0) hit |= kernels_.collide(placed_, piece, obstacles_.data(), candidates_.data(), count);
     }
+    for (std::size_t i = 0; i < pairs_.size() && (hit & 1U) == 0; ++i) {
+      if (overlap(hulls_[pairs_[i].first], hulls_[pairs_[i].second])) hit |= meeting(pairs_[i]);
+    }
     return hit;
+  }
+
+  static bool overlap(const Box& a, const Box& b) {
+    return a.xlo <= b.xhi && b.xlo <= a.xhi && a.ylo <= b.yhi && b.ylo <= a.yhi;
   }
 
   /// The box around the placed piece in the first lanes.
@@ -329,6 +387,7 @@ class PlanarChecker final : public Checker {
   Box bounds_{};
   Pieces pieces_;  ///< of the robot, body by body
   std::vector<std::size_t> body_of_;
+  std::vector<Pair> pairs_;
   Box reach_{};             ///< holds the robot about its reference point, however it is turned
   bool rigid_ = false;      ///< one body on a line
   bool sweepable_ = false;  ///< the reference point stays in the box around a motion's ends
@@ -345,6 +404,9 @@ class PlanarChecker final : public Checker {
   mutable Configuration q_;
   mutable Configuration way_;
   mutable ConvexShape moved_;
+  mutable ConvexShape other_;
+  mutable std::vector<Box> hulls_;  ///< of the pieces, where there are pairs
+  mutable kernel::Poses seen_{};    ///< a body from another
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/draw/page.hpp>
 #include <trellis/draw/text.hpp>
+#include <trellis/draw/worlds.hpp>
 
 namespace trellis::draw {
 
@@ -26,74 +27,6 @@ constexpr double largest_diameter = 2.2;
 constexpr double tallest = 1.5;  ///< a panel, in widths of its column
 constexpr double ring = 0.8;     ///< points
 constexpr double least_shown = 0.5;
-constexpr double robot_outline = 0.8;
-constexpr double marked_below = 4.0;  ///< points; a robot that is smaller on paper is a mark
-constexpr double mark_radius = 2.2;
-
-constexpr Colour start_colour = rgb(0x555555);
-constexpr Colour obstacle_colour = rgb(0xC9C9C9);
-constexpr Colour obstacle_edge = rgb(0x8C8C8C);
-
-Path path_of(const WorldShape& shape, const Transform& map) {
-  if (const auto* disc = std::get_if<WorldDisc>(&shape)) {
-    return Path::circle(map(disc->centre), disc->radius * map.xx);
-  }
-  return Path::polygon(std::get<std::vector<Point>>(shape)).mapped(map);
-}
-
-Rect bounds_of(const std::vector<WorldShape>& shapes) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Point lo{infinity, infinity};
-  Point hi{-infinity, -infinity};
-  const auto add = [&](Point p, double radius) {
-    lo = {std::min(lo.x, p.x - radius), std::min(lo.y, p.y - radius)};
-    hi = {std::max(hi.x, p.x + radius), std::max(hi.y, p.y + radius)};
-  };
-  for (const auto& shape : shapes) {
-    if (const auto* disc = std::get_if<WorldDisc>(&shape)) {
-      add(disc->centre, disc->radius);
-    } else {
-      for (const Point p : std::get<std::vector<Point>>(shape)) add(p, 0.0);
-    }
-  }
-  return {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
-}
-
-void append(Path& to, const Path& path) {
-  const Point* p = path.points().data();
-  for (const auto verb : path.verbs()) {
-    switch (verb) {
-      case Path::Verb::move: to.move_to(p[0]); break;
-      case Path::Verb::line: to.line_to(p[0]); break;
-      case Path::Verb::curve: to.curve_to(p[0], p[1], p[2]); break;
-      case Path::Verb::close: to.close(); break;
-    }
-    p += verb == Path::Verb::curve ? 3 : verb == Path::Verb::close ? 0 : 1;
-  }
-}
-
-/// What of a robot is drawn: its parts, or a mark where they are too small to be seen.
-std::vector<Path> robot_paths(const std::vector<WorldShape>& parts, const Transform& map) {
-  std::vector<Path> paths;
-  if (parts.empty()) return paths;
-  const Rect box = bounds_of(parts);
-  if (std::max(box.width, box.height) * map.xx < marked_below) return {Path::circle(map(box.centre()), mark_radius)};
-  paths.reserve(parts.size());
-  for (const auto& part : parts) paths.push_back(path_of(part, map));
-  return paths;
-}
-
-/// The outline of the paths' union, outside of it: within `page` and none of the paths from `at` on.
-void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, std::size_t at = 0) {
-  if (at == paths.size()) {
-    for (const Path& path : paths) canvas.stroke(path, {palette::ink, 2.0 * robot_outline});
-    return;
-  }
-  Path outside = Path::rectangle(page);
-  append(outside, paths[at]);
-  const auto clip = canvas.clip(outside, FillRule::even_odd);
-  outline(canvas, paths, page, at + 1);
-}
 
 /// How a role's circles look. Among others the strategy's own are rings, upon what they are compared with.
 struct Look {
@@ -304,10 +237,7 @@ class Plot {
     {
       const auto clip = canvas.clip(Path::rectangle(plot));
       const Transform to_paper = map(plot);
-      for (const auto& obstacle : figure_.obstacles) {
-        canvas.fill(path_of(obstacle, to_paper), obstacle_colour);
-        canvas.stroke(path_of(obstacle, to_paper), {obstacle_edge, 0.4});
-      }
+      draw_obstacles(canvas, figure_.obstacles, to_paper);
       for (const auto& path : panel.paths) {
         canvas.stroke(Path::polyline(path).mapped(to_paper), {palette::ink.faded(0.6), 0.6});
       }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include <trellis/instance/instance.hpp>
@@ -15,19 +14,11 @@ namespace trellis {
 /// The instance's robot in a world that can be exchanged. Checked for real, whatever the parent presumes.
 class ChangingWorld final : public Validity {
  public:
-  ChangingWorld(const Instance& parent, World world)
-      : robot_(parent.scene->robot),
-        space_(parent.space),
-        collision_(parent.collision),
-        resolution_(parent.resolution),
-        motion_model_(parent.motion_model) {
-    set(std::move(world));
-  }
+  ChangingWorld(Instance parent, World world) : parent_(std::move(parent)) { set(std::move(world)); }
 
   void set(World world) {
-    scene_ = std::make_shared<Scene>(Scene{std::move(world), robot_});
-    validity_ = make_validity(collision_, scene_, space_, resolution_, motion_model_);
-    checker_.reset();
+    scene_ = std::make_shared<Scene>(Scene{std::move(world), parent_.scene->robot});
+    validity_ = parent_.validity_in(scene_);
     ++epoch_;
   }
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
@@ -35,22 +26,14 @@ class ChangingWorld final : public Validity {
   [[nodiscard]] bool state(View q) override { return validity_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return validity_->motion(a, b); }
   [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
-  /// What the robot touches in this world; none where it is valid.
-  [[nodiscard]] std::optional<Contact> contact(View q) {
-    if (!checker_) checker_ = make_checker(collision_, scene_, space_, resolution_);
-    return checker_->contact(q);
-  }
+  /// What the robot touches in this world.
+  [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
 
  private:
-  Robot robot_;
-  Space space_;
-  std::string collision_;
-  double resolution_;
-  std::shared_ptr<const MotionModel> motion_model_;
+  Instance parent_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<Validity> validity_;
-  std::unique_ptr<Checker> checker_;  ///< of contacts, made when one is asked for
   std::uint64_t epoch_ = 0;
 };
 

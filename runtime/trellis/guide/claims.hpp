@@ -18,6 +18,13 @@ struct GuideClaims {
     own,      ///< as the text says
   };
 
+  /// What a guide asks of the space that it guides in; it refuses any other.
+  enum class Needs : std::uint8_t {
+    nothing,
+    position,    ///< a reference point of the robot that moves in the plane
+    robot_axes,  ///< axes that are the robot's own
+  };
+
   Category category = Category::sampling;
   std::string f;             ///< in a line
   std::string h;             ///< in a line
@@ -29,9 +36,13 @@ struct GuideClaims {
   Fallback fallback = Fallback::none;
   std::string no_path;  ///< what happens where S has no path
   std::string example;  ///< a script: "examples/nested.lua"
+  Needs needs = Needs::nothing;
+  bool relaxes_arms = true;  ///< where it relaxes: also for a robot that is fixed to its base
 };
 
 /// "robot modification".
 std::string_view to_string(GuideClaims::Category category);
+/// "a robot whose reference point moves in the plane"; "" for nothing.
+std::string_view to_string(GuideClaims::Needs needs);
 
 }  // namespace trellis

@@ -368,7 +368,8 @@ GuideKind decomposition_kind() {
            .fallback = GuideClaims::Fallback::own,
            .no_path = "the lead goes to the triangle nearest to the goal that can be reached; uniform where the start "
                       "is in none",
-           .example = "examples/kinodynamic.lua"}};
+           .example = "examples/kinodynamic.lua",
+           .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis

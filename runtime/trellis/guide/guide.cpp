@@ -10,10 +10,11 @@ namespace trellis {
 
 const std::vector<GuideKind>& guide_kinds() {
   static const std::vector<GuideKind> kinds = {
-      uniform_kind(),     goal_bias_kind(), gaussian_kind(),      bridge_test_kind(), obstacle_based_kind(),
-      medial_axis_kind(), halton_kind(),    informed_kind(),      identity_kind(),    workspace_kind(),
-      skeleton_kind(),    shrink_kind(),    widen_kind(),         lazy_kind(),        drop_kind(),
-      aggregate_kind(),   holonomic_kind(), decomposition_kind(), experience_kind(),  learned_kind()};
+      uniform_kind(),     goal_bias_kind(), gaussian_kind(),  bridge_test_kind(), obstacle_based_kind(),
+      medial_axis_kind(), halton_kind(),    informed_kind(),  identity_kind(),    workspace_kind(),
+      skeleton_kind(),    shrink_kind(),    joints_kind(),    pca_kind(),         widen_kind(),
+      lazy_kind(),        drop_kind(),      aggregate_kind(), holonomic_kind(),   decomposition_kind(),
+      experience_kind(),  learned_kind()};
   return kinds;
 }
 
@@ -27,6 +28,15 @@ std::string_view to_string(GuideClaims::Category category) {
     case GuideClaims::Category::combinator: return "combinator";
   }
   throw Fault("unknown category of guides");
+}
+
+std::string_view to_string(GuideClaims::Needs needs) {
+  switch (needs) {
+    case GuideClaims::Needs::nothing: return "";
+    case GuideClaims::Needs::position: return "a robot whose reference point moves in the plane";
+    case GuideClaims::Needs::robot_axes: return "a space whose axes are the robot's";
+  }
+  throw Fault("unknown need of guides");
 }
 
 const GuideKind* find_guide(std::string_view name) {

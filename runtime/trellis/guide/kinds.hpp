@@ -18,6 +18,8 @@ GuideKind identity_kind();
 GuideKind workspace_kind();
 GuideKind skeleton_kind();
 GuideKind shrink_kind();
+GuideKind joints_kind();
+GuideKind pca_kind();
 GuideKind widen_kind();
 GuideKind lazy_kind();
 GuideKind drop_kind();

@@ -150,7 +150,8 @@ GuideKind learned_kind() {
        .invalid_ends = "nothing is projected",
        .fallback = GuideClaims::Fallback::none,
        .no_path = "nothing is searched",
-       .example = "examples/real/learned.lua"}};
+       .example = "examples/real/learned.lua",
+       .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis

@@ -114,7 +114,7 @@ class MedialAxis final : public Heuristic {
 }  // namespace
 
 GuideKind medial_axis_kind() {
-  return sampling_kind(
+  GuideKind kind = sampling_kind(
       medial_axis_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
         return bias(
@@ -130,6 +130,8 @@ GuideKind medial_axis_kind() {
       "a uniform configuration retracted, at its angles, to the medial axis of what is free; each clearance that it "
       "looks at counts as a check of C",
       "it lies on surfaces that depend on the obstacles", false);
+  kind.claims.needs = GuideClaims::Needs::position;
+  return kind;
 }
 
 }  // namespace trellis

@@ -35,10 +35,14 @@ GuideClaims path_claims(GuideClaims::Category category, std::string f, std::stri
       .example = std::move(example)};
 }
 
+double natural_distance(const Instance& instance) {
+  const Robot& robot = instance.scene->robot;
+  if (!robot.translates()) return 0.1 * instance.space.diameter();
+  return robot.bounding_radius() > 0.0 ? robot.bounding_radius() : 0.02 * instance.space.diameter();
+}
+
 double tube_radius(const PathGuideSettings& settings, const Instance& instance) {
-  if (settings.radius > 0.0) return settings.radius;
-  const double robot = instance.scene->robot.bounding_radius();
-  return robot > 0.0 ? 0.5 * robot : 0.01 * instance.space.diameter();
+  return settings.radius > 0.0 ? settings.radius : 0.5 * natural_distance(instance);
 }
 
 PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
@@ -275,10 +279,8 @@ void PathGuide::learn(const Outcome& outcome) {
 std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   auto instance = reduced(parent);
   if (path_settings_.paths > 1) {
-    const double robot = parent.scene->robot.bounding_radius();
-    const double plain = robot > 0.0 ? robot : 0.02 * parent.space.diameter();
-    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space,
-                                                     path_settings_.distinct > 0.0 ? path_settings_.distinct : plain);
+    const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
+    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct);
     instance->validity = excluding_;
   }
   return instance;
@@ -304,7 +306,8 @@ std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Config
   if (paths_.size() > 1) {
     std::vector<std::unique_ptr<PathFollower>> parts;
     parts.reserve(paths_.size());
-    for (const auto& one : paths_) parts.push_back(follow_path(name_, path_settings_, parent, followed(one), *reached_));
+    for (const auto& one : paths_)
+      parts.push_back(follow_path(name_, path_settings_, parent, followed(one), *reached_));
     return std::make_unique<SeveralPaths>(std::move(parts));
   }
   return follow_path(name_, path_settings_, parent, followed(path), *reached_);

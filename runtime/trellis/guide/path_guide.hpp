@@ -26,30 +26,45 @@ struct PathGuideSettings {
   std::int64_t effort = 2000;
 };
 
-/// The options of what follows a path.
 template <class S>
-Settings<S> with_following_options(Settings<S> settings) {
-  settings
-      .number(
-          "radius", &S::radius, "m in the metric", Range::non_negative(),
-          "radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or "
-          "1 % of the space's diameter for a point")
-      .choice(
-          "follow", &S::follow, {"tube", "waypoints"},
-          "how the path is followed: \"tube\", from the stretch of it just beyond what the planner has reached; "
-          "\"waypoints\", its points in turn: one that is valid in C is proposed itself, and where that was blocked "
-          "half the time what is near it; one that is not, what is near it")
+Settings<S> with_radius(Settings<S> settings) {
+  return settings.number(
+      "radius", &S::radius, "m in the metric", Range::non_negative(),
+      "radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the "
+      "space's diameter 1 % for a point and 5 % for a robot that is fixed to its base");
+}
+
+/// How a tube is followed.
+template <class S>
+Settings<S> with_progress(Settings<S> settings) {
+  return settings
       .number("window", &S::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
               "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
       .integer("patience", &S::patience, "proposals", Range::at_least(1),
                "guided proposals without progress along the path before its space is solved again");
-  return settings;
+}
+
+/// The options of what follows a path.
+template <class S>
+Settings<S> with_following_options(Settings<S> settings) {
+  return with_progress(
+      with_radius(std::move(settings))
+          .choice(
+              "follow", &S::follow, {"tube", "waypoints"},
+              "how the path is followed: \"tube\", from the stretch of it just beyond what the planner has reached; "
+              "\"waypoints\", its points in turn: one that is valid in C is proposed itself, and where that was "
+              "blocked half the time what is near it; one that is not, what is near it"));
+}
+
+template <class S>
+Settings<S> with_resolves(Settings<S> settings) {
+  return settings.integer("resolves", &S::resolves, "re-solves", Range::non_negative(),
+                          "how often its space may be solved again");
 }
 
 template <class S>
 Settings<S> with_path_options(Settings<S> settings) {
-  return with_following_options(std::move(settings))
-      .integer("resolves", &S::resolves, "re-solves", Range::non_negative(), "how often its space may be solved again");
+  return with_resolves(with_following_options(std::move(settings)));
 }
 
 /// The options of guides that can look for several paths.
@@ -60,13 +75,17 @@ Settings<S> with_several_paths(Settings<S> settings) {
                "guiding paths that are looked for, each distinct from those before it; all found guide at once")
       .number("distinct", &S::distinct, "m in the metric", Range::non_negative(),
               "distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding "
-              "radius in C, or 2 % of the space's diameter for a point")
+              "radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base")
       .integer("effort", &S::effort, "proposals", Range::at_least(1), "budget of the search for each further path");
   return settings;
 }
 
 /// What guides of this kind claim alike: h, its density and feedback, and what happens without a path.
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
+
+/// A distance in the metric that is of an instance's size: the robot's bounding radius; of the space's diameter 2 % for
+/// a point, and 10 % for a robot that is fixed to its base, whose radius says nothing of its angles.
+double natural_distance(const Instance& instance);
 
 /// The radius that the option `radius` stands for in an instance.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);

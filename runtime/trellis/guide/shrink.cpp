@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <utility>
+
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 
@@ -30,8 +32,7 @@ class Shrink final : public PathGuide {
     auto instance = same_instance(parent);
     instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
-    instance->validity =
-        make_validity(parent.collision, instance->scene, parent.space, parent.resolution, parent.motion_model);
+    instance->validity = parent.validity_in(instance->scene);
     return instance;
   }
 
@@ -42,14 +43,17 @@ class Shrink final : public PathGuide {
 }  // namespace
 
 GuideKind shrink_kind() {
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::robot, "q -> q, for the robot scaled about its reference point",
+                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
+                  "reference point. A robot fixed to its base is another matter: a shorter arm may touch what the long "
+                  "one reaches past",
+                  "examples/nested.lua");
+  claims.relaxes_arms = false;
   return {
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
-      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
-      path_claims(GuideClaims::Category::robot, "q -> q, for the robot scaled about its reference point",
-                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
-                  "reference point",
-                  "examples/nested.lua")};
+      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }, std::move(claims)};
 }
 
 }  // namespace trellis

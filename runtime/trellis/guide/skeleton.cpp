@@ -474,7 +474,8 @@ GuideKind skeleton_kind() {
        .fallback = GuideClaims::Fallback::own,
        .no_path = "balls travel along all of the axis that the start is joined to; uniform where it is joined to "
                   "none",
-       .example = "examples/nested.lua"}};
+       .example = "examples/nested.lua",
+       .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis

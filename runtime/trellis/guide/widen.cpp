@@ -69,8 +69,7 @@ class Widen final : public PathGuide {
     }
     instance->scene = std::make_shared<Scene>(Scene{World(world.bounds(), std::move(obstacles)), parent.scene->robot});
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
-    instance->validity =
-        make_validity(parent.collision, instance->scene, parent.space, parent.resolution, parent.motion_model);
+    instance->validity = parent.validity_in(instance->scene);
     return instance;
   }
 

@@ -251,7 +251,8 @@ GuideKind workspace_kind() {
        .fallback = GuideClaims::Fallback::nearest,
        .no_path = "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
                   "start alone. Passages narrower than a cell may be missed",
-       .example = "examples/workspace.lua"},
+       .example = "examples/workspace.lua",
+       .needs = GuideClaims::Needs::position},
       true};
 }
 

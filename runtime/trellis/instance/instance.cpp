@@ -18,6 +18,7 @@ class StateValidity final : public Validity {
     return configurations_->motion(a, b);
   }
   [[nodiscard]] double clearance(View x) override { return configurations_->clearance(x); }
+  [[nodiscard]] std::optional<Contact> contact(View x) override { return configurations_->contact(x); }
 
  private:
   [[nodiscard]] bool keeps_limits(View x) const { return space_.contains(x) && model_->admits(x); }
@@ -55,6 +56,10 @@ std::shared_ptr<Validity> make_validity(const std::string& collision, const std:
   auto configurations = std::make_shared<CollisionValidity>(make_checker(collision, scene, space, resolution));
   if (!motion_model) return configurations;
   return std::make_shared<StateValidity>(std::move(configurations), space, motion_model);
+}
+
+std::shared_ptr<Validity> Instance::validity_in(const std::shared_ptr<const Scene>& other) const {
+  return validity_of ? validity_of(other) : make_validity(collision, other, space, resolution, motion_model);
 }
 
 std::unique_ptr<Instance> make_instance(const Problem& problem) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -23,6 +25,11 @@ class Validity {
   [[nodiscard]] virtual double clearance(View q) = 0;
   /// False where deciding costs no collision checks (presumed validity): then nothing is counted.
   [[nodiscard]] virtual bool spends_checks() const { return true; }
+  /// What is touched at q; none where nothing is, or where validity is not decided by collisions.
+  [[nodiscard]] virtual std::optional<Contact> contact(View q) {
+    static_cast<void>(q);
+    return {};
+  }
   /// Grows each time what is valid may have changed, so that planners look again at what they had checked.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
 };
@@ -34,6 +41,7 @@ class CollisionValidity final : public Validity {
   [[nodiscard]] bool state(View q) override { return checker_->valid(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
   [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
+  [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
 
  private:
@@ -75,6 +83,8 @@ class Instance {
   std::string collision = "planar";
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states
   std::vector<std::size_t> position_axes;           ///< axes that hold the reference point's position; empty: none
+  /// Makes validity for a scene where the axes are not the robot's; empty where they are.
+  std::function<std::shared_ptr<Validity>(const std::shared_ptr<const Scene>&)> validity_of;
 
   /// Counted validity.
   [[nodiscard]] bool valid(View q) {
@@ -94,6 +104,9 @@ class Instance {
   /// \return the steps driven. Needs a motion model.
   std::uint32_t drive(View from, View control, std::uint32_t steps, Configurations& states,
                       Configuration* blocked = nullptr);
+
+  /// Validity in this space with another scene's world and robot, checked for real whatever is presumed here.
+  [[nodiscard]] std::shared_ptr<Validity> validity_in(const std::shared_ptr<const Scene>& other) const;
 
   /// Counted as the validity check that it is at least.
   [[nodiscard]] double clearance(View q) {

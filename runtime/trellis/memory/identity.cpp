@@ -66,6 +66,10 @@ std::uint64_t identity(const Robot& robot) {
     put_integer(bytes, body.parts.size());
     for (const auto& part : body.parts) put(bytes, part);
   }
+  for (const auto& [first, second] : robot.pairs()) {
+    put_integer(bytes, first);
+    put_integer(bytes, second);
+  }
   return stable_hash(bytes);
 }
 

@@ -75,6 +75,14 @@ struct SceneFigureOptions {
 std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
                                              const std::string& directory, const SceneFigureOptions& options = {});
 
+/// Draws motions in two-dimensional spaces, Figure 1 of Attali et al. 2022: DIR/<problem>/<strategy>/motion.svg, .png
+/// and .pdf for every strategy of a problem whose space has two axes and is more than the workspace: the robot on its
+/// way, and beside it the space with what is invalid in it, the path, and the density of what is proposed. A row for
+/// each guide that searches the same space, the deepest first, and one for the root; of the first run that found a path
+/// or, without one, the first. Throws Error where a file cannot be written.
+void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                          unsigned jobs = 1);
+
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);
 

@@ -41,6 +41,10 @@ bool is_image(const std::string& path);
 /// right one.
 std::vector<Problem> read_image(const std::string& path, const ReadOptions& options);
 
+/// Whether it is a planar arm of SBPL's: its first line gives the size of the environment, a later one the links.
+bool is_sbpl_arm(const SourceText& text);
+std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& options);
+
 /// Throws Error as well where the text is no YAML at all.
 std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options);
 

@@ -67,7 +67,9 @@ std::vector<Problem> read_problems(const std::string& path, const ReadOptions& o
   }
   if (is_image(path)) return read_image(path, options);
   const SourceText text = SourceText::load(path);
-  return is_circle_world(text) ? read_circle_world(text, options) : read_dynobench(text, options);
+  if (is_circle_world(text)) return read_circle_world(text, options);
+  if (is_sbpl_arm(text)) return read_sbpl_arm(text, options);
+  return read_dynobench(text, options);
 }
 
 }  // namespace trellis

@@ -18,10 +18,11 @@ struct ReadOptions {
 
 /// Reads a scene file made by others and returns its problems, at least one. Which reader is meant is told from the
 /// content: the circle world of ompl_tests (two header lines, then "index x y r"; queries come from the file next to it
-/// in which "obstacles" of the name is replaced by "queries") or dynobench YAML (boxes; models are looked up in
-/// ../shared/models beside the scene's folder), or a PNG: pixels of 0.05 m, the dark ones obstacles, for a point that
-/// goes from the lower left corner to the upper right one. Throws Error with file and line for anything malformed or
-/// missing.
+/// in which "obstacles" of the name is replaced by "queries"), a planar arm of SBPL's on a grid (its goal is a cell for
+/// the end of the last link: `reach` is set and `goal` is empty, see settle_goal), dynobench YAML (boxes; models are
+/// looked up in ../shared/models beside the scene's folder) or a PNG: pixels of 0.05 m, the dark ones obstacles, for a
+/// point that goes from the lower left corner to the upper right one. Throws Error with file and line for anything
+/// malformed or missing.
 std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options);
 
 }  // namespace trellis

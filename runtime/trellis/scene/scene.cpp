@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -240,6 +241,78 @@ Robot Robot::rigid(const std::vector<Shape>& shapes, bool rotates) {
   return {"rigid", {std::move(body)}};
 }
 
+Robot Robot::arm(const Arm& arm) {
+  const std::size_t count = arm.links.size();
+  const auto fail = [](const std::string& fault) -> void { throw Error(fmt::format("robot 'arm': {}", fault)); };
+  if (count == 0) fail("it needs at least one link");
+  if (arm.widths.size() != count) fail(fmt::format("it has {} links and {} widths", count, arm.widths.size()));
+  if (arm.limits.size() > count) fail(fmt::format("it has {} links and limits of {}", count, arm.limits.size()));
+  std::vector<Body> bodies;
+  bodies.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const auto& [what, size] : {std::pair("length", arm.links[i]), std::pair("width", arm.widths[i])}) {
+      if (std::isfinite(size) && size > 0.0) continue;
+      fail(fmt::format("the {} of link {} must be a number greater than 0, got {}", what, i + 1, size));
+    }
+    const double half = 0.5 * arm.widths[i];
+    Body link;
+    link.parts = {Polygon{rectangle_vertices({{0.0, -half}, {arm.links[i], half}})}};
+    link.parent = static_cast<int>(i) - 1;
+    if (i > 0) link.joint = {arm.links[i - 1], 0.0};
+    link.angle_axis = static_cast<int>(i);
+    link.name = fmt::format("link {}", i + 1);
+    bodies.push_back(std::move(link));
+  }
+  Robot robot("arm", std::move(bodies), false, arm.base);
+  if (arm.self_collision) {
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = i + 2; k < count; ++k) pairs.emplace_back(i, k);
+    }
+    robot = robot.apart(std::move(pairs));
+  }
+  return robot.limited(arm.limits);
+}
+
+Robot Robot::apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const {
+  Robot result = *this;
+  for (auto& [first, second] : pairs) {
+    if (first > second) std::swap(first, second);
+    if (first == second || second >= bodies_.size()) {
+      throw Error(fmt::format("robot '{}': bodies {} and {} cannot be kept apart, it has {}", name_, first + 1,
+                              second + 1, bodies_.size()));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  result.pairs_ = std::move(pairs);
+  return result;
+}
+
+Robot Robot::limited(std::vector<std::optional<std::pair<double, double>>> limits) const {
+  const std::size_t angles = dimension_ - (translates_ ? 2 : 0);
+  if (limits.size() > angles) {
+    throw Error(fmt::format("robot '{}': it turns about {} axes, got limits of {}", name_, angles, limits.size()));
+  }
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    if (!limits[i]) continue;
+    const auto& [lo, hi] = *limits[i];
+    if (std::isfinite(lo) && std::isfinite(hi) && lo < hi && hi - lo <= 2.0 * std::numbers::pi) continue;
+    throw Error(
+        fmt::format("robot '{}': the limits of joint {} must be two angles lo < hi, a full turn apart at most, in "
+                    "radians, got {} and {}",
+                    name_, i + 1, lo, hi));
+  }
+  Robot result = *this;
+  result.limits_ = std::move(limits);
+  return result;
+}
+
+std::string Robot::body_name(std::size_t body) const {
+  const std::string& name = bodies_.at(body).name;
+  return name.empty() ? fmt::format("body {}", body + 1) : name;
+}
+
 bool Robot::is_point() const {
   return bodies_.size() == 1 && bodies_[0].parts.size() == 1 && bodies_[0].parts[0] == ConvexShape(Disc{}) &&
          bodies_[0].joint == Vec2{};
@@ -328,12 +401,29 @@ Space default_space(const Robot& robot, const World& world, double weight) {
   const std::pair x{lo.x, hi.x}, y{lo.y, hi.y};
   const std::size_t angles = robot.dimension() - (robot.translates() ? 2 : 0);
   if (robot.translates() && angles == 0) return Space::euclidean({x, y});
-  if (robot.translates() && angles == 1) return Space::se2(x, y, weight);
+  const auto& limits = robot.limits();
+  const bool full = std::none_of(limits.begin(), limits.end(), [](const auto& limit) { return limit.has_value(); });
+  if (robot.translates() && angles == 1 && full) return Space::se2(x, y, weight);
   std::vector<std::pair<double, Space>> factors;
   if (robot.translates()) factors.emplace_back(1.0, Space::euclidean({x, y}));
-  for (std::size_t i = 0; i < angles; ++i) factors.emplace_back(1.0, Space::so2(weight));
-  const std::string turning = angles == 1 ? "SO(2)" : fmt::format("SO(2)^{}", angles);
-  return {robot.translates() ? "R^2 x " + turning : turning, Space::product(factors).axes()};
+  // Neighbours of one kind are one factor of the name: "R^2 x SO(2)^3".
+  std::vector<std::pair<std::string, std::size_t>> names;
+  for (std::size_t i = 0; i < angles; ++i) {
+    const bool bounded = i < limits.size() && limits[i];
+    if (bounded) {
+      factors.emplace_back(1.0, Space("R", {{"theta", limits[i]->first, limits[i]->second, weight, false}}));
+    } else {
+      factors.emplace_back(1.0, Space::so2(weight));
+    }
+    const std::string& name = factors.back().second.name();
+    if (names.empty() || names.back().first != name) names.emplace_back(name, 0);
+    ++names.back().second;
+  }
+  std::string name = robot.translates() ? "R^2" : "";
+  for (const auto& [factor, power] : names) {
+    name += (name.empty() ? "" : " x ") + (power == 1 ? factor : fmt::format("{}^{}", factor, power));
+  }
+  return {std::move(name), Space::product(factors).axes()};
 }
 
 }  // namespace trellis

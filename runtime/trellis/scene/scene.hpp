@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -56,6 +58,17 @@ struct Body {
   Vec2 joint;                      ///< where the body's origin sits, in the parent's frame
   int angle_axis = -1;             ///< the axis that turns it; -1: it keeps its parent's angle
   bool absolute = false;           ///< the axis gives the angle in the world, not relative to the parent
+  std::string name = {};           ///< how messages call it: "link 2"; "": "body 2"
+};
+
+/// What `Robot::arm` makes an arm from. Link i + 1 hangs on the far end of link i.
+struct Arm {
+  std::vector<double> links;   ///< their lengths, from the base on
+  std::vector<double> widths;  ///< of each link
+  Vec2 base = {};              ///< where the first joint is fixed
+  /// Of each joint the least and the greatest angle, relative to the link before it; none: full turns.
+  std::vector<std::optional<std::pair<double, double>>> limits = {};
+  bool self_collision = true;  ///< links that are no neighbours must not meet
 };
 
 /// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body.
@@ -70,11 +83,24 @@ class Robot {
   static Robot disc(double radius);
   /// One rigid body, turned by axis 2 where `rotates`. Non-convex polygons are split into convex parts.
   static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
+  /// A planar arm of rectangular links with revolute joints; the first joint's angle is in the world.
+  static Robot arm(const Arm& arm);
+
+  /// Pairs of bodies that must not meet each other, the lower index first; by default bodies may overlap. Throws Error
+  /// for bodies that there are not.
+  [[nodiscard]] Robot apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const;
+  /// Bounds of the axes that turn bodies, the first of them first; none or an empty list: full turns. Throws Error for
+  /// bounds that are not finite and in order, or more than a full turn apart.
+  [[nodiscard]] Robot limited(std::vector<std::optional<std::pair<double, double>>> limits) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   [[nodiscard]] bool translates() const { return translates_; }
   [[nodiscard]] Vec2 base() const { return base_; }
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& pairs() const { return pairs_; }
+  [[nodiscard]] const std::vector<std::optional<std::pair<double, double>>>& limits() const { return limits_; }
+  /// "link 2", or "body 2" where it has no name.
+  [[nodiscard]] std::string body_name(std::size_t body) const;
   [[nodiscard]] bool is_point() const;
   /// The number of axes that the robot needs in a configuration.
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
@@ -101,12 +127,21 @@ class Robot {
   double bounding_radius_ = 0.0;
   double inscribed_radius_ = 0.0;
   std::vector<double> body_radius_;  ///< of each body's parts about its own origin
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  std::vector<std::optional<std::pair<double, double>>> limits_;
 };
 
 /// What a planar problem takes place in. Immutable, shared between runs and threads.
 struct Scene {
   World world;
   Robot robot;
+};
+
+/// A set of goals: all configurations that bring a point of the robot into a box of the workspace.
+struct Reach {
+  std::size_t body = 0;  ///< of the robot
+  Vec2 point = {};       ///< in the body's frame
+  Box2 box = {};
 };
 
 /// A planning problem as a user states it. Throws nothing by itself; `checked` validates.
@@ -116,6 +151,7 @@ struct Problem {
   Space space;
   Configuration start;
   Configuration goal;
+  std::optional<Reach> reach = {};   ///< what `goal` was chosen for, where any configuration of a set would do
   double goal_tolerance = 1e-6;      ///< a configuration this near (metric) to the goal is the goal
   double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
@@ -124,7 +160,7 @@ struct Problem {
 };
 
 /// The default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise
-/// (SO(2)^k for a fixed base). `weight` in metres per radian.
+/// (SO(2)^k for a fixed base); an angle with limits is a bounded axis, R. `weight` in metres per radian.
 Space default_space(const Robot& robot, const World& world, double weight);
 
 }  // namespace trellis

@@ -24,9 +24,8 @@ class ComponentGuidance final : public Prepared {
     auto sub = told([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
-    level_ = told([&] {
-      return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_);
-    });
+    level_ = told(
+        [&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_); });
     level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }

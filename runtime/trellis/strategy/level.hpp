@@ -13,6 +13,7 @@
 
 #include <trellis/guide/custom.hpp>
 #include <trellis/guide/kernels.hpp>
+#include <trellis/guide/path_guide.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/prepared.hpp>
 
@@ -63,8 +64,7 @@ class LevelGuidance final : public Guidance {
       hint_.reset();
       return;
     }
-    const double robot = instance_.scene->robot.bounding_radius();
-    hint_.emplace(instance_.space, path, robot > 0.0 ? robot : 0.02 * instance_.space.diameter());
+    hint_.emplace(instance_.space, path, natural_distance(instance_));
   }
   [[nodiscard]] bool guided() const { return guide_ != nullptr || hint_; }
 

@@ -84,7 +84,8 @@ class GuideSpec {
   [[nodiscard]] Kind kind() const;
   /// "shrink", "mixture", "schedule".
   [[nodiscard]] const std::string& name() const;
-  /// Of a component of the registry, or of the combinator that is neither component nor mixture; none of a custom guide.
+  /// Of a component of the registry, or of the combinator that is neither component nor mixture; none of a custom
+  /// guide.
   [[nodiscard]] const Options& options() const;
   // Of a component:
   /// nullptr for a guide of the registry.

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/guide/path_guide.hpp>
 #include <trellis/planner/loop.hpp>
 
 namespace trellis {
@@ -151,8 +152,7 @@ class SplitSearch final : public Planner {
     if (instance.space.contains(q) && instance.valid(q)) return q;
     constexpr int rings = 8;
     constexpr int each = 8;
-    const double robot = instance.scene->robot.bounding_radius();
-    const double reach = robot > 0.0 ? robot : 0.02 * instance.space.diameter();
+    const double reach = natural_distance(instance);
     Stream stream(run_.seed, level_.record().key, fmt::format("sub-goal {}", tries_));
     Configuration at(q.size());
     Configuration away(q.size());

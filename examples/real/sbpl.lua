@@ -1,0 +1,27 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- Planar arms that others made: those of SBPL, with 6 and 20 links, on grids of cells.
+--
+--   trellis run examples/real/sbpl.lua --jobs 2
+--
+-- The goal of each is a cell for the end of the last link. One of the configurations that reach it is chosen, by inverse
+-- kinematics, when the file is read. Links that are no neighbours must not meet.
+
+local problems = {}
+for _, name in ipairs { "env1_6d", "env3_6d", "env1_20d" } do
+  for _, problem in ipairs(scenes.load("sbpl/robarm/" .. name .. ".cfg", { resolution = 0.5 })) do
+    problems[#problems + 1] = problem
+  end
+end
+
+local planner = rrt_connect { step = 0.5 }
+
+return experiment {
+  problems   = problems,
+  strategies = {
+    rrt_connect = planner,
+    joints      = joints { first = 4 } >> planner,
+    lazy        = lazy() >> rrt { step = 0.5 },
+  },
+  seeds   = 3,
+  measure = false,
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <trellis/draw/planar.hpp>
+
+/// How worlds and robots look in all pictures of them.
+namespace trellis::draw {
+
+inline constexpr Colour start_colour = rgb(0x555555);
+inline constexpr Colour obstacle_colour = rgb(0xC9C9C9);
+inline constexpr Colour obstacle_edge = rgb(0x8C8C8C);
+
+Path path_of(const WorldShape& shape, const Transform& map);
+void append(Path& to, const Path& path);
+/// What of a robot is drawn: its parts, or a mark where they are too small to be seen.
+std::vector<Path> robot_paths(const std::vector<WorldShape>& parts, const Transform& map);
+/// The outline of the paths' union, outside of it: within `page` and none of the paths from `at` on.
+void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, std::size_t at = 0);
+void draw_obstacles(Canvas& canvas, const std::vector<WorldShape>& obstacles, const Transform& map);
+
+}  // namespace trellis::draw

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/principal_axes.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct PcaSettings : PathGuideSettings {
+  std::int64_t dimensions = 0;
+  std::int64_t samples = 200;
+  bool ends = true;
+};
+
+const Settings<PcaSettings>& pca_settings() {
+  static const Settings<PcaSettings> settings = with_path_options(
+      Settings<PcaSettings>(Component::Kind::guide, "pca",
+                            "a flat subspace of few dimensions, fitted to valid configurations by principal components",
+                            "Mahoney, Bross and Johnson 2010, Deformable robot motion planning in a reduced-dimension "
+                            "configuration space")
+          .integer("dimensions", &PcaSettings::dimensions, "axes", Range::non_negative(),
+                   "dimension of S, less than that of C; 0: half of C's, rounded up")
+          .integer(
+              "samples", &PcaSettings::samples, "configurations", Range::at_least(1),
+              "valid configurations that the subspace is fitted to; the checks of looking for them are its level's")
+          .boolean("ends", &PcaSettings::ends,
+                   "the subspace goes through start and goal, and the way between them is its first direction; "
+                   "otherwise it goes where the samples say, and start and goal are projected onto it")
+          .positional({"dimensions"}));
+  return settings;
+}
+
+/// How many uniform configurations are looked at, at most, for each valid one that is wanted.
+constexpr std::int64_t tries_per_sample = 50;
+
+/// C as a box of metric coordinates about the start: periodic axes are cut open opposite to it.
+class Chart {
+ public:
+  Chart(Space space, View start) : space_(std::move(space)), start_(start.begin(), start.end()) {
+    for (std::size_t j = 0; j < start_.size(); ++j) {
+      const Axis& axis = space_.axes()[j];
+      lo_.push_back(axis.weight * (axis.periodic ? -0.5 * axis.period() : axis.lo - start_[j]));
+      hi_.push_back(axis.weight * (axis.periodic ? 0.5 * axis.period() : axis.hi - start_[j]));
+    }
+  }
+  void to(View q, std::vector<double>& y) const {
+    y.resize(start_.size());
+    space_.difference(start_, q, y);
+    for (std::size_t j = 0; j < y.size(); ++j) y[j] *= space_.axes()[j].weight;
+  }
+  void from(const std::vector<double>& y, MutableView q) const {
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      const Axis& axis = space_.axes()[j];
+      q[j] = start_[j] + y[j] / axis.weight;
+      // Rounding must not lead out of a bounded axis.
+      if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
+    }
+    space_.normalise(q);
+  }
+  [[nodiscard]] bool contains(const std::vector<double>& y) const {
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      const double slack = 1e-9 * (hi_[j] - lo_[j]);
+      if (y[j] < lo_[j] - slack || y[j] > hi_[j] + slack) return false;
+    }
+    return true;
+  }
+  void clamp(std::vector<double>& y) const {
+    for (std::size_t j = 0; j < y.size(); ++j) y[j] = std::clamp(y[j], lo_[j], hi_[j]);
+  }
+  /// How far one can go from y, inside, along a direction.
+  [[nodiscard]] double room(const std::vector<double>& y, const std::vector<double>& direction) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      if (direction[j] > 0.0) least = std::min(least, (hi_[j] - y[j]) / direction[j]);
+      if (direction[j] < 0.0) least = std::min(least, (lo_[j] - y[j]) / direction[j]);
+    }
+    return std::max(0.0, least);
+  }
+  [[nodiscard]] const Space& space() const { return space_; }
+
+ private:
+  Space space_;
+  Configuration start_;
+  std::vector<double> lo_;
+  std::vector<double> hi_;
+};
+
+/// The subspace: an origin in the chart and orthonormal directions, the first `k` of which span it.
+class Flat {
+ public:
+  Flat(Chart chart, std::vector<double> origin, std::vector<std::vector<double>> axes, std::size_t k)
+      : chart_(std::move(chart)), origin_(std::move(origin)), axes_(std::move(axes)), k_(k) {}
+
+  /// f: the orthogonal projection, in coordinates along the directions.
+  void project(View q, MutableView s) const {
+    std::vector<double> y;
+    chart_.to(q, y);
+    coefficients(y, s);
+  }
+  void coefficients(const std::vector<double>& y, MutableView s) const {
+    for (std::size_t i = 0; i < k_; ++i) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < y.size(); ++j) sum += axes_[i][j] * (y[j] - origin_[j]);
+      s[i] = sum;
+    }
+  }
+  /// The point of the subspace, in the chart.
+  [[nodiscard]] std::vector<double> point(View s) const {
+    std::vector<double> y = origin_;
+    for (std::size_t i = 0; i < k_; ++i) {
+      for (std::size_t j = 0; j < y.size(); ++j) y[j] += s[i] * axes_[i][j];
+    }
+    return y;
+  }
+  /// The configuration there; false where the subspace has left C, with the nearest one.
+  bool at(View s, MutableView q) const {
+    std::vector<double> y = point(s);
+    const bool inside = chart_.contains(y);
+    chart_.clamp(y);
+    chart_.from(y, q);
+    return inside;
+  }
+  /// A configuration that projects to s: on a line through the point of the subspace, in a uniform direction orthogonal
+  /// to it, as far as C goes to either side or less; with one dimension left uniform on the fibre. Where the subspace
+  /// has left C, the nearest configuration.
+  void lift(View s, Stream& stream, MutableView q) const {
+    std::vector<double> y = point(s);
+    const std::size_t m = axes_.size() - k_;
+    if (!chart_.contains(y)) {
+      chart_.clamp(y);
+      chart_.from(y, q);
+      return;
+    }
+    std::vector<double> direction(y.size(), 0.0);
+    double squares = 0.0;
+    for (std::size_t i = k_; i < axes_.size(); ++i) {
+      const double weight = stream.normal();
+      squares += weight * weight;
+      for (std::size_t j = 0; j < y.size(); ++j) direction[j] += weight * axes_[i][j];
+    }
+    for (double& d : direction) d /= std::sqrt(squares);
+    const auto power = static_cast<double>(m);
+    double room = chart_.room(y, direction);
+    const double there = std::pow(room, power);
+    const double back = std::pow(room_behind(y, direction), power);
+    if (stream.uniform() * (there + back) >= there) {
+      for (double& d : direction) d = -d;
+      room = std::pow(back, 1.0 / power);
+    }
+    const double r = room * std::pow(stream.uniform(), 1.0 / power);
+    for (std::size_t j = 0; j < y.size(); ++j) y[j] += r * direction[j];
+    chart_.from(y, q);
+  }
+  /// log of the density of that at q, on the fibre of f(q).
+  [[nodiscard]] double log_fibre_density(View q) const {
+    const std::size_t m = axes_.size() - k_;
+    std::vector<double> y;
+    chart_.to(q, y);
+    std::vector<double> s(k_);
+    coefficients(y, s);
+    const std::vector<double> foot = point(s);
+    if (!chart_.contains(foot)) return -std::numeric_limits<double>::infinity();
+    double squares = 0.0;
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      y[j] -= foot[j];
+      squares += y[j] * y[j];
+    }
+    if (!(squares > 0.0)) {
+      // On the subspace itself every direction would do.
+      y = axes_[k_];
+      squares = 1.0;
+    }
+    for (double& d : y) d /= std::sqrt(squares);
+    const auto power = static_cast<double>(m);
+    const double both = std::pow(chart_.room(foot, y), power) + std::pow(room_behind(foot, y), power);
+    return -(log_unit_ball(m) + std::log(0.5 * both));
+  }
+
+  [[nodiscard]] const Space& parent() const { return chart_.space(); }
+
+ private:
+  [[nodiscard]] double room_behind(const std::vector<double>& y, std::vector<double> direction) const {
+    for (double& d : direction) d = -d;
+    return chart_.room(y, direction);
+  }
+
+  Chart chart_;
+  std::vector<double> origin_;
+  std::vector<std::vector<double>> axes_;
+  std::size_t k_;
+};
+
+/// Validity in S: that of the configuration on the subspace, in C. What the subspace has outside of C is invalid.
+class FlatValidity final : public Validity {
+ public:
+  /// \param c  validity of configurations of C
+  FlatValidity(std::shared_ptr<const Flat> flat, std::shared_ptr<Validity> c)
+      : flat_(std::move(flat)), c_(std::move(c)), a_(flat_->parent().dimension()), b_(a_.size()) {}
+
+  [[nodiscard]] bool state(View s) override { return flat_->at(s, b_) && c_->state(b_); }
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    if (!flat_->at(b, b_)) return {false, 1, 1.0};
+    flat_->at(a, a_);
+    if (!goes_round(a, b)) return c_->motion(a_, b_);
+    // C would go the short way round: here it is the other. Halves are short.
+    Configuration middle(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) middle[i] = 0.5 * (a[i] + b[i]);
+    MotionReport first = motion(a, middle);
+    if (!first.valid) {
+      first.invalid_at *= 0.5;
+      return first;
+    }
+    MotionReport second = motion(middle, b);
+    second.checks += first.checks;
+    if (!second.valid) second.invalid_at = 0.5 + 0.5 * second.invalid_at;
+    return second;
+  }
+  [[nodiscard]] double clearance(View s) override { return flat_->at(s, b_) ? c_->clearance(b_) : 0.0; }
+  [[nodiscard]] std::optional<Contact> contact(View s) override {
+    return flat_->at(s, b_) ? c_->contact(b_) : std::nullopt;
+  }
+
+ private:
+  /// Whether the straight way in S is more than half a turn about some axis.
+  [[nodiscard]] bool goes_round(View a, View b) const {
+    const std::vector<double> from = flat_->point(a);
+    const std::vector<double> to = flat_->point(b);
+    const auto& axes = flat_->parent().axes();
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      if (axes[j].periodic && std::abs(to[j] - from[j]) > 0.49 * axes[j].weight * axes[j].period()) return true;
+    }
+    return false;
+  }
+
+  std::shared_ptr<const Flat> flat_;
+  std::shared_ptr<Validity> c_;
+  Configuration a_;
+  Configuration b_;
+};
+
+class Pca final : public PathGuide {
+ public:
+  explicit Pca(const PcaSettings& settings) : PathGuide("pca", settings), settings_(settings) {}
+
+  std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    const Space& space = parent.space;
+    const std::size_t d = space.dimension();
+    const auto k = settings_.dimensions > 0 ? static_cast<std::size_t>(settings_.dimensions) : (d + 1) / 2;
+    if (k >= d) {
+      throw Error(fmt::format("pca: S must have fewer dimensions than {}, which has {}; got {}", space.name(), d, k));
+    }
+    // Checked for real, whatever the parent presumes, as a smaller robot's space is.
+    const std::shared_ptr<Validity> validity = parent.validity_in(parent.scene);
+    Checks checks;
+    Chart chart(space, parent.start);
+    std::vector<double> points = samples(chart, *validity, checks);
+    std::vector<double> start;
+    std::vector<double> goal;
+    chart.to(parent.start, start);
+    chart.to(parent.goal, goal);
+    std::vector<double> origin = start;
+    if (!settings_.ends) {
+      origin.assign(d, 0.0);
+      const auto count = static_cast<double>(points.size() / d);
+      for (std::size_t i = 0; i < points.size(); ++i) origin[i % d] += points[i] / count;
+      for (std::size_t i = 0; i < points.size(); ++i) points[i] -= origin[i % d];
+    }
+    flat_ = std::make_shared<const Flat>(chart, origin,
+                                         principal_axes(points, settings_.ends ? goal : std::vector<double>{}, d), k);
+
+    // S holds what the samples, the start and the goal project to, and a little more.
+    std::vector<double> lo(k, std::numeric_limits<double>::infinity());
+    std::vector<double> hi(k, -std::numeric_limits<double>::infinity());
+    std::vector<double> s(k);
+    const auto hold = [&](const std::vector<double>& y) {
+      flat_->coefficients(y, s);
+      for (std::size_t i = 0; i < k; ++i) {
+        lo[i] = std::min(lo[i], s[i]);
+        hi[i] = std::max(hi[i], s[i]);
+      }
+    };
+    hold(start);
+    hold(goal);
+    std::vector<double> y(d);
+    for (std::size_t i = 0; i + d <= points.size(); i += d) {
+      for (std::size_t j = 0; j < d; ++j) y[j] = points[i + j] + (settings_.ends ? 0.0 : origin[j]);
+      hold(y);
+    }
+    std::vector<Axis> axes;
+    axes.reserve(k);
+    for (std::size_t i = 0; i < k; ++i) {
+      const double margin = 0.05 * (hi[i] - lo[i]) + 1e-6 * space.diameter();
+      axes.push_back({fmt::format("c{}", i + 1), lo[i] - margin, hi[i] + margin, 1.0, false});
+    }
+    auto instance = std::make_unique<Instance>();
+    instance->space = Space(fmt::format("R^{} of {}", k, space.name()), std::move(axes));
+    instance->scene = parent.scene;
+    instance->validity = std::make_shared<FlatValidity>(flat_, validity);
+    instance->validity_of = [flat = flat_, c = parent](const std::shared_ptr<const Scene>& scene) {
+      return std::make_shared<FlatValidity>(flat, c.validity_in(scene));
+    };
+    instance->start.resize(k);
+    instance->goal.resize(k);
+    flat_->project(parent.start, instance->start);
+    flat_->project(parent.goal, instance->goal);
+    instance->goal_tolerance = parent.goal_tolerance;
+    instance->resolution = parent.resolution;
+    instance->collision = parent.collision;
+    instance->checks = checks;
+    return instance;
+  }
+
+  void project(View q, MutableView s) const override { flat_->project(q, s); }
+  void lift(View s, Stream& stream, MutableView q) const override { flat_->lift(s, stream, q); }
+  [[nodiscard]] double log_fibre_density(View q) const override { return flat_->log_fibre_density(q); }
+
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    Solution lifted{found->status, Configurations(parent.space.dimension()), {}};
+    Configuration q(parent.space.dimension());
+    for (std::size_t i = 0; i < found->path.size(); ++i) {
+      flat_->at(found->path[i], q);
+      lifted.path.push(q);
+    }
+    return PathGuide::heuristic(parent, sub, &lifted);
+  }
+
+ private:
+  /// Valid configurations in the chart, drawn uniformly: the same in every run, as f of an instance is.
+  [[nodiscard]] std::vector<double> samples(const Chart& chart, Validity& validity, Checks& checks) const {
+    const Space& space = chart.space();
+    Stream stream(0, "pca", "samples");
+    std::vector<double> points;
+    points.reserve(static_cast<std::size_t>(settings_.samples) * space.dimension());
+    Configuration q(space.dimension());
+    std::vector<double> y;
+    std::int64_t found = 0;
+    for (std::int64_t i = 0; i < settings_.samples * tries_per_sample && found < settings_.samples; ++i) {
+      space.sample_uniform(stream, q);
+      ++checks.validity;
+      if (!validity.state(q)) continue;
+      chart.to(q, y);
+      points.insert(points.end(), y.begin(), y.end());
+      ++found;
+    }
+    if (found == 0) {
+      throw Error(
+          fmt::format("pca: none of {} configurations of {} that were looked at is valid, so that there is "
+                      "nothing to fit a subspace to",
+                      settings_.samples * tries_per_sample, space.name()));
+    }
+    return points;
+  }
+
+  PcaSettings settings_;
+  std::shared_ptr<const Flat> flat_;
+};
+
+}  // namespace
+
+GuideKind pca_kind() {
+  GuideClaims claims = path_claims(
+      GuideClaims::Category::robot,
+      "q -> its orthogonal projection onto the subspace, in coordinates along it; periodic axes are cut open opposite "
+      "to "
+      "the start; valid in S is what is valid in C on the subspace itself",
+      "S has no path; with `ends` start and goal lie on the subspace, so that they are as valid in S as in C",
+      "examples/pca.lua");
+  claims.h =
+      "a point of the path found on the subspace, which is one of C, from the stretch just beyond what the tree has "
+      "reached, then uniform on a ball about it in C; or the path's points in turn";
+  claims.relaxes = false;
+  return {&pca_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Pca>(pca_settings().read(o)); },
+          "rrt_connect", [](const Options& o) { return pca_settings().read(o).resolves; }, std::move(claims)};
+}
+
+}  // namespace trellis

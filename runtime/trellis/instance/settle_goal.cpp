@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/instance/settle_goal.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/base/random.hpp>
+#include <trellis/collision/checker.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Inverse kinematics of one point by damped least squares.
+class Kinematics {
+ public:
+  Kinematics(const Problem& problem, const Reach& reach)
+      : robot_(problem.scene->robot),
+        space_(problem.space),
+        reach_(reach),
+        poses_(robot_.bodies().size()),
+        columns_(problem.space.dimension()) {}
+
+  /// Moves q until its point lies at the target to within `near`; whether it got there.
+  bool bring(Configuration& q, Vec2 target, double near) {
+    constexpr int most_steps = 200;
+    constexpr double step = 1e-6;  // of the differences
+    constexpr double longest = 1.0;
+    for (int i = 0; i < most_steps; ++i) {
+      const Vec2 at = point(q);
+      Vec2 way = target - at;
+      const double distance = norm(way);
+      if (distance <= near) return true;
+      if (distance > longest) way = longest / distance * way;
+      double xx = 0.0;
+      double xy = 0.0;
+      double yy = 0.0;
+      for (std::size_t j = 0; j < columns_.size(); ++j) {
+        const double before = q[j];
+        q[j] = before + step;
+        // Per metre of the metric, so that the axes share the way as the metric counts them.
+        columns_[j] = 1.0 / (step * space_.axes()[j].weight) * (point(q) - at);
+        q[j] = before;
+        xx += columns_[j].x * columns_[j].x;
+        xy += columns_[j].x * columns_[j].y;
+        yy += columns_[j].y * columns_[j].y;
+      }
+      const double damping = 1e-4 * (xx + yy) + std::numeric_limits<double>::min();
+      xx += damping;
+      yy += damping;
+      const double determinant = xx * yy - xy * xy;
+      if (!(determinant > 0.0)) return false;
+      const Vec2 force{(yy * way.x - xy * way.y) / determinant, (xx * way.y - xy * way.x) / determinant};
+      for (std::size_t j = 0; j < columns_.size(); ++j) {
+        const Axis& axis = space_.axes()[j];
+        q[j] += dot(columns_[j], force) / axis.weight;
+        if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
+      }
+      space_.normalise(q);
+    }
+    return false;
+  }
+
+ private:
+  Vec2 point(View q) {
+    robot_.place(q, poses_);
+    return poses_[reach_.body](reach_.point);
+  }
+
+  const Robot& robot_;
+  const Space& space_;
+  const Reach& reach_;
+  std::vector<Pose2> poses_;
+  std::vector<Vec2> columns_;  ///< of the Jacobian
+};
+
+}  // namespace
+
+bool reaches(const Robot& robot, const Reach& reach, View q) {
+  std::vector<Pose2> poses(robot.bodies().size());
+  robot.place(q, poses);
+  const Vec2 p = poses.at(reach.body)(reach.point);
+  const auto& [lo, hi] = reach.box;
+  return lo.x <= p.x && p.x <= hi.x && lo.y <= p.y && p.y <= hi.y;
+}
+
+void settle_goal(Problem& problem) {
+  if (!problem.reach) return;
+  constexpr int tries = 4000;
+  constexpr int wanted = 40;
+  // Turns of the start's coordinates, in turn: near it there are the more valid ones, far from it others.
+  constexpr std::array<double, 6> spreads = {0.02, 0.1, 0.3, 0.6, 1.0, 0.0};
+  const Reach& reach = *problem.reach;
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  Kinematics kinematics(problem, reach);
+  const Vec2 middle = 0.5 * (reach.box.lo + reach.box.hi);
+  const Vec2 half = 0.5 * (reach.box.hi - reach.box.lo);
+  const double near = 0.05 * std::min(half.x, half.y);
+  Stream stream(0, problem.name, "goal");
+  std::optional<Configuration> best;
+  double least = std::numeric_limits<double>::infinity();
+  Configuration q(problem.space.dimension());
+  for (int i = 0, found = 0; i < tries && found < wanted; ++i) {
+    problem.space.sample_uniform(stream, q);
+    const double spread = spreads.at(static_cast<std::size_t>(i) % spreads.size());
+    if (spread > 0.0) {
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] = problem.start[j] + spread * stream.normal();
+      problem.space.reflect(q);
+    }
+    const Vec2 target =
+        middle + Vec2{0.9 * half.x * stream.uniform(-1.0, 1.0), 0.9 * half.y * stream.uniform(-1.0, 1.0)};
+    if (!kinematics.bring(q, target, near) || !reaches(problem.scene->robot, reach, q) || !checker->valid(q)) continue;
+    ++found;
+    const double distance = problem.space.distance(problem.start, q);
+    if (distance >= least) continue;
+    least = distance;
+    best = q;
+  }
+  if (!best) {
+    throw Error(
+        fmt::format("problem '{}': no valid configuration brings {} into the box ({:g}, {:g}) to ({:g}, {:g}), of {} "
+                    "that were tried",
+                    problem.name, problem.scene->robot.body_name(reach.body), reach.box.lo.x, reach.box.lo.y,
+                    reach.box.hi.x, reach.box.hi.y, tries));
+  }
+  problem.goal = *best;
+}
+
+}  // namespace trellis

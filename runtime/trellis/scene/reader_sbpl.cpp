@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <trellis/scene/reader_formats.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Links are lines in these files; ours are this share of a cell wide.
+constexpr double link_width = 0.1;
+
+constexpr std::array<const char*, 6> headings = {
+    "environmentsize(meters):", "discretization(cells):",    "basex(cells):",
+    "linklengths(meters):",     "linkstartangles(degrees):", "endeffectorgoal(cells):"};
+constexpr const char* grid_heading = "environment:";
+
+/// The file's lines by what they begin with, and its grid.
+class ArmFile {
+ public:
+  explicit ArmFile(const SourceText& text) : text_(text) {
+    std::size_t i = 0;
+    for (; i < text.lines.size(); ++i) {
+      auto words = words_of(text.lines[i]);
+      if (words.empty()) continue;
+      if (words[0] == grid_heading) break;
+      const auto known = std::find(headings.begin(), headings.end(), words[0]);
+      if (known == headings.end()) {
+        throw text.error(
+            i + 1, fmt::format("'{}', expected one of {} or {}", words[0], fmt::join(headings, ", "), grid_heading));
+      }
+      const std::string heading = words[0];
+      words.erase(words.begin());
+      if (!fields_.emplace(heading, Field{i + 1, std::move(words)}).second) {
+        throw text.error(i + 1, fmt::format("'{}' for the second time", heading));
+      }
+    }
+    if (i == text.lines.size()) throw text.error(std::max<std::size_t>(i, 1), fmt::format("no '{}'", grid_heading));
+    grid_line_ = i + 2;
+    for (++i; i < text.lines.size(); ++i) {
+      auto words = words_of(text.lines[i]);
+      if (!words.empty()) grid_.push_back({i + 1, std::move(words)});
+    }
+  }
+
+  /// The numbers of a field; `count` of them, where that is not 0.
+  [[nodiscard]] std::vector<double> numbers(const char* heading, std::size_t count) const {
+    const auto at = fields_.find(heading);
+    if (at == fields_.end()) throw text_.error(grid_line_ - 1, fmt::format("'{}' is missing above", heading));
+    const auto& [line, words] = at->second;
+    if (words.empty() || (count > 0 && words.size() != count)) {
+      throw text_.error(line,
+                        fmt::format("{} {} number{}, expected {}", heading, words.size(), words.size() == 1 ? "" : "s",
+                                    count > 0 ? fmt::format("{}", count) : std::string("one for each link")));
+    }
+    std::vector<double> numbers;
+    numbers.reserve(words.size());
+    for (const auto& word : words) {
+      double value = 0.0;
+      const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+      if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+        throw text_.error(line, fmt::format("{} '{}', expected a finite number", heading, word));
+      }
+      numbers.push_back(value);
+    }
+    return numbers;
+  }
+
+  /// A number of cells, at least 0 and below `end`.
+  [[nodiscard]] std::size_t cell(const char* heading, double value, double end) const {
+    if (!(value >= 0.0) || !(value < end) || value != std::floor(value)) {
+      throw text_.error(
+          fields_.at(heading).line,
+          fmt::format("{} {:g}, expected a whole number of at least 0 and below {:g}", heading, value, end));
+    }
+    return static_cast<std::size_t>(value);
+  }
+
+  /// Whether each cell is taken, row by row from the top.
+  [[nodiscard]] std::vector<std::vector<bool>> grid(std::size_t columns, std::size_t rows) const {
+    if (grid_.size() != rows) {
+      throw text_.error(grid_.empty() ? grid_line_ - 1 : grid_.back().line,
+                        fmt::format("the grid has {} rows, expected {}", grid_.size(), rows));
+    }
+    std::vector<std::vector<bool>> taken;
+    taken.reserve(rows);
+    for (const auto& [line, words] : grid_) {
+      if (words.size() != columns) {
+        throw text_.error(line, fmt::format("a row of {} cells, expected {}", words.size(), columns));
+      }
+      std::vector<bool> row;
+      row.reserve(columns);
+      for (const auto& word : words) {
+        if (word != "0" && word != "1") throw text_.error(line, fmt::format("a cell is '{}', expected 0 or 1", word));
+        row.push_back(word == "1");
+      }
+      taken.push_back(std::move(row));
+    }
+    return taken;
+  }
+
+  [[nodiscard]] Error error(const char* heading, const std::string& fault) const {
+    return text_.error(fields_.at(heading).line, fault);
+  }
+
+ private:
+  struct Field {
+    std::size_t line;
+    std::vector<std::string> words;
+  };
+
+  const SourceText& text_;
+  std::map<std::string, Field> fields_;
+  std::vector<Field> grid_;
+  std::size_t grid_line_ = 0;  ///< the first line of the grid
+};
+
+/// The cells that are taken, as few rectangles as a sweep from the top makes of them.
+std::vector<Obstacle> obstacles_of(std::vector<std::vector<bool>> taken, double width, double height) {
+  std::vector<Obstacle> obstacles;
+  const std::size_t rows = taken.size();
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < taken[r].size(); ++c) {
+      if (!taken[r][c]) continue;
+      std::size_t right = c;
+      while (right < taken[r].size() && taken[r][right]) ++right;
+      const auto whole = [&](std::size_t row) {
+        return std::all_of(taken[row].begin() + static_cast<std::ptrdiff_t>(c),
+                           taken[row].begin() + static_cast<std::ptrdiff_t>(right), [](bool cell) { return cell; });
+      };
+      std::size_t below = r;
+      while (below < rows && whole(below)) {
+        std::fill(taken[below].begin() + static_cast<std::ptrdiff_t>(c),
+                  taken[below].begin() + static_cast<std::ptrdiff_t>(right), false);
+        ++below;
+      }
+      const Box2 box{{static_cast<double>(c) * width, static_cast<double>(rows - below) * height},
+                     {static_cast<double>(right) * width, static_cast<double>(rows - r) * height}};
+      obstacles.push_back({fmt::format("cells {} to {} of rows {} to {}", c, right - 1, r, below - 1), box});
+    }
+  }
+  return obstacles;
+}
+
+}  // namespace
+
+bool is_sbpl_arm(const SourceText& text) {
+  return !text.lines.empty() && text.lines[0].starts_with(headings[0]) &&
+         std::any_of(text.lines.begin(), text.lines.end(),
+                     [](const std::string& line) { return line.starts_with("linklengths"); });
+}
+
+std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& options) {
+  const ArmFile file(text);
+  const auto size = file.numbers(headings[0], 2);
+  if (!(size[0] > 0.0) || !(size[1] > 0.0)) throw file.error(headings[0], "the size must be greater than 0");
+  const auto cells = file.numbers(headings[1], 2);
+  constexpr double most_cells = 1e4;
+  const std::size_t columns = file.cell(headings[1], cells[0], most_cells);
+  const std::size_t rows = file.cell(headings[1], cells[1], most_cells);
+  if (columns == 0 || rows == 0) throw file.error(headings[1], "the grid has no cells");
+  const double width = size[0] / cells[0];
+  const double height = size[1] / cells[1];
+
+  Arm arm;
+  arm.links = file.numbers(headings[3], 0);
+  arm.widths.assign(arm.links.size(), link_width * std::min(width, height));
+  const double base = static_cast<double>(file.cell(headings[2], file.numbers(headings[2], 1)[0], cells[0]));
+  arm.base = {(base + 0.5) * width, 0.5 * height};
+  if (std::any_of(arm.links.begin(), arm.links.end(), [](double length) { return !(length > 0.0); })) {
+    throw file.error(headings[3], "lengths of links must be greater than 0");
+  }
+
+  // The angles of the file are in the world, ours relative to the link before.
+  const auto angles = file.numbers(headings[4], arm.links.size());
+  Configuration start;
+  start.reserve(angles.size());
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    start.push_back((angles[i] - (i > 0 ? angles[i - 1] : 0.0)) * std::numbers::pi / 180.0);
+  }
+
+  const auto goal = file.numbers(headings[5], 2);
+  const double column = static_cast<double>(file.cell(headings[5], goal[0], cells[0]));
+  const double row = static_cast<double>(file.cell(headings[5], goal[1], cells[1]));
+  Reach reach;
+  reach.body = arm.links.size() - 1;
+  reach.point = {arm.links.back(), 0.0};
+  reach.box = {{column * width, (cells[1] - row - 1.0) * height}, {(column + 1.0) * width, (cells[1] - row) * height}};
+
+  auto scene = std::make_shared<const Scene>(Scene{
+      World({{0.0, 0.0}, {size[0], size[1]}}, obstacles_of(file.grid(columns, rows), width, height)), Robot::arm(arm)});
+  const std::string name = std::filesystem::path(text.path).stem().string();
+  Problem problem = problem_in(fmt::format("robarm/{}", name), std::move(scene), options, start, start);
+  problem.goal.clear();
+  problem.reach = reach;
+  return {std::move(problem)};
+}
+
+}  // namespace trellis
