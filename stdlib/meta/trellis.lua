@@ -40,7 +40,7 @@
 ---@field world trellis.World as world { ... } makes it
 ---@field robot trellis.Robot as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] the goal configuration, likewise
+---@field goal number[] the goal configuration, in metres and radians
 ---@field motion trellis.Motion how the robot is driven; without one it moves straight to any configuration
 ---@field resolution number how far the robot's fastest point moves between two checked configurations
 ---@field collision string the collision backend
@@ -469,7 +469,7 @@
 ---@field world trellis.World a world: as world { ... } makes it
 ---@field robot trellis.Robot a robot: as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] a list of numbers: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] a list of numbers: the goal configuration, likewise
+---@field goal number[] a list of numbers: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -566,7 +566,7 @@
 ---@field world? trellis.World a world; default a world of 2 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -579,7 +579,7 @@
 ---@field world? trellis.World a world; default a world of 10 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -592,7 +592,7 @@
 ---@field world? trellis.World a world; default a world of 3 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
