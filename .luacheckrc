@@ -4,7 +4,8 @@
 stds.trellis = {
   read_globals = {
     "rrt", "rrt_connect", "prm", "lazy_prm", "kinodynamic_rrt", "graph_search",
-    "uniform", "goal_bias", "gaussian", "bridge_test", "identity", "skeleton", "shrink", "lazy", "holonomic",
+    "uniform", "goal_bias", "gaussian", "bridge_test", "obstacle_based", "medial_axis", "halton", "informed",
+    "identity", "workspace", "skeleton", "shrink", "widen", "lazy", "drop", "aggregate", "holonomic",
     "decomposition",
     "tube", "near_optimal", "progress",
     "knn", "exact", "kde", "histogram", "legacy",

@@ -27,7 +27,10 @@ local sledge = problem {
   name = "sledge",
   world = depot,
   robot = robot.rectangle(0.5, 0.3),
-  motion = motion.unicycle2 { max_speed = 1, max_angular_speed = 1.5, max_acceleration = 1, max_angular_acceleration = 3 },
+  motion = motion.unicycle2 {
+    max_speed = 1, max_angular_speed = 1.5,
+    max_acceleration = 1, max_angular_acceleration = 3,
+  },
   start = {1.2, 1, math.pi / 2, 0, 0},
   goal = {7, 5, math.pi / 2, 0, 0},
   goal_tolerance = 0.5,

@@ -58,8 +58,11 @@ void read_option(const Component& component, const std::string& name, Value valu
   if (taken) {
     throw Error(fmt::format("{}: option '{}' is given twice, with its name and without", component.name, name));
   }
-  const auto converted = option_value(value);
-  if (const Option* option = component.find(name); option != nullptr && !converted) {
+  const Option* option = component.find(name);
+  const bool list = value.type() == Type::table;
+  const auto converted =
+      option != nullptr && list && option->type != Option::Type::names ? std::nullopt : option_value(value);
+  if (option != nullptr && !converted) {
     throw Error(
         fmt::format("{}: option '{}' must be {}, got {}", component.name, name, expectation(*option), describe(value)));
   }

@@ -207,7 +207,7 @@ const Construct& problem_construct() {
                  {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
                  {"start", "number[]", "a list of numbers",
                   "the start configuration, in metres and radians; with a motion model its velocities follow", true},
-                 {"goal", "number[]", "a list of numbers", "the goal configuration, likewise", true},
+                 {"goal", "number[]", "a list of numbers", "the goal configuration, in metres and radians", true},
                  {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
                   "how the robot is driven; without one it moves straight to any configuration"}},
       .options = problem_settings().component(),

@@ -40,7 +40,7 @@
 ---@field world trellis.World as world { ... } makes it
 ---@field robot trellis.Robot as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] the goal configuration, likewise
+---@field goal number[] the goal configuration, in metres and radians
 ---@field motion trellis.Motion how the robot is driven; without one it moves straight to any configuration
 ---@field resolution number how far the robot's fastest point moves between two checked configurations
 ---@field collision string the collision backend
@@ -186,6 +186,19 @@
 ---@field sigma? number a number greater than 0 (m in the metric); default 0.5: standard deviation, per axis, of the distance between the two configurations of a pair
 ---@field tries? integer an integer at least 1 (pairs); default 100: pairs tried before a uniform proposal is made instead
 
+---What `obstacle_based` takes.
+---@class trellis.obstacle_based.Options
+---@field tries? integer an integer at least 1 (configurations); default 100: configurations tried as the inside of an obstacle before a uniform proposal is made instead
+
+---What `medial_axis` takes.
+---@class trellis.medial_axis.Options
+---@field rays? integer an integer in [2, 1024] (rays); default 8: directions in which the nearest way out is looked for where a configuration is invalid
+---@field tries? integer an integer at least 1 (configurations); default 100: configurations tried, where none can be moved out, before a uniform proposal is made instead
+
+---What `informed` takes.
+---@class trellis.informed.Options
+---@field cost? number a number greater than 0 (m in the metric); default math.huge: length that paths of interest are below, before one is known; infinite: none
+
 ---What `identity` takes.
 ---@class trellis.identity.Options
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
@@ -197,6 +210,16 @@
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
+
+---What `workspace` takes.
+---@class trellis.workspace.Options
+---@field [1]? number `cell` without its name
+---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
+---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `skeleton` takes.
 ---@class trellis.skeleton.Options
@@ -224,6 +247,20 @@
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
+---What `widen` takes.
+---@class trellis.widen.Options
+---@field [1]? number `distance` without its name
+---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
+---@field distance? number a number at least 0 (m); default 0: how far the sides of obstacles move inwards; what is not twice as thick vanishes; 0: a quarter of the robot's bounding radius, or half a percent of the world's diagonal for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
+
 ---What `lazy` takes.
 ---@class trellis.lazy.Options
 ---@field planner? trellis.Planner a planner; default lazy_prm(): searches the guide's own space
@@ -233,6 +270,30 @@
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
+
+---What `drop` takes.
+---@class trellis.drop.Options
+---@field [integer] string `obstacles` without its name
+---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
+---@field obstacles? string[] a list of names; default {}: names of obstacles that are left out, as the world gives them (name = ...) or messages ("obstacle 3"); none: all
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 100: how often its space may be solved again
+
+---What `aggregate` takes.
+---@class trellis.aggregate.Options
+---@field [1]? number `error` without its name
+---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
+---@field error? number a number at least 0 (m); default 0: how far a hull may be from the obstacles that it stands for, at first; 0: the robot's bounding radius, or 2 % of the world's diagonal for a point
+---@field refinements? integer an integer in [0, 16] (times); default 3: how often the error is halved where S has no path; then S has the obstacles themselves
+---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search among hulls of one error, and among the obstacles themselves
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `holonomic` takes.
 ---@class trellis.holonomic.Options
@@ -408,7 +469,7 @@
 ---@field world trellis.World a world: as world { ... } makes it
 ---@field robot trellis.Robot a robot: as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] a list of numbers: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] a list of numbers: the goal configuration, likewise
+---@field goal number[] a list of numbers: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -505,7 +566,7 @@
 ---@field world? trellis.World a world; default a world of 2 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -518,7 +579,7 @@
 ---@field world? trellis.World a world; default a world of 10 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -531,7 +592,7 @@
 ---@field world? trellis.World a world; default a world of 3 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, likewise
+---@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -790,9 +851,9 @@ function lazy_prm(options) end
 ---@return trellis.Planner
 function kinodynamic_rrt(options) end
 
----exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper
+---exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; edges that nobody has looked at are checked as the search comes to them (A*)
 ---
----Source: Dijkstra 1959
+---Source: Dijkstra 1959; Hart, Nilsson and Raphael 1968
 ---@param options? trellis.graph_search.Options
 ---@return trellis.Planner
 function graph_search(options) end
@@ -827,12 +888,47 @@ function gaussian(options) end
 ---@overload fun(sigma: number, options?: trellis.bridge_test.Options): trellis.Guide
 function bridge_test(options) end
 
+---configurations at the surface of obstacles: from an invalid one along a random ray until it is valid; S = {0}
+---
+---Source: Amato and Wu 1996, A randomized roadmap method for path and manipulation planning (OBPRM)
+---@param options? trellis.obstacle_based.Options
+---@return trellis.Guide
+function obstacle_based(options) end
+
+---uniform configurations moved, as they are turned, away from the nearest obstacle until another is as near; invalid ones are moved out first; S = {0}
+---
+---Source: Wilmarth, Amato and Stiller 1999, MAPRM: a probabilistic roadmap planner with sampling on the medial axis
+---@param options? trellis.medial_axis.Options
+---@return trellis.Guide
+function medial_axis(options) end
+
+---the Halton sequence, moved round the space by a seeded shift: spread more evenly than uniform samples; S = {0}
+---
+---Source: Halton 1960; in planning: LaValle, Branicky and Lindemann 2004; the shift: Cranley and Patterson 1976
+---@return trellis.Guide
+function halton() end
+
+---only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and goal; uniform while no path is known; S = {0}
+---
+---Source: Gammell, Srinivasa and Barfoot 2014, Informed RRT*
+---@param options? trellis.informed.Options
+---@return trellis.Guide
+function informed(options) end
+
 ---S = C, f the identity: the instance itself is solved first, and its path guides
 ---
 ---Source: Attali et al. 2022, the perfect guiding space
 ---@param options? trellis.identity.Options
 ---@return trellis.Guide
 function identity(options) end
+
+---the robot as a free point: the shortest way of its reference point among the obstacles, on a grid or by the planner given
+---
+---Source: Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, Sandstrom, Bregger and Amato 2016
+---@param options? trellis.workspace.Options
+---@return trellis.Guide
+---@overload fun(cell: number, options?: trellis.workspace.Options): trellis.Guide
+function workspace(options) end
 
 ---the medial axis of the free workspace as a graph; dynamic regions travel along it, directed from start to goal, and proposals come from them
 ---
@@ -849,12 +945,36 @@ function skeleton(options) end
 ---@overload fun(scale: number, options?: trellis.shrink.Options): trellis.Guide
 function shrink(options) end
 
+---the same robot in a world whose obstacles are eroded, each by itself: wider passages
+---
+---Source: Hsu, Sanchez-Ante, Cheng and Latombe 2006, Multi-level free-space dilation; Saha, Latombe, Chang and Prinz 2005
+---@param options? trellis.widen.Options
+---@return trellis.Guide
+---@overload fun(distance: number, options?: trellis.widen.Options): trellis.Guide
+function widen(options) end
+
 ---the world without obstacle checks: everything is presumed valid until C finds it is not; what it finds invalid is taken out of S, and S is solved again
 ---
 ---Source: Bohlin and Kavraki 2000, Path planning using lazy PRM
 ---@param options? trellis.lazy.Options
 ---@return trellis.Guide
 function lazy(options) end
+
+---the world without some of its obstacles; each comes back when it is found to be in the way
+---
+---Source: Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; with feedback as in Bohlin and Kavraki 2000
+---@param options? trellis.drop.Options
+---@return trellis.Guide
+---@overload fun(...: string): trellis.Guide
+function drop(options) end
+
+---obstacles near one another are merged into convex hulls, coarse at first: every path found in S is valid in C
+---
+---Source: Ghosh, Thomas, Morales, Rodriguez and Amato 2016, Motion planning using hierarchical aggregation of workspace obstacles
+---@param options? trellis.aggregate.Options
+---@return trellis.Guide
+---@overload fun(error: number, options?: trellis.aggregate.Options): trellis.Guide
+function aggregate(options) end
 
 ---the robot without its motion model: configurations without velocities, joined by straight motions; velocities are drawn uniformly about the path found
 ---

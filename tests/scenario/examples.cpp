@@ -424,7 +424,7 @@ SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[e
     const Result& result = run("real/dynobench.lua");
     INFO(result.outcome.err);
     REQUIRE(result.outcome.status == 0);
-    THEN("each is solved by a guided strategy in every run") {
+    THEN("each is solved in three of nine guided runs at least") {
       std::map<std::string, int> solved;
       for (const auto* strategy : {"holonomic", "decomposition", "nested"}) {
         for (const auto& run : runs_of(result.document, strategy)) {

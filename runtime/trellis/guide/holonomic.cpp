@@ -135,7 +135,7 @@ class Holonomic final : public PathGuide {
     std::vector<std::size_t> axes(kept);
     std::iota(axes.begin(), axes.end(), std::size_t{0});
     std::string name = parent.space.name();
-    if (kept < parent.space.dimension()) name = name.substr(0, name.rfind(" x "));
+    if (kept < parent.space.dimension()) name.resize(name.rfind(" x "));
     projection_ = std::make_shared<AxisProjection>(parent.space, axes, name);
     std::vector<Axis> drawn = parent.space.axes();
     for (std::size_t j = kept; j < drawn.size(); ++j) {
