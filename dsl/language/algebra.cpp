@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -153,31 +152,6 @@ int constructor_text(Stack& call) {
   if (constructor == nullptr) return call.result(call[1].describe());
   const auto& [kind, name, summary, source, options, positional] = *constructor->component;
   return call.result(fmt::format("{}: {}, {}", name, to_string(kind), summary));
-}
-
-/// The names of files among the options, as they are looked for: in the script's folder. Throws Error for one that a
-/// script may not reach, and where there is no file of a name that was given.
-void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place) {
-  for (const Option& option : component.options) {
-    if (option.type != Option::Type::choice || !option.choices.empty()) continue;
-    auto entry = std::find_if(given.begin(), given.end(), [&](const auto& e) { return e.first == option.name; });
-    const bool by_default = entry == given.end();
-    if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});
-    auto* file = std::get_if<std::string>(&entry->second);
-    if (file == nullptr || file->empty()) continue;  // what is wrong with it is told where options are validated
-    if (!place.trust && !lies_within(*file, {place.folder})) {
-      throw Error(fmt::format(
-          "{}: option '{}': '{}' does not lie in the script's folder; --trust lets a script that you trust read it",
-          component.name, option.name, *file));
-    }
-    const std::filesystem::path path = (std::filesystem::path(place.folder) / *file).lexically_normal();
-    std::error_code ignored;
-    if (!by_default && !std::filesystem::exists(path, ignored)) {
-      throw Error(fmt::format("{}: option '{}': there is no file '{}': {}", component.name, option.name, path.string(),
-                              option.doc));
-    }
-    *file = path.string();
-  }
 }
 
 int construct(Stack& call, const ScriptPlace& place) {
@@ -357,7 +331,7 @@ void open_algebra(Stack& stack, const ScriptPlace& place) {
     stack.push_object(Constructor{component});
     stack.set_global(component->name);
   }
-  open_combinators(stack);
+  open_combinators(stack, place);
   stack.push_function(make_ablations);
   stack.set_global(ablations_construct().name);
 }

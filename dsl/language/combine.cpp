@@ -127,12 +127,13 @@ class Rounds {
     }
   }
 
-  [[nodiscard]] std::vector<GuideSpec> guides(const Origin& origin) const {
+  [[nodiscard]] std::vector<GuideSpec> guides(const Origin& origin, const ScriptPlace& place) const {
     std::vector<GuideSpec> parts;
     parts.reserve(rounds_);
     for (std::size_t round = 0; round < rounds_; ++round) {
       std::vector<Options::Entry> given = each_;
       for (const auto& [name, values] : lists_) given.push_back(values[round]);
+      place_files(guide_, given, place);
       parts.push_back(GuideSpec::make(guide_.name, given, planner_, origin));
     }
     return parts;
@@ -186,7 +187,7 @@ class Rounds {
   std::optional<PlannerSpec> planner_;
 };
 
-int make_schedule(Stack& call) {
+int make_schedule(Stack& call, const ScriptPlace& place) {
   if (call.count() == 1 && call[1].type() == Type::table) {
     const Constructor* constructor = nullptr;
     call[1].each([&](std::size_t i, Value value) {
@@ -196,7 +197,7 @@ int make_schedule(Stack& call) {
       Origin origin;
       if (const auto position = call.where()) origin = {position->script, position->line};
       const Rounds rounds(*constructor->component, call[1]);
-      const std::vector<GuideSpec> parts = rounds.guides(origin);
+      const std::vector<GuideSpec> parts = rounds.guides(origin, place);
       check_size(parts.size());
       return call.result(schedule(parts, schedule_settings().read(rounds.options())));
     }
@@ -247,12 +248,13 @@ std::vector<const Construct*> combinator_constructs() {
   return {&sequence_construct(), &blend_construct(), &schedule_construct(), &race_construct(), &split_construct()};
 }
 
-void open_combinators(Stack& stack) {
-  const std::array<std::pair<const Construct*, lua::Callback>, 5> all = {{{&sequence_construct(), make_sequence},
-                                                                          {&blend_construct(), make_blend},
-                                                                          {&schedule_construct(), make_schedule},
-                                                                          {&race_construct(), make_race},
-                                                                          {&split_construct(), make_split}}};
+void open_combinators(Stack& stack, const ScriptPlace& place) {
+  const std::array<std::pair<const Construct*, lua::Callback>, 5> all = {
+      {{&sequence_construct(), make_sequence},
+       {&blend_construct(), make_blend},
+       {&schedule_construct(), [place](Stack& call) { return make_schedule(call, place); }},
+       {&race_construct(), make_race},
+       {&split_construct(), make_split}}};
   for (const auto& [construct, make] : all) {
     stack.push_function(make);
     stack.set_global(construct->name);

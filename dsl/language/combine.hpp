@@ -10,7 +10,7 @@
 namespace trellis::dsl {
 
 /// Makes the combinators known that are written by name: sequence, blend, schedule, race and split.
-void open_combinators(lua::Stack& stack);
+void open_combinators(lua::Stack& stack, const ScriptPlace& place);
 
 /// They as they are described, in the order of the reference.
 std::vector<const Construct*> combinator_constructs();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <dsl/language/measure.hpp>
 
@@ -256,6 +257,29 @@ std::vector<double> read_numbers(Value value, const std::string& what) {
     numbers.push_back(*number);
   });
   return numbers;
+}
+
+void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place) {
+  for (const Option& option : component.options) {
+    if (option.type != Option::Type::choice || !option.choices.empty()) continue;
+    auto entry = std::find_if(given.begin(), given.end(), [&](const auto& e) { return e.first == option.name; });
+    const bool by_default = entry == given.end();
+    if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});
+    auto* file = std::get_if<std::string>(&entry->second);
+    if (file == nullptr || file->empty()) continue;  // what is wrong with it is told where options are validated
+    if (!place.trust && !lies_within(*file, {place.folder})) {
+      throw Error(fmt::format(
+          "{}: option '{}': '{}' does not lie in the script's folder; --trust lets a script that you trust read it",
+          component.name, option.name, *file));
+    }
+    const std::filesystem::path path = (std::filesystem::path(place.folder) / *file).lexically_normal();
+    std::error_code ignored;
+    if (!by_default && !std::filesystem::exists(path, ignored)) {
+      throw Error(fmt::format("{}: option '{}': there is no file '{}': {}", component.name, option.name, path.string(),
+                              option.doc));
+    }
+    *file = path.string();
+  }
 }
 
 lua::Callback missing_field(const std::string& module) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <dsl/language/script_place.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/lua/stack.hpp>
 
@@ -81,6 +82,10 @@ void read_option(const Component& component, const std::string& name, lua::Value
 
 /// The finite numbers in a list. `what` names it in messages: "problem: field 'start'".
 std::vector<double> read_numbers(lua::Value value, const std::string& what);
+
+/// The names of files among the options, as they are looked for: in the script's folder. Throws Error for one that a
+/// script may not reach, and where there is no file of a name that was given.
+void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place);
 
 /// For lua::Stack::on_missing: reading a field that a module does not have is an error with the nearest name.
 lua::Callback missing_field(const std::string& module);

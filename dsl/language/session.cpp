@@ -129,6 +129,8 @@ void Session::as_script(const std::string& text, const std::string& name, const 
     silent.print = [quiet, print = options.print](const std::string& said) {
       if (!*quiet && print) print(said);
     };
+    // What its scenarios are was written down when it was loaded first.
+    if (options.scenarios) silent.scenarios = std::make_shared<ScenarioBook>();
     Session session(folder, silent);
     session.silence(quiet);
     session.run(text, name, [](lua::Stack&) {});

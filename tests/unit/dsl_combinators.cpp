@@ -86,5 +86,7 @@ TEST_CASE("what the combinators refuse names what is wrong") {
   CHECK(failure("schedule { shrink, scale = {0.3, 'x'} }").find("option 'scale' must be a number") !=
         std::string::npos);
   CHECK(failure("split { skeleton() }").find("split { skeleton() >> rrt {} }") != std::string::npos);
+  CHECK(failure("schedule { experience, db = {'../a.db', '../b.db'} }").find("does not lie in the script's folder") !=
+        std::string::npos);
   CHECK(failure("race {}").find("needs at least one guide") != std::string::npos);
 }

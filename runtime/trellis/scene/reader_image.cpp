@@ -112,8 +112,10 @@ std::vector<Problem> read_image(const std::string& path, const ReadOptions& opti
   const std::string name = file.parent_path().parent_path().filename().string() + "/" +
                            file.parent_path().filename().string() + "/" + file.stem().string();
   // The middles of the pixels in the corners.
-  return {problem_in(name, std::move(scene), options, {0.5 * pixel, 0.5 * pixel},
-                     {width - 0.5 * pixel, height - 0.5 * pixel})};
+  Problem problem = problem_in(name, std::move(scene), options);
+  problem.start = {0.5 * pixel, 0.5 * pixel};
+  problem.goal = {width - 0.5 * pixel, height - 0.5 * pixel};
+  return {std::move(problem)};
 }
 
 }  // namespace trellis

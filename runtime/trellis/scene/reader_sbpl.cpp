@@ -199,8 +199,8 @@ std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& op
   auto scene = std::make_shared<const Scene>(Scene{
       World({{0.0, 0.0}, {size[0], size[1]}}, obstacles_of(file.grid(columns, rows), width, height)), Robot::arm(arm)});
   const std::string name = std::filesystem::path(text.path).stem().string();
-  Problem problem = problem_in(fmt::format("robarm/{}", name), std::move(scene), options, start, start);
-  problem.goal.clear();
+  Problem problem = problem_in(fmt::format("robarm/{}", name), std::move(scene), options);
+  problem.start = start;
   problem.reach = reach;
   return {std::move(problem)};
 }
