@@ -1,13 +1,13 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- Scenes of dynobench, driven: unicycles of first and second order and a car with a trailer, by the motion models that
--- the files name. dynobench_geometry.lua beside this plans for their shapes alone.
+-- the files name. dynobench_geometry.lua beside this plans for their shapes alone. Left out is unicycle1_v1/kink_0, whose
+-- unicycle can neither stop nor go back: none of these strategies solves it within 100000 proposals.
 --
 --   trellis run examples/real/dynobench.lua --jobs 2
 
 local names = {
   "unicycle1_v0/bugtrap_0",
   "unicycle1_v0/parallelpark_0",
-  "unicycle1_v1/kink_0",
   "unicycle2_v0/kink_0",
   "car1_v0/parallelpark_0",
   "car1_v0/kink_0",
