@@ -705,19 +705,13 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
       scene.world = *world;
     });
   }
-  const bool embedded = identity_ && parent.validity_of;
-  if (!embedded && scene.robot.dimension() > s_->dimension()) {
+  if (!sub.validity_of && scene.robot.dimension() > s_->dimension()) {
     throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", scene.robot.dimension(),
                             s_->dimension(), names_of(*s_)));
   }
   sub.scene = std::make_shared<const Scene>(std::move(scene));
   // Checked for real, whatever the parent presumes.
-  if (embedded) {
-    sub.validity = parent.validity_in(sub.scene);
-    sub.validity_of = parent.validity_of;
-    return;
-  }
-  sub.validity = trellis::make_validity(parent.collision, sub.scene, *s_, parent.resolution, sub.motion_model);
+  sub.validity = sub.validity_in(sub.scene);
 }
 
 void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {
@@ -789,8 +783,11 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   sub->goal_tolerance = parent.goal_tolerance;
   sub->resolution = parent.resolution;
   sub->collision = parent.collision;
-  // Another space than C's has no states to drive.
-  if (identity_) sub->motion_model = parent.motion_model;
+  // Another space than C's has no states to drive, and places the robot otherwise.
+  if (identity_) {
+    sub->motion_model = parent.motion_model;
+    sub->validity_of = parent.validity_of;
+  }
   make_validity(c, *sub);
   if (calls_->has(Slot::graph)) make_graph(c, *sub);
   sub->start.resize(s_->dimension());
