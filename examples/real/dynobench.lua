@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- Scenes of dynobench, driven: unicycles of first and second order and a car with a trailer, by the motion models that
--- the files name. dynobench_geometry.lua beside this plans for their shapes alone. Left out is unicycle1_v1/kink_0, whose
--- unicycle can neither stop nor go back: none of these strategies solves it within 100000 proposals.
+-- the files name. dynobench_geometry.lua beside this plans for their shapes alone. Left out is unicycle1_v1/kink_0:
+-- its unicycle can neither stop nor go back, and none of these strategies solves it within 100000 proposals.
 --
 --   trellis run examples/real/dynobench.lua --jobs 2
 

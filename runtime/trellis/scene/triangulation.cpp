@@ -53,10 +53,12 @@ class Input {
     for (const auto& obstacle : obstacles) add(obstacle);
     constexpr double clear = 0.4;
     const double row = size * std::numbers::sqrt3 / 2.0;
-    std::size_t number = 0;
-    for (double y = bounds.lo.y + row; y < bounds.hi.y; y += row, ++number) {
-      for (double x = bounds.lo.x + (number % 2 == 0 ? size : 0.5 * size); x < bounds.hi.x; x += size) {
-        const Vec2 p{x, y};
+    for (std::size_t j = 0;; ++j) {
+      const double y = bounds.lo.y + static_cast<double>(j + 1) * row;
+      if (y >= bounds.hi.y) break;
+      for (std::size_t i = 0;; ++i) {
+        const Vec2 p{bounds.lo.x + (static_cast<double>(i) + (j % 2 == 0 ? 1.0 : 0.5)) * size, y};
+        if (p.x >= bounds.hi.x) break;
         const bool free =
             inside(bounds, p, clear * size) &&
             std::none_of(obstacles.begin(), obstacles.end(), [&](const auto& o) { return within(o, p, clear * size); });
