@@ -5,17 +5,17 @@ stds.trellis = {
   read_globals = {
     "rrt", "rrt_connect", "prm", "lazy_prm", "kinodynamic_rrt", "graph_search",
     "uniform", "goal_bias", "gaussian", "bridge_test", "obstacle_based", "medial_axis", "halton", "informed",
-    "identity", "workspace", "skeleton", "shrink", "widen", "lazy", "drop", "aggregate", "holonomic",
-    "decomposition",
+    "identity", "workspace", "skeleton", "shrink", "joints", "pca", "widen", "lazy", "drop", "aggregate",
+    "holonomic", "decomposition", "experience", "learned",
     "tube", "near_optimal", "progress",
     "knn", "exact", "kde", "histogram", "legacy",
-    "sequence", "blend", "ablations", "box", "disc", "polygon", "world", "problem", "target", "experiment",
-    "published", "claim", "given", "when", "is_deterministic",
-    "help", "require", "scenario", "expect", "at_least", "at_most", "below", "above", "exactly", "fewer_than",
-    "solves", "spends", "finds_paths", "has_efficiency",
+    "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
+    "world", "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
+    "along", "ball", "lifted", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
+    "above", "exactly", "fewer_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
-        "point", "disc", "rectangle", "polygon", "rigid",
+        "point", "disc", "rectangle", "polygon", "rigid", "arm",
       },
     },
     motion = {

@@ -27,9 +27,14 @@
 
 ---a planar workspace
 ---@class trellis.World
+---@field bounds number[] xmin, ymin, xmax, ymax of the boundary box, in metres
+---@field obstacles trellis.Shape[] its obstacles, as world { ... } takes them
 
 ---what moves
 ---@class trellis.Robot
+---@field scaled fun(self: trellis.Robot, factor: number): trellis.Robot the same robot, scaled about its reference point
+---@field bounding_radius number no point of it is ever farther than this from its reference point, in metres
+---@field inscribed_radius number of the largest disc about the reference point inside of it, in metres
 
 ---how what moves can be driven
 ---@class trellis.Motion
@@ -52,7 +57,7 @@
 ---how a density is estimated from samples
 ---@class trellis.Estimator
 
----the space of a strategy's root, as a target's functions see it
+---a space of configurations
 ---@class trellis.Space
 ---@field name string SE(2), R^2, ...
 ---@field dimension integer the number of axes
@@ -61,6 +66,7 @@
 ---@field upper number[] upper bounds, in metres or radians
 ---@field weights number[] metres of the metric per unit of the axis
 ---@field periodic boolean[] whether an axis wraps around
+---@field volume number in metric coordinates, which are the coordinates times their weights
 
 ---what the functions of a target are told
 ---@class trellis.TargetContext
@@ -70,6 +76,32 @@
 ---@field random fun(m?: integer, n?: integer): number as math.random, on a stream of the target's own
 ---@field normal fun(): number a standard normal number
 ---@field valid fun(q: number[]): boolean whether a configuration is valid
+
+---a planning instance, as the functions of a guiding space see it
+---@class trellis.Instance
+---@field space trellis.Space its configuration space
+---@field start number[] the start
+---@field goal number[] the goal
+---@field robot trellis.Robot what moves
+---@field world trellis.World the workspace
+---@field goal_tolerance number a configuration this near to the goal in the metric is the goal
+---@field resolution number how far the robot's fastest point moves between two checked configurations
+---@field valid fun(...: number): boolean whether a configuration is valid, given by its coordinates; a check that the level pays for
+
+---what the search of S found
+---@class trellis.Found
+---@field solved boolean whether it found a path
+---@field status string how it ended, as reports have it
+---@field path number[][] configurations of S from the start to the goal, or to what came nearest; empty where there is none
+
+---what became of a proposal; the same table each time
+---@class trellis.Outcome
+---@field fate string "reached", "advanced" (a node on the way to it) or "rejected"
+---@field mine boolean whether this h drew it
+---@field proposal number[] what was proposed, in C
+---@field near number[]? the node that the extension started from
+---@field added number[]? the node that was added
+---@field blocked_at number[]? the first configuration that was found invalid
 
 ---a sentence that the results are to bear out
 ---@class trellis.Claim
@@ -202,13 +234,13 @@
 ---What `identity` takes.
 ---@class trellis.identity.Options
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `workspace` takes.
@@ -238,34 +270,58 @@
 ---@field [1]? number `scale` without its name
 ---@field planner? trellis.Planner a planner; default rrt(): searches the guide's own space
 ---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
+
+---What `joints` takes.
+---@class trellis.joints.Options
+---@field [integer] string `axes` without its name
+---@field planner? trellis.Planner a planner; default rrt(): searches the guide's own space
+---@field axes? string[] a list of names; default {}: the axes of C that S keeps, by name ("theta2") or by number ("2"), in any order; none: the first ones
+---@field first? integer an integer at least 1 (axes); default 2: how many axes from the first on S keeps where none are named; all where C has no more
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+
+---What `pca` takes.
+---@class trellis.pca.Options
+---@field [1]? integer `dimensions` without its name
+---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
+---@field dimensions? integer an integer at least 0 (axes); default 0: dimension of S, less than that of C; 0: half of C's, rounded up
+---@field samples? integer an integer at least 1 (configurations); default 200: valid configurations that the subspace is fitted to; the checks of looking for them are its level's
+---@field ends? boolean true or false; default true: the subspace goes through start and goal, and the way between them is its first direction; otherwise it goes where the samples say, and start and goal are projected onto it
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `widen` takes.
 ---@class trellis.widen.Options
 ---@field [1]? number `distance` without its name
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field distance? number a number at least 0 (m); default 0: how far the sides of obstacles move inwards; what is not twice as thick vanishes; 0: a quarter of the robot's bounding radius, or half a percent of the world's diagonal for a point
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `lazy` takes.
 ---@class trellis.lazy.Options
 ---@field planner? trellis.Planner a planner; default lazy_prm(): searches the guide's own space
 ---@field margin? number a number at least 0 (m in the metric); default 0: radius about a configuration found invalid that S takes for invalid too; 0: the checking resolution
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
@@ -276,7 +332,7 @@
 ---@field [integer] string `obstacles` without its name
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field obstacles? string[] a list of names; default {}: names of obstacles that are left out, as the world gives them (name = ...) or messages ("obstacle 3"); none: all
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
@@ -289,7 +345,7 @@
 ---@field error? number a number at least 0 (m); default 0: how far a hull may be from the obstacles that it stands for, at first; 0: the robot's bounding radius, or 2 % of the world's diagonal for a point
 ---@field refinements? integer an integer in [0, 16] (times); default 3: how often the error is halved where S has no path; then S has the obstacles themselves
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search among hulls of one error, and among the obstacles themselves
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
@@ -300,13 +356,13 @@
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field heading? "along"|"found" one of "along", "found"; default "along": the robot's heading on the path that is followed: "along", in the direction of travel, which is how a wheeled robot can follow it; "found", as the search in S had it
 ---@field speed? "forwards"|"any" one of "forwards", "any"; default "forwards": which speeds are drawn where they are part of the state: "forwards", those not below 0 where there are any; "any", all; other velocities are drawn from all there are
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 500: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 3: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `decomposition` takes.
@@ -317,6 +373,28 @@
 ---@field ahead? integer an integer at least 1 (triangles); default 2: how far along the lead beyond what the planner has reached proposals are drawn
 ---@field patience? integer an integer at least 1 (proposals); default 50: proposals on the lead without reaching a triangle farther along it before another lead is searched
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often another lead may be searched
+
+---What `experience` takes.
+---@class trellis.experience.Options
+---@field [1]? string `db` without its name
+---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
+---@field db? string the name of a file; default "experience.db": the library of solved problems, as trellis run SCRIPT --learn makes it
+---@field candidates? integer an integer in [1, 1000] (paths); default 10: paths that are retrieved: those whose ends are nearest to start and goal, either way round
+---@field join? number a number at least 0 (m in the metric); default 0: distance within which two retrieved paths are joined, so that a way may change from one to the other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point
+---@field repair? number a number at least 1 (metres); default 10: what a metre costs that is invalid in the present world, by one that is valid
+---@field robots? "same"|"any" one of "same", "any"; default "same": whose paths: "same", of the same robot in the same space; "any", of any in the same space
+---@field paths? integer an integer in [1, 64] (paths); default 1: ways through the graph that guide at once, each found with those before it made dearer
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "waypoints": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+
+---What `learned` takes.
+---@class trellis.learned.Options
+---@field [1]? string `model` without its name
+---@field model? string the name of a file; default "learned.model": the model, as trellis train makes it
+---@field sharpness? number a number at least 0 (exponent); default 1: power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones more often than the model says
 
 ---What `tube` takes.
 ---@class trellis.tube.Options
@@ -381,12 +459,48 @@
 ---@class trellis.blend.Options
 ---@field [integer] trellis.Guide guides
 ---@field floor? number a number in (0, 1] (share of proposals); default 0.2: share that is spread evenly over the parts, so that none starves; the rest follows successes over attempts; 1: an even mixture
----@field decay? number a number in (0, 1] (factor); default 0.98: what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - decay) of its proposals are remembered
----@field credit? "node"|"reach" one of "node", "reach"; default "node": what a success is: "node", 1 for each proposal that led to a node; "reach", the length of the extension to that node, by the longest of the run so far
+---@field decay? number a number in (0, 1] (factor); default 0.98: what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - decay) of its proposals are remembered; not used by exp3
+---@field credit? "node"|"reach"|"efficiency" one of "node", "reach", "efficiency"; default "node": what a success is: "node", 1 for each proposal that led to a node; "reach", the length of the extension to that node, by the longest of the run so far; "efficiency", by each part's density where the search came nearer to its end than ever, so that the weights lower the sampling efficiency there; a part without a density in closed form is credited with what it drew itself
+---@field rule? "rates"|"exp3" one of "rates", "exp3"; default "rates": how credit makes weights: "rates", successes over attempts; "exp3", exponential weights, with floor for their exploration; efficiency has its own rule and takes "rates" only
+
+---What `schedule` takes.
+---@class trellis.schedule.Options
+---@field [integer] trellis.Guide guides
+---@field rounds? integer an integer at least 1 (rounds); default 1: how often a guide may be refuted before the next takes over; in between its space is solved again
+---@field turn? number a number at least 1 (proposals); default math.huge: proposals after which the next takes over in any case
+
+---What `race` takes.
+---@class trellis.race.Options
+---@field [integer] trellis.Guide guides
+---@field slice? integer an integer at least 1 (proposals); default 100: budget of each space's search in the first round; it doubles with every round
+
+---What `split` takes.
+---@class trellis.split.Options
+---@field [integer] trellis.Strategy one planner, or a strategy
+---@field depth? integer an integer in [1, 6] (levels); default 1: how often an instance is divided; 2: each half once more
+---@field tries? integer an integer in [1, 64] (sub-goals); default 3: sub-goals that are tried before the instance is solved undivided
+---@field effort? integer an integer at least 1 (proposals); default 2000: what the search of each half may spend before another sub-goal is tried
 
 ---What `ablations` takes.
 ---@class trellis.ablations.Options
 ---@field [integer] trellis.Strategy one strategy; what comes back is a list of pairs {"name", strategy}, as experiment's 'strategies' takes it, the strategy itself first as "whole"
+
+---What `guiding_space` takes.
+---@class trellis.guiding_space.Options
+---@field name? string a name as of a variable; default "guiding_space": how strategies, reports and messages call it
+---@field space? string[]|trellis.Space|fun(instance: trellis.Instance): string[]|trellis.Space a space, a list of names of axes of C, or a function: S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias with no space behind it; C's own space by default
+---@field project? fun(...: number): number a function: f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes of C, told by their names, and f picks them
+---@field lift? fun(...: any): number a function: draws from the fibre: called with the coordinates of a configuration of S and the functions random and normal, returns those of one of C that f maps to it; by default the axes that S lacks are uniform; needed with 'project'
+---@field valid? "free"|"parent"|fun(...: number): boolean a function, "free" (all of S is valid) or "parent" (as in C): what is valid in S; a function is called with the coordinates of every configuration that is checked, which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed
+---@field robot? trellis.Robot|fun(instance: trellis.Instance): trellis.Robot a robot, or a function that returns one: checked for collisions in S; by default C's
+---@field world? trellis.World|fun(instance: trellis.Instance): trellis.World a world, or a function that returns one: that the robot is checked in; by default C's
+---@field graph? fun(instance: trellis.Instance): { vertices: number[][], edges: number[][], start: integer, goal: integer } a function: returns an explicit graph in S, searched exactly: edges are {i, j} or {i, j, cost}, straight and as long as they are by default
+---@field planner? trellis.Planner a planner; default rrt(), graph_search() of a graph: searches S
+---@field heuristic? fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function? a function: h: called each time that S was solved, with what was found and the instance in C; returns a sum of along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with random and normal, it returns a configuration of C, and its density may follow it; by default along the path found, lifted
+---@field density? fun(...: number): number a function: of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with respect to volume in metric coordinates
+---@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on
+---@field stale? fun(): boolean a function: asked after each outcome whether S is to be solved again; h made of along(path) asks for that by itself too
+---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `box` takes.
 ---@class trellis.box.Options
@@ -427,6 +541,15 @@
 ---@field [integer] trellis.Shape|trellis.Shape[] its shapes: box, disc, polygon
 ---@field rotates? boolean true or false; default true: it turns as well as moves
 
+---What `robot.arm` takes.
+---@class trellis.robot.arm.Options
+---@field links number[] a list of numbers: the lengths of the links from the base on, in metres
+---@field widths? number[] a list of numbers: the width of each link, in metres
+---@field base? number[] a list of 2 numbers: x, y; default {0, 0}: where the first joint is fixed, in metres
+---@field limits? (number[]|false)[] a list with {lo, hi} or false for each joint: the least and the greatest angle of each joint, in radians; false, or beyond the list's end: full turns
+---@field width? number a number greater than 0 (m); default 0.1: the width of all links, where `widths` is not given
+---@field self_collision? boolean true or false; default true: links that are no neighbours must not meet
+
 ---What `motion.unicycle1` takes.
 ---@class trellis.motion.unicycle1.Options
 ---@field min_speed? number a number any finite number (m/s); default -0.5: the least speed; negative: it goes backwards
@@ -451,7 +574,7 @@
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
 ---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
 ---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
----@field max_steering? number a number in (0, 1.5708) (rad); default 1.0472: the greatest angle of its front wheels, either way
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, either way
 
 ---What `motion.car_with_trailer` takes.
 ---@class trellis.motion.car_with_trailer.Options
@@ -459,9 +582,9 @@
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
 ---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
 ---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
----@field max_steering? number a number in (0, 1.5708) (rad); default 1.0472: the greatest angle of its front wheels, either way
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, either way
 ---@field hitch? number a number greater than 0 (m); default 0.5: from the car's reference point, where the trailer hangs, to the trailer's axle
----@field max_articulation? number a number in (0, 3.14159] (rad); default 0.785398: the greatest angle between car and trailer
+---@field max_articulation? number a number in (0, 3.14159] (rad); default 0.7853981633974483: the greatest angle between car and trailer
 
 ---What `problem` takes.
 ---@class trellis.problem.Options
@@ -471,7 +594,7 @@
 ---@field start number[] a list of numbers: the start configuration, in metres and radians; with a motion model its velocities follow
 ---@field goal number[] a list of numbers: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
----@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
 ---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
@@ -528,6 +651,13 @@
 ---@field seeds? integer|integer[] an integer in [1, 1000000], or a list of seeds; default 30: how many consecutive seeds, or which ones
 ---@field seed? integer an integer at least 0; default 1: the first of consecutive seeds, where 'seeds' is their number
 
+---What `along` takes.
+---@class trellis.along.Options
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
+---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
+---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+
 ---What `has_efficiency` takes.
 ---@class trellis.has_efficiency.Options
 ---@field role? "tree"|"expansion" one of "tree", "expansion"; default "tree": the level's nodes, or what its h proposed
@@ -554,7 +684,7 @@
 
 ---What `scenes.load` takes.
 ---@class trellis.scenes.load.Options
----@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
 ---@field motion? boolean true or false; default true: robots have the motion models that a file of dynobench names; false: they move straight
@@ -568,7 +698,7 @@
 ---@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
 ---@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
----@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
 ---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
@@ -581,7 +711,7 @@
 ---@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
 ---@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
----@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
 ---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
@@ -594,7 +724,7 @@
 ---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
 ---@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, in metres and radians
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
----@field weight? number a number greater than 0 (m/rad); default 0.31831: metres of the metric per radian of turning
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
 ---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
@@ -667,7 +797,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
@@ -678,7 +808,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
@@ -689,18 +819,18 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.several` takes.
 ---@class trellis.strategies.several.Options
 ---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
@@ -709,11 +839,11 @@
 ---@class trellis.strategies.vonasek.Options
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
 ---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
----@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or 2 % of the space's diameter for a point
+---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
@@ -741,7 +871,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
@@ -750,8 +880,8 @@
 ---@field scales? number[] a list of numbers that grow, below 1; default {0.25, 0.5, 0.75}: the robots from the smallest to the largest, by the size of the real one
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
 ---@field floor? number a number in (0, 1] (share of proposals); default 0.2: share that is spread evenly over the parts, so that none starves; the rest follows successes over attempts; 1: an even mixture
----@field credit? "node"|"reach" one of "node", "reach"; default "node": what a success is: "node", 1 for each proposal that led to a node; "reach", the length of the extension to that node, by the longest of the run so far
----@field memory? number a number in (0, 1] (factor); default 0.98: what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - decay) of its proposals are remembered
+---@field credit? "node"|"reach"|"efficiency" one of "node", "reach", "efficiency"; default "node": what a success is: "node", 1 for each proposal that led to a node; "reach", the length of the extension to that node, by the longest of the run so far; "efficiency", by each part's density where the search came nearer to its end than ever, so that the weights lower the sampling efficiency there; a part without a density in closed form is credited with what it drew itself
+---@field memory? number a number in (0, 1] (factor); default 0.98: what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - decay) of its proposals are remembered; not used by exp3
 ---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
@@ -760,7 +890,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
@@ -945,6 +1075,22 @@ function skeleton(options) end
 ---@overload fun(scale: number, options?: trellis.shrink.Options): trellis.Guide
 function shrink(options) end
 
+---some of the degrees of freedom: what hangs on the others is left out of the robot
+---
+---Source: Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators
+---@param options? trellis.joints.Options
+---@return trellis.Guide
+---@overload fun(...: string): trellis.Guide
+function joints(options) end
+
+---a flat subspace of few dimensions, fitted to valid configurations by principal components
+---
+---Source: Mahoney, Bross and Johnson 2010, Deformable robot motion planning in a reduced-dimension configuration space
+---@param options? trellis.pca.Options
+---@return trellis.Guide
+---@overload fun(dimensions: integer, options?: trellis.pca.Options): trellis.Guide
+function pca(options) end
+
 ---the same robot in a world whose obstacles are eroded, each by itself: wider passages
 ---
 ---Source: Hsu, Sanchez-Ante, Cheng and Latombe 2006, Multi-level free-space dilation; Saha, Latombe, Chang and Prinz 2005
@@ -989,6 +1135,22 @@ function holonomic(options) end
 ---@param options? trellis.decomposition.Options
 ---@return trellis.Guide
 function decomposition(options) end
+
+---paths that solved problems before, joined into a graph where they come near each other; the way along them that has to be repaired least is followed
+---
+---Source: Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience (Lightning); paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: Dellin and Srinivasa 2016, Lazy shortest paths
+---@param options? trellis.experience.Options
+---@return trellis.Guide
+---@overload fun(db: string, options?: trellis.experience.Options): trellis.Guide
+function experience(options) end
+
+---where ways that are nearly the shortest lead, as a model tells that was trained on other worlds to imitate exact search; S = {0}
+---
+---Source: Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation
+---@param options? trellis.learned.Options
+---@return trellis.Guide
+---@overload fun(model: string, options?: trellis.learned.Options): trellis.Guide
+function learned(options) end
 
 ---configurations within delta of the final path
 ---
@@ -1064,11 +1226,41 @@ function sequence(options) end
 ---
 ---    blend { skeleton(), shrink(0.5), floor = 0.2 }
 ---
----Source: the rule of Denny, Sandstrom, Bregger and Amato 2016 for regions, with guides in their place; combining guides: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
+---Source: the rule of Denny, Sandstrom, Bregger and Amato 2016 for regions, with guides in their place; exp3: Auer, Cesa-Bianchi, Freund and Schapire 2002, The nonstochastic multiarmed bandit problem; combining guides: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
 ---@param options trellis.blend.Options
 ---@return trellis.Guide
 ---@overload fun(...: trellis.Guide): trellis.Guide
 function blend(options) end
+
+---guides that serve in order, each until it is refuted; schedule { shrink, scale = {0.3, 0.6} } is one guide with its options' values in turn
+---
+---    schedule { shrink(0.3), shrink(0.6), rounds = 2 }
+---
+---Source: iterative relaxation: Bayazit, Xie and Amato 2005, with any guides for its rounds; sequences of guiding spaces: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
+---@param options trellis.schedule.Options
+---@return trellis.Guide
+---@overload fun(...: trellis.Guide): trellis.Guide
+function schedule(options) end
+
+---guides whose spaces are searched in turn; the first path found guides
+---
+---    race { lazy(), shrink(0.5), slice = 50 }
+---
+---Source: the doubling of budgets after Luby, Sinclair and Zuckerman 1993, Optimal speedup of Las Vegas algorithms; combining guides: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
+---@param options trellis.race.Options
+---@return trellis.Guide
+---@overload fun(...: trellis.Guide): trellis.Guide
+function race(options) end
+
+---an instance divided at a sub-goal, each half solved by the same strategy; split { guide >> planner } is guide >> split { planner }
+---
+---    skeleton() >> split { rrt {}, depth = 2 }
+---
+---Source: divide and conquer of planning problems at sub-goals: Faverjon and Tournassoud 1987; as recursion of guiding spaces: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
+---@param options trellis.split.Options
+---@return trellis.Planner
+---@overload fun(...: trellis.Strategy): trellis.Planner
+function split(options) end
 
 ---a strategy, and what is left of it without each of its guides, under names
 ---
@@ -1077,6 +1269,15 @@ function blend(options) end
 ---@return { [1]: string, [2]: trellis.Strategy }[]
 ---@overload fun(...: trellis.Strategy): { [1]: string, [2]: trellis.Strategy }[]
 function ablations(options) end
+
+---a guiding space of one's own: f, and h from what the search of S found; see docs/guiding_space.md
+---
+---    guiding_space { name = "half", robot = function(instance) return instance.robot:scaled(0.5) end }
+---
+---Source: Attali et al. 2024, A framework for guided motion planning, arXiv 2404.03133
+---@param options? trellis.guiding_space.Options
+---@return trellis.Guide
+function guiding_space(options) end
 
 ---an axis-aligned rectangle, in metres
 ---
@@ -1147,6 +1348,13 @@ function robot.polygon(options) end
 ---@return trellis.Robot
 ---@overload fun(...: trellis.Shape|trellis.Shape[]): trellis.Robot
 function robot.rigid(options) end
+
+---a planar arm of rectangular links; its configuration holds the angle of each joint, relative to the link before
+---
+---    robot.arm { links = {2, 1.5}, base = {5, 5}, limits = { {-2, 2} } }
+---@param options trellis.robot.arm.Options
+---@return trellis.Robot
+function robot.arm(options) end
 
 ---drives at a speed and turns at an angular speed that are its controls
 ---
@@ -1240,6 +1448,29 @@ function when(options) end
 ---    is_deterministic()
 ---@return trellis.Matcher
 function is_deterministic() end
+
+---near a path, ahead of what the planner has reached of it: S = {0}
+---
+---    along(found.path, { radius = 0.3 })
+---@param path number[][] a list of configurations: in order; uniform proposals where there are fewer than two
+---@param options? trellis.along.Options
+---@return trellis.Guide
+function along(path, options) end
+
+---uniform on the ball about a configuration: S = {0}
+---
+---    ball({5, 5, 0}, 0.5)
+---@param centre number[] a configuration: where the ball is
+---@param radius number a number greater than 0 (m in the metric): shortened where the ball would meet itself
+---@return trellis.Guide
+function ball(centre, radius) end
+
+---in the heuristic of guiding_space: a distribution over S, each draw lifted to C
+---
+---    lifted(along(found.path))
+---@param distribution trellis.Guide a sum of along(path), ball(q, r) and guides with S = {0}: over S
+---@return trellis.Guide
+function lifted(distribution) end
 
 ---prints what is known about a word, a function, or a value; all words without one
 ---
