@@ -3,9 +3,16 @@
 --
 --   trellis run examples/catalogue.lua
 --
--- docs/catalogue.md says what f and h of each are.
+-- docs/catalogue.md says what f and h of each are. experience() has nothing to go by until paths were stored, and
+-- learned() until a model was trained: docs/experience.md.
 
 local tree = rrt { step = 0.5 }
+
+-- One of a script's own: the robot at two thirds of its size.
+local smaller = guiding_space {
+  name = "smaller",
+  robot = function(instance) return instance.robot:scaled(2 / 3) end,
+}
 
 return experiment {
   problems   = { scenes.simple_passage() },
@@ -15,11 +22,18 @@ return experiment {
     { "shrink",      shrink(0.5) >> tree },
     { "workspace",   workspace() >> tree },
     { "skeleton",    skeleton() >> tree },
+    { "decomposition", decomposition() >> tree },
+    { "holonomic",   holonomic() >> tree },
+    { "joints",      joints { "x", "y" } >> tree },
+    { "pca",         pca(2) >> tree },
     -- environment modification
     { "widen",       widen(0.15) >> tree },
     { "lazy",        lazy() >> tree },
     { "drop",        drop() >> tree },
     { "aggregate",   aggregate() >> tree },
+    -- experience
+    { "experience",  experience() >> tree },
+    { "learned",     learned() >> tree },
     -- S = C
     { "identity",    identity() >> tree },
     -- sampling, S = {0}
@@ -36,6 +50,11 @@ return experiment {
     { "mixture",     (0.5 * skeleton() + 0.5 * shrink(0.5)) >> tree },
     { "sequence",    (skeleton() .. shrink(0.5)) >> tree },
     { "blend",       blend { skeleton(), shrink(0.5) } >> tree },
+    { "schedule",    schedule { shrink(0.4), shrink(0.8) } >> tree },
+    { "race",        race { skeleton(), shrink(0.5) } >> tree },
+    { "split",       shrink(0.5) >> split { tree } },
+    -- a script's own
+    { "guiding_space", smaller >> tree },
   },
   seeds   = 3,
   measure = tube { delta = 0.5 },

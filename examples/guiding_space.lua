@@ -7,7 +7,8 @@ local half = guiding_space {
   robot = function(instance) return instance.robot:scaled(0.5) end,
 }
 
--- The robot as a free point in the workspace. S has two of C's axes; the third, the angle, is lifted uniformly.
+-- The built-in workspace(), with rrt {} in place of the grid: the robot as a free point in the workspace. S has two of
+-- C's axes; the third, the angle, is lifted uniformly.
 local point = guiding_space {
   name = "point",
   space = { "x", "y" },
@@ -39,6 +40,7 @@ return experiment {
     { "rrt", rrt { step = 0.5 } },
     { "shrink", shrink(0.5) >> rrt { step = 0.5 } },
     { "half", half >> rrt { step = 0.5 } },
+    { "workspace", workspace { radius = 0.5, planner = rrt {} } >> rrt { step = 0.5 } },
     { "point", point >> rrt { step = 0.5 } },
     { "all", (0.8 * (point >> half) + 0.2 * straight) >> lazy() >> rrt { step = 0.5 } },
   },

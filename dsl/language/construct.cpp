@@ -261,7 +261,7 @@ std::vector<double> read_numbers(Value value, const std::string& what) {
 
 void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place) {
   for (const Option& option : component.options) {
-    if (option.type != Option::Type::choice || !option.choices.empty()) continue;
+    if (option.type != Option::Type::file) continue;
     auto entry = std::find_if(given.begin(), given.end(), [&](const auto& e) { return e.first == option.name; });
     const bool by_default = entry == given.end();
     if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});

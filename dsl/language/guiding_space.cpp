@@ -61,8 +61,8 @@ const Construct& guiding_space_construct() {
             "draws from the fibre: called with the coordinates of a configuration of S and the functions random and "
             "normal, returns those of one of C that f maps to it; by default the axes that S lacks are uniform; "
             "needed with 'project'"},
-           {"valid", "\"free\"|\"parent\"|fun(...: number): boolean",
-            "a function, \"free\" (all of S is valid) or \"parent\" (as in C)",
+           {"valid", R"("free"|"parent"|fun(...: number): boolean)",
+            R"(a function, "free" (all of S is valid) or "parent" (as in C))",
             "what is valid in S; a function is called with the coordinates of every configuration that is checked, "
             "which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed"},
            {"robot", "trellis.Robot|" + by_instance + "trellis.Robot", "a robot, or a function that returns one",
@@ -429,7 +429,7 @@ std::vector<ObjectType> guiding_space_types() {
       {"path", "number[][]", "",
        "configurations of S from the start to the goal, or to what came nearest; empty where there is none"}};
   types.push_back({"trellis.Outcome", "what became of a proposal; the same table each time", "", {}, {}});
-  types.back().members = {{"fate", "string", "", "\"reached\", \"advanced\" (a node on the way to it) or \"rejected\""},
+  types.back().members = {{"fate", "string", "", R"("reached", "advanced" (a node on the way to it) or "rejected")"},
                           {"mine", "boolean", "", "whether this h drew it"},
                           {"proposal", configuration, "", "what was proposed, in C"},
                           {"near", configuration + "?", "", "the node that the extension started from"},

@@ -62,7 +62,7 @@ lua::Callback normal_function(std::shared_ptr<RandomSource> source) {
 }
 
 std::shared_ptr<RandomSource> open_random(Stack& stack, std::uint64_t seed) {
-  const auto source = std::make_shared<RandomSource>(stream_of(seed));
+  auto source = std::make_shared<RandomSource>(stream_of(seed));
   const int before = stack.size();
   const Value math = stack.push_global("math");
   stack.push_function(random_function(source, "math.random"));

@@ -174,12 +174,12 @@ std::string stub_type(const Option& option) {
     case Option::Type::integer: return "integer";
     case Option::Type::boolean: return "boolean";
     case Option::Type::choice: {
-      if (option.choices.empty()) return "string";
       std::string all;
       for (const auto& choice : option.choices) all += fmt::format("{}\"{}\"", all.empty() ? "" : "|", choice);
       return all;
     }
     case Option::Type::names: return "string[]";
+    case Option::Type::file: return "string";
   }
   throw Fault("unknown type of option");
 }

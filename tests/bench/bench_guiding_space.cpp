@@ -38,6 +38,10 @@ local told = guiding_space {
   name = "told", robot = function(instance) return instance.robot:scaled(0.5) end,
   observe = function(outcome) end, stale = function() return false end,
 }
+local point = guiding_space {
+  name = "point", space = { "x", "y" }, robot = robot.point(),
+  heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end,
+}
 local drawn = guiding_space {
   name = "drawn", space = {},
   heuristic = function(_, instance)
@@ -52,6 +56,7 @@ return experiment {
   strategies = {
     { "shrink", shrink(0.5) >> root }, { "shrink in Lua", half >> root },
     { "shrink, once more", shrink(0.5) >> root }, { "shrink in Lua, told of every outcome", told >> root },
+    { "workspace", workspace { radius = 0.5, planner = rrt {} } >> root }, { "workspace in Lua", point >> root },
     { "uniform", uniform() >> root }, { "uniform in Lua, each sample by a function", drawn >> root },
   },
   seeds = 15, measure = false,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,7 +44,7 @@ void check_option(const dsl::Word& word, const Option& option) {
   CHECK_FALSE(option.doc.empty());
   const bool quantity = option.type == Option::Type::number || option.type == Option::Type::integer;
   CHECK((!quantity || !option.unit.empty() || is_pure(word.name, option.name)));
-  CHECK((option.type != Option::Type::choice || option.choices.size() != 1));
+  CHECK((option.type != Option::Type::choice || option.choices.size() > 1));
   // The default is one that could be given.
   const Component alone{Component::Kind::guide, word.name, "", "", {option}, {}};
   CHECK_NOTHROW(Options::validate(alone, {{option.name, option.default_value}}));
@@ -109,6 +110,19 @@ TEST_CASE("every guide says what f and h are, and its example uses it") {
     CHECK(dsl::catalogue_markdown().find(fmt::format("| [{}](reference.md#{}) |", name, name)) != std::string::npos);
   }
   for (const Combinator& combinator : combinators()) check_claims(combinator.name, combinator.claims);
+}
+
+TEST_CASE("the catalogue's example runs every guide and every combinator of the language") {
+  const std::string example = content(fs::path(TRELLIS_SOURCE) / "examples/catalogue.lua");
+  for (const GuideKind& kind : guide_kinds()) {
+    INFO(kind.component->name);
+    CHECK(std::regex_search(example, std::regex("\\b" + kind.component->name + " ?[({]")));
+  }
+  for (const char* combinator :
+       {"blend {", "schedule {", "race {", "split {", "guiding_space {", " + ", " .. ", " >> "}) {
+    INFO(combinator);
+    CHECK(example.find(combinator) != std::string::npos);
+  }
 }
 
 TEST_CASE("every global that a script finds is a word, or Lua's own") {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,13 +14,12 @@
 #include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
 
 namespace {
-
-namespace fs = std::filesystem;
 
 using Points = std::vector<std::array<double, 2>>;
 
@@ -41,21 +39,15 @@ Configurations way(const Points& points) {
 class Stored {
  public:
   explicit Stored(const std::vector<std::pair<Problem, Configurations>>& solved) {
-    std::string name = (fs::temp_directory_path() / "trellis-experience-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folder_ = name;
     Library library(file(), Library::Mode::write);
     for (const auto& [problem, path] : solved) {
       REQUIRE(library.add(stored_path(problem, path), problem.space, 0.0));
     }
   }
-  ~Stored() { fs::remove_all(folder_); }
-  Stored(const Stored&) = delete;
-  Stored& operator=(const Stored&) = delete;
-  [[nodiscard]] std::string file() const { return (folder_ / "paths.db").string(); }
+  [[nodiscard]] std::string file() const { return folder_.file("paths.db"); }
 
  private:
-  fs::path folder_;
+  test::Folder folder_;
 };
 
 /// The guide at work on an instance: its space is solved, and h made, as the executor does.

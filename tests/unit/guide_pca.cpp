@@ -10,8 +10,10 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
+#include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -192,6 +194,37 @@ TEST_CASE("on a fibre of one dimension lifted samples are uniform", "[guide][pca
     const double at = along[static_cast<std::size_t>(share * draws)];
     CHECK((at - along.front()) / length == Approx(share).margin(0.04));
   }
+}
+
+TEST_CASE("a subspace is fitted to stored paths, and nothing is checked for it", "[guide][pca]") {
+  const test::Folder folder;
+  const std::string file = folder.file("paths.db");
+  const Problem problem = arm_problem({});
+  // All that is stored turns the last joint alone; start and goal differ in another.
+  Configurations path(3);
+  path.push(Configuration{1.8, 0.3, -1.0});
+  path.push(Configuration{1.8, 0.3, 1.0});
+  {
+    Library library(file, Library::Mode::write);
+    CHECK(library.add(stored_path(problem, path), problem.space, 0.0));
+  }
+  auto parent = make_instance(problem);
+  const auto guide = guide_of({{"dimensions", std::int64_t{1}}, {"ends", false}, {"db", file}});
+  const auto sub = guide->project(*parent);
+  CHECK(sub->checks.validity == 0);
+  Configuration a(1);
+  Configuration b(1);
+  const auto apart = [&](const Configuration& from, const Configuration& to) {
+    guide->project(from, a);
+    guide->project(to, b);
+    return std::abs(a[0] - b[0]);
+  };
+  CHECK(apart({1.8, 0.3, -0.5}, {1.8, 0.3, 0.5}) == Approx(problem.space.axes()[2].weight));
+  CHECK(apart({1.8, 0.3, 0.0}, {1.8, 0.6, 0.0}) == Approx(0.0).margin(1e-9));
+
+  const auto other = make_instance(test::cup_problem());
+  CHECK_THROWS_WITH(guide_of({{"db", file}})->project(*other),
+                    Contains("has 1 paths, and none of this robot in SE(2)") && Contains("--learn"));
 }
 
 TEST_CASE("what cannot be fitted is told", "[guide][pca]") {

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Plain nearest neighbours against R's package FNN, an independent program; left out where it is not installed.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <trellis/measure/efficiency.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 
 using namespace trellis;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -37,25 +34,6 @@ for (k in as.integer(arguments[-(1:4)])) {
   cat(sprintf("%.17g", log_t - c(mean(log_q), mean(mixed(0.05)), mean(mixed(0.01)))), "\n")
 }
 )R";
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "trellis-test-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
 
 bool succeeds(const std::string& command) {
   return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe): one thread, a fixed command
@@ -82,8 +60,8 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
     return;
   }
   const std::vector<std::int64_t> ks = {1, 3, 8, 12};
-  const Folder folder;
-  std::ofstream(folder / "fnn.R") << program;
+  const test::Folder folder;
+  std::ofstream(folder.file("fnn.R")) << program;
   for (const std::size_t d : {2U, 3U, 5U}) {
     const Space space = Space::euclidean(std::vector<std::pair<double, double>>(d, {0.0, 10.0}));
     Configurations path(d);
@@ -103,14 +81,14 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
       for (double& c : x) c = i % 2 == 0 ? stream.uniform(0, 10) : stream.uniform(2, 7);
       samples.push(x);
     }
-    write(folder / "samples.csv", samples, samples.size());
-    write(folder / "points.csv", target.pool(), target.evaluation_points());
+    write(folder.file("samples.csv"), samples, samples.size());
+    write(folder.file("points.csv"), target.pool(), target.evaluation_points());
     std::string command =
-        fmt::format("Rscript --vanilla '{}' '{}' '{}' {:.17g} {:.17g}", folder / "fnn.R", folder / "samples.csv",
-                    folder / "points.csv", -target.log_volume(), -space.log_volume());
+        fmt::format("Rscript --vanilla '{}' '{}' '{}' {:.17g} {:.17g}", folder.file("fnn.R"),
+                    folder.file("samples.csv"), folder.file("points.csv"), -target.log_volume(), -space.log_volume());
     for (const auto k : ks) command += fmt::format(" {}", k);
-    REQUIRE(succeeds(command + " > '" + (folder / "out") + "'"));
-    std::ifstream out(folder / "out");
+    REQUIRE(succeeds(command + " > '" + folder.file("out") + "'"));
+    std::ifstream outfolder.file("out");
     for (const auto k : ks) {
       std::array<double, 3> theirs{};
       for (double& figure : theirs) REQUIRE(out >> figure);

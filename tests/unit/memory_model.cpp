@@ -16,6 +16,7 @@
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
+#include "support/folder.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
@@ -151,10 +152,8 @@ TEST_CASE("training is deterministic in its seed", "[memory][model]") {
 }
 
 TEST_CASE("a model is in a file what it was", "[memory][model]") {
-  std::string name = (fs::temp_directory_path() / "trellis-model-XXXXXX").string();
-  REQUIRE(mkdtemp(name.data()) != nullptr);
-  const fs::path folder = name;
-  const std::string file = (folder / "a.model").string();
+  const test::Folder folder;
+  const std::string file = folder.file("a.model");
   const auto write = [&](const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; };
   CHECK_THAT(fault_of(file), Contains("there is no such model") && Contains("trellis train"));
   CHECK(known_model(file) == nullptr);
@@ -193,7 +192,6 @@ TEST_CASE("a model is in a file what it was", "[memory][model]") {
   later[18] = 7;  // the version's first byte, after the name of the format
   write(later);
   CHECK_THAT(fault_of(file), Contains("version 7") && Contains("train it again"));
-  fs::remove_all(folder);
 }
 
 TEST_CASE("on the planning data sets the learnt heuristic beats the uniform one on worlds held out",

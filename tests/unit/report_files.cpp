@@ -11,34 +11,16 @@
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 
 using namespace trellis;
 namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of its own that goes with the test.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "trellis-test-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  [[nodiscard]] std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
-  }
-
- private:
-  fs::path path_;
-};
+std::size_t entries(const test::Folder& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
+}
 
 std::string read(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -96,7 +78,7 @@ void check_rows(const std::vector<std::vector<std::string>>& rows, std::size_t& 
 
 TEST_CASE("samples come back as they were", "[report][samples]") {
   const auto [experiment, result] = fixture::passage();
-  const Folder folder;
+  const test::Folder folder;
   write_samples(result, folder.path().string());
   for (const auto& run : result.runs) {
     const fs::path place = folder.path() / run.problem / run.strategy / ("seed-" + std::to_string(run.seed));
@@ -120,7 +102,7 @@ TEST_CASE("samples come back as they were", "[report][samples]") {
 
 TEST_CASE("samples are the same bytes twice, and may be written over", "[report][samples]") {
   const auto [experiment, result] = fixture::passage();
-  const Folder folder;
+  const test::Folder folder;
   write_samples(result, folder.path().string());
   const fs::path file = folder.path() / "simple_passage" / "nested" / "seed-3" / "samples.csv";
   const std::string first = read(file);
@@ -131,40 +113,40 @@ TEST_CASE("samples are the same bytes twice, and may be written over", "[report]
 TEST_CASE("names that are no file names get directories of their own", "[report][samples]") {
   ExperimentResult result;
   for (const char* problem : {"a/b", "a:b", "..", ""}) result.runs.push_back(fixture::plain_run(problem, 1, true));
-  const Folder folder;
+  const test::Folder folder;
   write_samples(result, folder.path().string());
   for (const char* directory : {"a-b", "a-b-2", "-.", "-"}) {
     CAPTURE(directory);
     CHECK(fs::exists(folder.path() / directory / "rrt" / "seed-1" / "path.csv"));
   }
-  CHECK(folder.entries() == 4);
+  CHECK(entries(folder) == 4);
 }
 
 TEST_CASE("a file is written whole or not at all", "[report][files]") {
-  const Folder folder;
+  const test::Folder folder;
   const fs::path file = folder.path() / "out.json";
   write_file(file.string(), "first");
   CHECK(read(file) == "first");
   write_file(file.string(), "second, longer");
   CHECK(read(file) == "second, longer");
-  CHECK(folder.entries() == 1);
+  CHECK(entries(folder) == 1);
 
   SECTION("a missing folder") {
     const std::string path = (folder.path() / "missing" / "out.json").string();
     CHECK_THROWS_WITH(write_file(path, "x"), "cannot write '" + path + "': No such file or directory");
-    CHECK(folder.entries() == 1);
+    CHECK(entries(folder) == 1);
   }
   SECTION("a folder in the way") {
     const fs::path taken = folder.path() / "taken";
     fs::create_directory(taken);
     CHECK_THROWS_WITH(write_file(taken.string(), "x"), "cannot write '" + taken.string() + "': Is a directory");
-    CHECK(folder.entries() == 2);
+    CHECK(entries(folder) == 2);
   }
   SECTION("a file where a folder should be") {
     CHECK_THROWS_AS(write_file((file / "out.json").string(), "x"), Error);
     const auto [experiment, result] = fixture::passage();
     CHECK_THROWS_AS(write_samples(result, file.string()), Error);
-    CHECK(folder.entries() == 1);
+    CHECK(entries(folder) == 1);
     CHECK(read(file) == "second, longer");
   }
   SECTION("a folder that may not be written to") {
@@ -172,7 +154,7 @@ TEST_CASE("a file is written whole or not at all", "[report][files]") {
       fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
       CHECK_THROWS_AS(write_file((folder.path() / "new").string(), "x"), Error);
       fs::permissions(folder.path(), fs::perms::owner_all);
-      CHECK(folder.entries() == 1);
+      CHECK(entries(folder) == 1);
     }
   }
   SECTION("a link is followed") {
@@ -191,7 +173,7 @@ TEST_CASE("a file is written whole or not at all", "[report][files]") {
 }
 
 TEST_CASE("a new file has the permissions that a file should have", "[report][files]") {
-  const Folder folder;
+  const test::Folder folder;
   const mode_t before = ::umask(022);
   write_file((folder.path() / "out").string(), "x");
   ::umask(before);

@@ -2,49 +2,30 @@
 // Folders that figures are written into, and what is looked at of the files.
 #pragma once
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 
 namespace trellis::fixture {
 
-/// A folder of its own that goes with the test.
-class Folder {
+class Folder final : public test::Folder {
  public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "trellis-test-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = pattern;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// All files below, as paths from here.
   [[nodiscard]] std::set<std::string> files() const {
     std::set<std::string> all;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(path_)) {
-      if (entry.is_regular_file()) all.insert(std::filesystem::relative(entry.path(), path_).generic_string());
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path())) {
+      if (entry.is_regular_file()) all.insert(std::filesystem::relative(entry.path(), path()).generic_string());
     }
     return all;
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 using Files = std::set<std::string>;

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 
 #include "scene_brute.hpp"
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/image.hpp"
 
 using namespace trellis;
@@ -21,30 +21,12 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "trellis-image-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
-
 constexpr double pixel = 0.05;
 
 }  // namespace
 
 TEST_CASE("an image's dark pixels are obstacles, and nothing else is", "[scene][image]") {
-  const Folder folder;
+  const test::Folder folder;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Stream stream(seed, "", "image");
     const std::size_t width = 5 + stream.below(30);
@@ -91,7 +73,7 @@ TEST_CASE("an image's dark pixels are obstacles, and nothing else is", "[scene][
 }
 
 TEST_CASE("rows that are alike make one box", "[scene][image]") {
-  const Folder folder;
+  const test::Folder folder;
   test::write_image(folder.file("wall.png"), 40, 40,
                     [](std::size_t column, std::size_t row) { return column >= 18 && column < 22 && row != 30; });
   const auto problems = read_problems(folder.file("wall.png"), {});
@@ -99,7 +81,7 @@ TEST_CASE("rows that are alike make one box", "[scene][image]") {
 }
 
 TEST_CASE("an image that cannot be read is told, however much of it is missing", "[scene][image]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string image = test::image(20, 20, [](std::size_t column, std::size_t) { return column == 3; });
   for (std::size_t length = 8; length < image.size(); length += 7) {
     std::ofstream(folder.file("cut.png"), std::ios::binary) << image.substr(0, length);

@@ -106,6 +106,19 @@ TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
   CHECK(run.levels[1].search.checks.validity == 0);
 }
 
+TEST_CASE("a guide's way of lifting is part of the run, the same twice", "[executor]") {
+  for (const auto* lift : {"uniform", "handles"}) {
+    CAPTURE(lift);
+    const StrategySpec strategy = guide("workspace", {{"lift", std::string(lift)}}) >> rrt({{"step", 0.5}});
+    const auto one = execute(strategy, test::simple_passage_problem(), 3);
+    const auto two = execute(strategy, test::simple_passage_problem(), 3);
+    CHECK(one.solved);
+    CHECK(same(one.path, two.path));
+    CHECK(one.validity_checks == two.validity_checks);
+    check_run(test::simple_passage_problem(), one);
+  }
+}
+
 TEST_CASE("levels take turns, which account for all that they did", "[executor]") {
   const auto problem = test::cup_problem();
   const auto nested = guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt({{"step", 0.5}});

@@ -64,12 +64,12 @@ std::string expectation(const Option& option) {
     case Option::Type::integer: return "an integer " + option.range.text() + unit;
     case Option::Type::boolean: return "true or false";
     case Option::Type::choice: {
-      if (option.choices.empty()) return "the name of a file";
       std::string all;
       for (const auto& c : option.choices) all += (all.empty() ? "" : ", ") + fmt::format("\"{}\"", c);
       return "one of " + all;
     }
     case Option::Type::names: return "a list of names";
+    case Option::Type::file: return "the name of a file";
   }
   throw Fault("unknown type of option");
 }
@@ -116,10 +116,6 @@ OptionValue checked(const Component& component, const Option& option, const Opti
     case Option::Type::choice: {
       const auto* text = std::get_if<std::string>(&value);
       if (text == nullptr) reject(component, option, value);
-      if (option.choices.empty()) {
-        if (text->empty() || text->find('\0') != std::string::npos) reject(component, option, value);
-        return value;
-      }
       if (std::find(option.choices.begin(), option.choices.end(), *text) == option.choices.end()) {
         reject(component, option, value, did_you_mean(*text, option.choices));
       }
@@ -131,6 +127,12 @@ OptionValue checked(const Component& component, const Option& option, const Opti
       for (auto name = names->begin(); name != names->end(); ++name) {
         if (std::find(names->begin(), name, *name) != name) reject(component, option, value, "; one is there twice");
       }
+      return value;
+    }
+    case Option::Type::file: {
+      const auto* file = std::get_if<std::string>(&value);
+      if (file == nullptr || file->find('\0') != std::string::npos) reject(component, option, value);
+      if (file->empty() && value != option.default_value) reject(component, option, value);
       return value;
     }
   }

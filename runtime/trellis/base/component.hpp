@@ -39,14 +39,14 @@ struct Range {
 
 /// One option of a component, described once: validation, messages, help, stubs and the reference are made from it.
 struct Option {
-  enum class Type { number, integer, boolean, choice, names };
+  enum class Type { number, integer, boolean, choice, names, file };
 
   std::string name;
   Type type = Type::number;
   std::string unit;                  ///< "m", "rad", "proposals", "" for a pure number
   OptionValue default_value;         ///< an infinite number means "no limit"
   Range range;                       ///< of numbers and integers
-  std::vector<std::string> choices;  ///< of a choice; none: it is the name of a file
+  std::vector<std::string> choices;  ///< of a choice
   std::string doc;
 };
 
@@ -123,6 +123,12 @@ class Settings {
   }
   Settings& choice(std::string name, std::string S::*field, std::vector<std::string> choices, std::string doc) {
     add({std::move(name), Option::Type::choice, "", S{}.*field, {}, std::move(choices), std::move(doc)},
+        [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
+    return *this;
+  }
+  /// The name of a file that is read; by default there is none.
+  Settings& file(std::string name, std::string S::*field, std::string doc) {
+    add({std::move(name), Option::Type::file, "", S{}.*field, {}, {}, std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
     return *this;
   }

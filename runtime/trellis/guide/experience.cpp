@@ -38,8 +38,7 @@ const Settings<ExperienceSettings>& experience_settings() {
           "(Lightning); "
           "paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: "
           "Dellin and Srinivasa 2016, Lazy shortest paths")
-          .choice("db", &ExperienceSettings::db, {},
-                  "the library of solved problems, as trellis run SCRIPT --learn makes it")
+          .file("db", &ExperienceSettings::db, "the library of solved problems, as trellis run SCRIPT --learn makes it")
           .integer("candidates", &ExperienceSettings::candidates, "paths", {.lo = 1, .hi = 1000},
                    "paths that are retrieved: those whose ends are nearest to start and goal, either way round")
           .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
@@ -48,7 +47,7 @@ const Settings<ExperienceSettings>& experience_settings() {
           .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
                   "what a metre costs that is invalid in the present world, by one that is valid")
           .choice("robots", &ExperienceSettings::robots, {"same", "any"},
-                  "whose paths: \"same\", of the same robot in the same space; \"any\", of any in the same space")
+                  R"(whose paths: "same", of the same robot in the same space; "any", of any in the same space)")
           .integer("paths", &ExperienceSettings::paths, "paths", {.lo = 1, .hi = 64},
                    "ways through the graph that guide at once, each found with those before it made dearer")
           .positional({"db"}));
@@ -100,9 +99,9 @@ class ExperienceGraph {
     join(graph_.goal, backwards ? ids.front() : ids.back());
     for (const std::uint32_t end : {graph_.start, graph_.goal}) join(end, ids[own.nearest(vertices[end]).id]);
     for (std::size_t other = 0; other + 1 < indices_.size(); ++other) {
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        const auto near = indices_[other].nearest(vertices[ids[i]]);
-        if (near.squared_distance <= join_ * join_) edge(ids[i], ids_[other][near.id]);
+      for (const std::uint32_t id : ids) {
+        const auto near = indices_[other].nearest(vertices[id]);
+        if (near.squared_distance <= join_ * join_) edge(id, ids_[other][near.id]);
       }
     }
   }

@@ -30,7 +30,7 @@ const Settings<LearnedSettings>& learned_settings() {
           "where ways that are nearly the shortest lead, as a model tells that was trained on other worlds to imitate "
           "exact search; S = {0}",
           "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation")
-          .choice("model", &LearnedSettings::model, {}, "the model, as trellis train makes it")
+          .file("model", &LearnedSettings::model, "the model, as trellis train makes it")
           .number("sharpness", &LearnedSettings::sharpness, "exponent", Range::non_negative(),
                   "power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones "
                   "more often than the model says")

@@ -11,6 +11,8 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
+#include <trellis/memory/identity.hpp>
+#include <trellis/memory/library.hpp>
 
 namespace trellis {
 
@@ -19,20 +21,26 @@ namespace {
 struct PcaSettings : PathGuideSettings {
   std::int64_t dimensions = 0;
   std::int64_t samples = 200;
+  std::string db;
   bool ends = true;
 };
 
 const Settings<PcaSettings>& pca_settings() {
   static const Settings<PcaSettings> settings = with_path_options(
-      Settings<PcaSettings>(Component::Kind::guide, "pca",
-                            "a flat subspace of few dimensions, fitted to valid configurations by principal components",
-                            "Mahoney, Bross and Johnson 2010, Deformable robot motion planning in a reduced-dimension "
-                            "configuration space")
+      Settings<PcaSettings>(
+          Component::Kind::guide, "pca",
+          "a flat subspace of few dimensions, fitted by principal components to valid configurations or to paths",
+          "Mahoney, Bross and Johnson 2010, Deformable robot motion planning in a reduced-dimension "
+          "configuration space")
           .integer("dimensions", &PcaSettings::dimensions, "axes", Range::non_negative(),
                    "dimension of S, less than that of C; 0: half of C's, rounded up")
           .integer(
               "samples", &PcaSettings::samples, "configurations", Range::at_least(1),
-              "valid configurations that the subspace is fitted to; the checks of looking for them are its level's")
+              "configurations that the subspace is fitted to: valid ones out of uniform ones, which are looked at as "
+              "checks of its level; or with `db` points spread over stored paths")
+          .file("db", &PcaSettings::db,
+                "a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its "
+                "paths of the same space and robot, and nothing is checked for it")
           .boolean("ends", &PcaSettings::ends,
                    "the subspace goes through start and goal, and the way between them is its first direction; "
                    "otherwise it goes where the samples say, and start and goal are projected onto it")
@@ -263,7 +271,8 @@ class Pca final : public PathGuide {
     const std::shared_ptr<Validity> validity = parent.validity_in(parent.scene);
     Checks checks;
     Chart chart(space, parent.start);
-    std::vector<double> points = samples(chart, *validity, checks);
+    std::vector<double> points =
+        settings_.db.empty() ? samples(chart, *validity, checks) : stored(chart, parent.scene->robot);
     std::vector<double> start;
     std::vector<double> goal;
     chart.to(parent.start, start);
@@ -271,7 +280,8 @@ class Pca final : public PathGuide {
     std::vector<double> origin = start;
     if (!settings_.ends) {
       origin.assign(d, 0.0);
-      const auto count = static_cast<double>(points.size() / d);
+      const std::size_t rows = points.size() / d;
+      const auto count = static_cast<double>(rows);
       for (std::size_t i = 0; i < points.size(); ++i) origin[i % d] += points[i] / count;
       for (std::size_t i = 0; i < points.size(); ++i) points[i] -= origin[i % d];
     }
@@ -357,6 +367,35 @@ class Pca final : public PathGuide {
           fmt::format("pca: none of {} configurations of {} that were looked at is valid, so that there is "
                       "nothing to fit a subspace to",
                       settings_.samples * tries_per_sample, space.name()));
+    }
+    return points;
+  }
+
+  /// Points in the chart, evenly spread over each stored path that fits; every path gives as many.
+  [[nodiscard]] std::vector<double> stored(const Chart& chart, const Robot& robot) const {
+    const Space& space = chart.space();
+    const auto library = known_paths(settings_.db);
+    std::vector<const Configurations*> fitting;
+    for (const StoredPath& known : *library) {
+      if (known.space == identity(space) && known.robot == identity(robot)) fitting.push_back(&known.path);
+    }
+    if (fitting.empty()) {
+      throw Error(
+          fmt::format("pca: the library '{}' has {} paths, and none of this robot in {}; paths that are found "
+                      "are added to it by: trellis run SCRIPT --learn {}",
+                      settings_.db, library->size(), space.name(), settings_.db));
+    }
+    const auto wanted = static_cast<std::size_t>(settings_.samples);
+    const std::size_t each = std::max<std::size_t>(2, (wanted + fitting.size() - 1) / fitting.size());
+    std::vector<double> points;
+    points.reserve(each * fitting.size() * space.dimension());
+    std::vector<double> y;
+    for (const Configurations* path : fitting) {
+      const Configurations spread = evenly_spread(space, *path, each);
+      for (std::size_t i = 0; i < spread.size(); ++i) {
+        chart.to(spread[i], y);
+        points.insert(points.end(), y.begin(), y.end());
+      }
     }
     return points;
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/handles.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
@@ -20,6 +21,7 @@ namespace {
 struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
+  std::string lift = "uniform";
   double window = 0.2;
   std::int64_t patience = 100;
   std::int64_t resolves = 10;
@@ -42,6 +44,11 @@ const Settings<WorkspaceSettings>& workspace_settings() {
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
               "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
               "of the space's diameter for a point")
+          .choice(
+              "lift", &WorkspaceSettings::lift, {"uniform", "handles"},
+              "what a position is completed with: \"uniform\", uniform angles; \"handles\", angles that lay both ends "
+              "of each body, its handle points, near the medial axis of the workspace, to which the path is moved "
+              "too; other coordinates stay uniform")
           .number(
               "window", &WorkspaceSettings::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
               "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
@@ -122,13 +129,13 @@ Graph grid(const Instance& instance, double cell) {
   return graph;
 }
 
-/// h: positions near the path found for the point, everything else uniform.
+/// h: positions near the path found for the point, everything else as the projection lifts it.
 class LiftedPath final : public Heuristic {
  public:
-  LiftedPath(std::shared_ptr<const PositionProjection> projection, const Configurations& path, double radius,
-             const WorkspaceSettings& settings, const NearestIndex& reached, Configurations lifted)
+  LiftedPath(std::shared_ptr<const Projection> projection, const Space& plane, const Configurations& path,
+             double radius, const WorkspaceSettings& settings, const NearestIndex& reached, Configurations lifted)
       : projection_(std::move(projection)),
-        positions_("workspace", projection_->space(), path, radius, settings.window, settings.patience, &reached),
+        positions_("workspace", plane, path, radius, settings.window, settings.patience, &reached),
         lifted_(std::move(lifted)) {
     renew();
   }
@@ -158,7 +165,7 @@ class LiftedPath final : public Heuristic {
  private:
   void renew() { density_ = std::make_shared<LiftedDensity>(projection_, 2, positions_.tube_density()); }
 
-  std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const Projection> projection_;
   PathHeuristic positions_;
   std::shared_ptr<const Density> density_;  ///< over the planner's space
   Configurations lifted_;
@@ -178,6 +185,8 @@ class Workspace final : public Guide {
     instance->graph = graph_;
     reached_.emplace(projection_->space());
     reached_->add(instance->start);
+    if (settings_.lift == "handles") handles_ = std::make_shared<HandleLift>(projection_, parent);
+    point_ = instance.get();
     return instance;
   }
 
@@ -198,8 +207,15 @@ class Workspace final : public Guide {
     const double robot = parent.scene->robot.bounding_radius();
     const double plain = robot > 0.0 ? robot : 0.01 * parent.space.diameter();
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
-    return std::make_unique<LiftedPath>(projection_, path_, radius_, settings_, *reached_,
-                                        projection_->lifted(path_, parent.start, parent.goal));
+    if (!handles_) {
+      return std::make_unique<LiftedPath>(projection_, projection_->space(), path_, radius_, settings_, *reached_,
+                                          projection_->lifted(path_, parent.start, parent.goal));
+    }
+    const Configurations moved = handles_->on_axis(path_, *point_);
+    Configurations lifted = projection_->lifted(moved, parent.start, parent.goal);
+    for (std::size_t i = 1; i + 1 < lifted.size(); ++i) handles_->settle(lifted[i]);
+    return std::make_unique<LiftedPath>(handles_, projection_->space(), moved, radius_, settings_, *reached_,
+                                        std::move(lifted));
   }
 
   /// Ways along the part of the path that the planner did not reach become dearer.
@@ -221,6 +237,8 @@ class Workspace final : public Guide {
  private:
   WorkspaceSettings settings_;
   std::shared_ptr<const PositionProjection> projection_;
+  std::shared_ptr<const HandleLift> handles_;  ///< where they are asked for
+  Instance* point_ = nullptr;                  ///< S, which lives as long as this does
   std::shared_ptr<Graph> graph_;
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
   Configurations path_;                  ///< found in S
@@ -241,9 +259,11 @@ GuideKind workspace_kind() {
       {.category = GuideClaims::Category::robot,
        .f = "q -> the position of the reference point, free in the workspace; refused where it does not move, as an "
             "arm's fixed to its base",
-       .h = "a position from a tube about the point's path, just beyond what the tree has reached, with uniform angles",
+       .h =
+           "a position from a tube about the point's path, just beyond what the tree has reached, with uniform angles, "
+           "or with those that lay the robot's handle points near the medial axis",
        .closed_form = true,
-       .density = "of the tube of positions times that of uniform angles",
+       .density = "of the tube of positions times that of the angles",
        .feedback = "new nodes move the stretch on; after `patience` proposals without progress ways not yet reached "
                    "are made dearer and S is solved again",
        .relaxes = true,

@@ -46,29 +46,6 @@ CREATE INDEX path_of ON path (space, robot);
 
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
-/// Evenly spread points of a path, both ends among them.
-Configurations spread(const Space& space, const Configurations& path, std::size_t count) {
-  std::vector<double> at = {0.0};
-  at.reserve(path.size());
-  for (std::size_t i = 1; i < path.size(); ++i) at.push_back(at.back() + space.distance(path[i - 1], path[i]));
-  Configurations points(space.dimension());
-  points.reserve(count);
-  Configuration q(space.dimension());
-  std::size_t leg = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double s = at.back() * static_cast<double>(i) / static_cast<double>(count - 1);
-    while (leg + 2 < at.size() && at[leg + 1] < s) ++leg;
-    if (path.size() == 1) {
-      points.push(path[0]);
-      continue;
-    }
-    const double length = at[leg + 1] - at[leg];
-    space.interpolate(path[leg], path[leg + 1], length > 0.0 ? std::clamp((s - at[leg]) / length, 0.0, 1.0) : 0.0, q);
-    points.push(q);
-  }
-  return points;
-}
-
 /// The mean over the cheapest warping of the distances between what it sets beside each other.
 double warped(const Space& space, const Configurations& a, const Configurations& b, bool backwards) {
   struct Way {
@@ -121,7 +98,7 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
 }
 
 double path_distance(const Space& space, const Configurations& a, const Configurations& b) {
-  return distance_of_spread(space, spread(space, a, warped_points), spread(space, b, warped_points));
+  return distance_of_spread(space, evenly_spread(space, a, warped_points), evenly_spread(space, b, warped_points));
 }
 
 double default_novelty(const Space& space, const Robot& robot) {
@@ -393,12 +370,12 @@ std::shared_ptr<const std::vector<StoredPath>> known_paths(const std::string& fi
 bool Library::add(const StoredPath& stored, const Space& space, double novelty) {
   if (stored.path.size() < 2) throw Fault("a path of less than two configurations solves nothing");
   if (stored.path.dimension() != space.dimension()) throw Fault("a path of another space");
-  const Configurations points = spread(space, stored.path, warped_points);
+  const Configurations points = evenly_spread(space, stored.path, warped_points);
   bool added = false;
   database_->together("BEGIN IMMEDIATE", [&] {
     const auto known = database_->read("WHERE space = ? AND robot = ?", &stored);
     added = std::none_of(known.begin(), known.end(), [&](const StoredPath& other) {
-      return distance_of_spread(space, points, spread(space, other.path, warped_points)) <= novelty;
+      return distance_of_spread(space, points, evenly_spread(space, other.path, warped_points)) <= novelty;
     });
     if (added) database_->insert(stored);
   });

@@ -17,6 +17,7 @@ struct KinodynamicRrtSettings : CommonSettings {
   std::int64_t controls = 10;
   double longest = 1.0;
   double connect = 1.0;
+  std::string extend = "controls";
 };
 
 const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
@@ -29,7 +30,12 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
           .integer("controls", &KinodynamicRrtSettings::controls, "controls", Range::at_least(1),
                    "random controls, each for a random duration, that are tried for a proposal before one is checked")
           .number("longest", &KinodynamicRrtSettings::longest, "s", Range::positive(),
-                  "the longest duration of a control; a whole number of the model's steps, at least one")
+                  "the longest duration of a control, or of an extension along a curve; a whole number of the model's "
+                  "steps, at least one")
+          .choice("extend", &KinodynamicRrtSettings::extend, {"controls", "curves"},
+                  "how a node is driven towards a proposal: \"controls\", under random controls; \"curves\", along the "
+                  "shortest curve to it, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 "
+                  "and car have them, any other model keeps to controls")
           .number("connect", &KinodynamicRrtSettings::connect, "m in the metric", Range::non_negative(),
                   "from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and "
                   "Shepp where the model can go backwards: with unicycle1 and car only; 0: never"));
@@ -108,34 +114,78 @@ class KinodynamicRrt final : public Planner {
     return chosen;
   }
 
-  /// Drives towards the proposal, as far as that is valid and no farther than into the goal.
+  /// What was driven of a way: its states, and where each of its pieces ended among them.
+  struct Driven {
+    Configurations states;
+    std::vector<std::uint32_t> ends;
+    bool arrived = false;  ///< at the goal, with the last state
+    Configuration blocked;
+  };
+
+  /// Drives a way as far as that is valid, for so many steps at most and no farther than into the goal.
+  Driven drive(View from, const Trajectory& way, std::size_t most) {
+    auto& instance = task_.instance;
+    Driven driven{Configurations(dimension()), {}, false, {}};
+    Configuration at(from.begin(), from.end());
+    for (std::size_t i = 0; i < way.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
+      const std::size_t before = driven.states.size();
+      const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(way.steps[i], most - before));
+      const auto done = instance.drive(at, way.controls[i], wanted, driven.states, &driven.blocked);
+      std::size_t end = before;
+      while (end < before + done && !driven.arrived) {
+        const View state = std::as_const(driven.states)[end++];
+        driven.arrived = instance.space.distance(state, instance.goal) <= instance.goal_tolerance;
+      }
+      if (end == before) break;
+      driven.ends.push_back(static_cast<std::uint32_t>(end));
+      at.assign(std::as_const(driven.states)[end - 1].begin(), std::as_const(driven.states)[end - 1].end());
+      if (done < wanted) break;
+    }
+    if (driven.arrived) driven.blocked.clear();
+    return driven;
+  }
+
+  /// Adds the ends of the pieces to the tree, below a node; the last of them.
+  std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& way) {
+    std::uint32_t before = 0;
+    for (std::size_t i = 0; i < driven.ends.size(); ++i) {
+      const std::uint32_t node = tree_->add(driven.states[driven.ends[i] - 1], parent);
+      edges_.push_back({parent, controls_.push(way.controls[i]), driven.ends[i] - before});
+      note(node);
+      before = driven.ends[i];
+      parent = node;
+    }
+    return parent;
+  }
+
+  /// The way from a node towards the proposal.
+  Trajectory way_from(View from) {
+    if (settings_.extend == "curves") {
+      if (auto curve = steer(model_, from, sample_)) return std::move(*curve);
+    }
+    Trajectory way{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
+    way.controls.push(best_control_);
+    return way;
+  }
+
   void iterate() {
     auto& instance = task_.instance;
     const auto& space = instance.space;
     propose(task_, sample_);
     const auto near = tree_->nearest(sample_);
     const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
-    const std::uint32_t wanted = choose_control(from);
-    Configurations states(dimension());
-    Configuration blocked;
-    auto driven = instance.drive(from, best_control_, wanted, states, &blocked);
+    const Trajectory way = way_from(from);
+    const Driven driven = drive(from, way, most_steps_);
     Outcome outcome;
     outcome.proposal = sample_;
     outcome.near = from;
-    outcome.blocked_at = blocked;
-    if (driven == 0) {
+    outcome.blocked_at = driven.blocked;
+    if (driven.ends.empty()) {
       settle(task_, outcome, tree_->row(near.id));
       return;
     }
-    for (std::uint32_t k = 0; k < driven; ++k) {
-      if (space.distance(std::as_const(states)[k], instance.goal) > instance.goal_tolerance) continue;
-      driven = k + 1;
-      outcome.blocked_at = {};
-    }
-    const View added = std::as_const(states)[driven - 1];
-    const std::uint32_t id = tree_->add(added, near.id);
-    edges_.push_back({near.id, controls_.push(best_control_), driven});
-    note(id);
+    const std::uint32_t id = add(near.id, driven, way);
+    const View added = std::as_const(driven.states)[driven.ends.back() - 1];
     outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
     outcome.added = added;
     if (!solved_ && space.distance(added, instance.goal) <= settings_.connect) connect(id, added);
@@ -144,33 +194,10 @@ class KinodynamicRrt final : public Planner {
 
   /// Drives the shortest curve from a node to the goal; it becomes part of the tree where it gets there.
   void connect(std::uint32_t id, View from) {
-    auto& instance = task_.instance;
-    const auto way = steer(model_, from, instance.goal);
+    const auto way = steer(model_, from, task_.instance.goal);
     if (!way) return;
-    Configurations states(dimension());
-    std::vector<std::uint32_t> ends;  // of its pieces: states so far
-    Configuration at(from.begin(), from.end());
-    bool arrived = false;
-    for (std::size_t i = 0; i < way->steps.size() && !arrived; ++i) {
-      const std::size_t before = states.size();
-      const auto driven = instance.drive(at, way->controls[i], way->steps[i], states);
-      std::size_t end = before;
-      while (end < states.size() && !arrived) {
-        arrived = instance.space.distance(std::as_const(states)[end++], instance.goal) <= instance.goal_tolerance;
-      }
-      if (!arrived && driven < way->steps[i]) return;
-      at.assign(std::as_const(states)[end - 1].begin(), std::as_const(states)[end - 1].end());
-      ends.push_back(static_cast<std::uint32_t>(end));
-    }
-    if (!arrived) return;
-    std::uint32_t parent = id;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      const std::uint32_t steps = ends[i] - (i > 0 ? ends[i - 1] : 0);
-      const std::uint32_t node = tree_->add(std::as_const(states)[ends[i] - 1], parent);
-      edges_.push_back({parent, controls_.push(way->controls[i]), steps});
-      note(node);
-      parent = node;
-    }
+    const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
+    if (driven.arrived) add(id, driven, *way);
   }
 
   /// Remembers how near the new node is to the goal.

@@ -206,4 +206,26 @@ double path_length(const Space& space, const Configurations& path) {
   return length;
 }
 
+Configurations evenly_spread(const Space& space, const Configurations& path, std::size_t count) {
+  std::vector<double> at = {0.0};
+  at.reserve(path.size());
+  for (std::size_t i = 1; i < path.size(); ++i) at.push_back(at.back() + space.distance(path[i - 1], path[i]));
+  Configurations points(space.dimension());
+  points.reserve(count);
+  Configuration q(space.dimension());
+  std::size_t leg = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double s = at.back() * static_cast<double>(i) / static_cast<double>(count - 1);
+    while (leg + 2 < at.size() && at[leg + 1] < s) ++leg;
+    if (path.size() == 1) {
+      points.push(path[0]);
+      continue;
+    }
+    const double length = at[leg + 1] - at[leg];
+    space.interpolate(path[leg], path[leg + 1], length > 0.0 ? std::clamp((s - at[leg]) / length, 0.0, 1.0) : 0.0, q);
+    points.push(q);
+  }
+  return points;
+}
+
 }  // namespace trellis

@@ -91,5 +91,7 @@ double log_unit_ball(std::size_t d);
 
 /// The length of a path in the space's metric.
 double path_length(const Space& space, const Configurations& path);
+/// So many points, at least 2, evenly spread over a path, both its ends among them.
+Configurations evenly_spread(const Space& space, const Configurations& path, std::size_t count);
 
 }  // namespace trellis
