@@ -30,12 +30,9 @@ Settings<S> with_anytime(Settings<S> settings) {
           "what a new node may be joined to, n nodes in d dimensions: \"k_nearest\", the e (1 + 1/d) log n nearest; "
           "\"within\", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball")
       .number("factor", &S::factor, "times", Range::positive(),
-              "by what that number or that radius is multiplied; above 1 paths come to the shortest, below that is not "
-              "proven")
-      .number(
-          "improve", &S::improve, "proposals", Range::at_least(0),
-          "proposals spent on shorter paths once one is known, in each solve; as many as the budget has: until it is "
-              "spent");
+              "by what that number or that radius is multiplied; the proofs ask for more than 1")
+      .number("improve", &S::improve, "proposals", Range::at_least(0),
+              "proposals spent on shorter paths once one is known, in each solve, within the budget");
   return with_common(std::move(settings));
 }
 
