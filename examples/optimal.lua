@@ -3,10 +3,10 @@
 --
 --   trellis run examples/optimal.lua
 --
--- RRT and PRM end with the first path they find. RRT* and PRM* come near the shortest one, and pay for every motion to a
--- neighbour. The lazy ones leave such a motion unchecked until a shortest path goes along it: Lazy-PRM* finds the paths
--- of PRM*. `informed()` is told of each path found and draws from what a shorter one could pass through. Compare path
--- lengths and validity checks in the summary.
+-- RRT and PRM end with the first path they find. RRT* and PRM* come near the shortest one, and pay for every motion to
+-- a neighbour. The lazy ones leave such a motion unchecked until a shortest path goes along it: Lazy-PRM* finds the
+-- paths of PRM*. `informed()` is told of each path found and draws from what a shorter one could pass through. Compare
+-- path lengths and validity checks in the summary.
 
 local around = problem {
   name  = "around",
