@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A learnt subspace: an arm of six links is searched in the flat of three dimensions that goes through start and goal and
--- along which the valid configurations spread most.
+-- A learnt subspace: an arm of six links is searched in the flat of three dimensions that goes through start and goal
+-- and along which the valid configurations spread most.
 --
 --   trellis run examples/pca.lua
 --

@@ -69,7 +69,7 @@ class BestPath {
   /// As the solve's solution, for whatever reason it ends. One that could do nothing has found nothing.
   [[nodiscard]] Solution solution(Status reason) const {
     const bool spent_nothing = !kept_ && drawn() == begun_;
-    return {reason == Status::budget_spent && !spent_nothing ? Status::solved : reason, path_, {}};
+    return {reason == Status::budget_spent && !spent_nothing ? Status::solved : reason, path_};
   }
 
  private:

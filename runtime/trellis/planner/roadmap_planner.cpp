@@ -252,7 +252,7 @@ Solution RoadmapPlanner::finish(Status status) {
       end = id;
     }
   }
-  return {status, way_to(end), {}};
+  return {status, way_to(end)};
 }
 
 }  // namespace trellis

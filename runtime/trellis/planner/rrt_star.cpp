@@ -192,7 +192,7 @@ class RrtStar final : public Planner {
 
   [[nodiscard]] Solution finish(Status status) const {
     if (best_.known()) return best_.solution(status);
-    return {status, tree_->branch(nearest_), {}};
+    return {status, tree_->branch(nearest_)};
   }
 
   RrtStarSettings settings_;
