@@ -181,6 +181,52 @@
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
+---What `rrt_star` takes.
+---@class trellis.rrt_star.Options
+---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree, and longest motion tried to the goal from a new node
+---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
+---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
+---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
+---What `prm_star` takes.
+---@class trellis.prm_star.Options
+---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
+---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
+---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
+---What `lazy_prm_star` takes.
+---@class trellis.lazy_prm_star.Options
+---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
+---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
+---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
+---What `lazy_rrg_star` takes.
+---@class trellis.lazy_rrg_star.Options
+---@field step? number a number greater than 0 (m in the metric); default 0.5: how far a new node may be from the nearest one
+---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
+---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
+---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
 ---What `kinodynamic_rrt` takes.
 ---@class trellis.kinodynamic_rrt.Options
 ---@field controls? integer an integer at least 1 (controls); default 10: random controls, each for a random duration, that are tried for a proposal before one is checked
@@ -973,6 +1019,34 @@ function prm(options) end
 ---@param options? trellis.lazy_prm.Options
 ---@return trellis.Planner
 function lazy_prm(options) end
+
+---RRT*: a random tree whose nodes hang from the neighbour that the shortest way comes by, and are hung anew when a shorter one is found; goes on after its first path
+---
+---Source: Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning
+---@param options? trellis.rrt_star.Options
+---@return trellis.Planner
+function rrt_star(options) end
+
+---PRM*: a roadmap whose nodes have more neighbours the more they are, so that its paths come to the shortest; goes on after its first path
+---
+---Source: Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning
+---@param options? trellis.prm_star.Options
+---@return trellis.Planner
+function prm_star(options) end
+
+---Lazy-PRM*: the paths of PRM*, of whose edges only those are checked that a shortest path has had; goes on after its first path
+---
+---Source: Hauser 2015, Lazy collision checking in asymptotically-optimal motion planning; the search is repaired by lifelong planning A*, Koenig, Likhachev and Furcy 2004
+---@param options? trellis.lazy_prm_star.Options
+---@return trellis.Planner
+function lazy_prm_star(options) end
+
+---Lazy-RRG*: a graph that grows from start and goal towards proposals, of whose edges only those are checked that a shortest path has had; goes on after its first path
+---
+---Source: Hauser 2015, Lazy collision checking in asymptotically-optimal motion planning; the search is repaired by lifelong planning A*, Koenig, Likhachev and Furcy 2004
+---@param options? trellis.lazy_rrg_star.Options
+---@return trellis.Planner
+function lazy_rrg_star(options) end
 
 ---rapidly-exploring random tree that drives the problem's motion model: from the node nearest to a proposal, under the one of several random controls that comes nearest to it
 ---

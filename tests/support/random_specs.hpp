@@ -98,8 +98,9 @@ class RandomSpecs {
   }
 
   PlannerSpec root() {
-    const char* name = std::array{"rrt", "rrt_connect", "prm", "lazy_prm"}[stream_.below(4)];
-    return PlannerSpec::make(name, {{"proposals", std::int64_t{800}}});
+    static constexpr std::array names = {"rrt",      "rrt_connect", "prm",           "lazy_prm",
+                                         "rrt_star", "prm_star",    "lazy_prm_star", "lazy_rrg_star"};
+    return PlannerSpec::make(names[stream_.below(names.size())], {{"proposals", std::int64_t{800}}});
   }
 
   Stream stream_;

@@ -286,8 +286,12 @@ TEST_CASE("what is not there has no figure", "[experiment][search_metrics]") {
 TEST_CASE("metrics of runs: trees are one component, and shares add up", "[experiment][search_metrics]") {
   const auto guide = [](const char* name) { return GuideSpec::make(name, {}); };
   const auto rrt = PlannerSpec::make("rrt", {});
-  const std::vector<StrategySpec> strategies = {rrt, PlannerSpec::make("rrt_connect", {}), PlannerSpec::make("prm", {}),
+  const std::vector<StrategySpec> strategies = {rrt,
+                                                PlannerSpec::make("rrt_connect", {}),
+                                                PlannerSpec::make("prm", {}),
                                                 PlannerSpec::make("lazy_prm", {}),
+                                                PlannerSpec::make("rrt_star", {}),
+                                                PlannerSpec::make("lazy_prm_star", {}),
                                                 guide("skeleton") >> guide("shrink") >> guide("lazy") >> rrt};
   for (const auto& problem : {test::cup_problem(), test::simple_passage_problem()}) {
     for (const auto& strategy : strategies) {

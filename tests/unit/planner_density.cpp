@@ -199,13 +199,16 @@ TEST_CASE("nodes know their parents, and proposals the nodes that they grew from
     REQUIRE(search.parents.size() == n);
     REQUIRE(search.near.size() == search.proposals.size());
     REQUIRE(search.added.size() == search.proposals.size());
-    const bool tree = kind.kinodynamic || kind.component->name.substr(0, 3) == "rrt";
+    const std::string& name = kind.component->name;
+    const bool tree = kind.kinodynamic || name.substr(0, 3) == "rrt";
+    const bool grows = tree || name == "lazy_rrg_star";
+    const bool hung_anew = name == "rrt_star";
     std::vector<char> seen(n, 0);
     for (std::size_t i = 0; i < search.proposals.size(); ++i) {
       const bool came = search.fates[i] != Fate::rejected;
       REQUIRE((search.added[i] != no_node) == came);
-      REQUIRE((search.near[i] != no_node) == tree);
-      if (tree) {
+      REQUIRE((search.near[i] != no_node) == grows);
+      if (grows) {
         // Nothing grows from a node that is yet to come.
         REQUIRE(search.near[i] < n);
         if (came) CHECK(search.near[i] < search.added[i]);
@@ -213,7 +216,7 @@ TEST_CASE("nodes know their parents, and proposals the nodes that they grew from
       if (!came) continue;
       REQUIRE(search.added[i] < n);
       CHECK(seen[search.added[i]]++ == 0);
-      if (tree) CHECK(search.parents[search.added[i]] == search.near[i]);
+      if (tree && !hung_anew) CHECK(search.parents[search.added[i]] == search.near[i]);
       if (search.fates[i] == Fate::reached) {
         CHECK(space.distance(search.nodes[search.added[i]], search.proposals[i]) == 0.0);
       }
@@ -224,19 +227,22 @@ TEST_CASE("nodes know their parents, and proposals the nodes that they grew from
         CHECK(search.parents[row] == no_node);
         continue;
       }
-      REQUIRE(search.parents[row] <= row);
+      REQUIRE(search.parents[row] < n);
       roots += search.parents[row] == row ? 1 : 0;
+      if (hung_anew) continue;
+      REQUIRE(search.parents[row] <= row);
       // The step of the trees; of one that is driven, the second at most that a control is held, at two metres each.
       CHECK(space.distance(search.nodes[search.parents[row]], search.nodes[row]) <=
             (kind.kinodynamic ? 2.3 : 0.5 + 1e-9));
     }
-    if (tree) CHECK(roots == (kind.component->name == "rrt_connect" ? 4 : 2));
+    // Asked again, what keeps its tree plants no other.
+    if (tree) CHECK(roots == (name == "rrt_connect" ? 4 : hung_anew ? 1 : 2));
     CHECK(search.edges.empty() == tree);
     const auto checker = make_planar_checker(problem.scene, space, problem.resolution);
     for (const auto& [a, b] : search.edges) {
       REQUIRE(a < b);
       REQUIRE(b < n);
-      if (!kind.unverified) CHECK(checker->motion(search.nodes[a], search.nodes[b]).valid);
+      if (name.substr(0, 4) != "lazy") CHECK(checker->motion(search.nodes[a], search.nodes[b]).valid);
     }
   }
 }

@@ -42,6 +42,9 @@ std::vector<StrategySpec> strategies() {
       shrink >> planner("prm"),
       lazy >> planner("lazy_prm"),
       skeleton >> planner("rrt"),
+      (0.5 * guide("informed") + 0.5 * lazy) >> planner("rrt_star"),
+      guide("informed") >> planner("lazy_prm_star"),
+      with_planner("shrink", "lazy_rrg_star") >> planner("prm_star"),
       (0.5 * shrink + 0.3 * skeleton + 0.2 * bias) >> planner("rrt"),
       sequence({shrink, skeleton, bias}, 15) >> planner("rrt"),
       sequence({0.7 * lazy + 0.3 * guide("uniform"), skeleton}, 20) >> planner("rrt_connect"),
@@ -241,10 +244,12 @@ TEST_CASE("the recorded density is that of every step", "[executor][density]") {
         REQUIRE(mine.proposals == level.search.density.total());
         REQUIRE(static_cast<bool>(level.proposal_density) == (mine.proposals > 0.0));
         REQUIRE(static_cast<bool>(level.root_proposal_density) == (mine.proposals > 0.0));
-        // What is kept does not grow with the proposals; a split keeps what its halves do.
+        // What is kept does not grow with the proposals; a split keeps what its halves do, and what is informed of ever
+        // shorter paths a set for each.
         const auto halves = std::count_if(run.levels.begin(), run.levels.end(),
                                           [](const LevelRecord& one) { return one.name.ends_with(" half"); });
-        CHECK(level.search.density.terms() <= 6 * static_cast<std::size_t>(1 + halves));
+        const std::size_t shorter = strategy.text().find("informed") != std::string::npos ? 20 : 0;
+        CHECK(level.search.density.terms() <= 6 * static_cast<std::size_t>(1 + halves) + shorter);
         if (mine.proposals == 0.0) continue;
         CHECK(level.proposal_atoms == Approx(mine.atoms / mine.proposals).margin(1e-12));
         for (std::size_t i = 0; i < mine.densities.size(); ++i) {

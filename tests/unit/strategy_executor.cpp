@@ -67,9 +67,10 @@ TEST_CASE("every guide composes with every other, in every way", "[executor]") {
   for (const auto& kind : searching()) {
     const GuideSpec a = guide(kind.component->name);
     try_it(a >> rrt());
-    try_it(a >> PlannerSpec::make("rrt_connect", {}));
-    try_it(a >> PlannerSpec::make("prm", {}));
-    try_it(a >> PlannerSpec::make("lazy_prm", {}));
+    for (const auto* planner :
+         {"rrt_connect", "prm", "lazy_prm", "rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
+      try_it(a >> PlannerSpec::make(planner, {}));
+    }
     for (const auto& guided : searching()) {
       const GuideSpec b = guide(guided.component->name);
       try_it((a + b) >> rrt());
@@ -320,7 +321,7 @@ TEST_CASE("both collision backends give the same run", "[executor]") {
 
 TEST_CASE("a run can be stopped at any proposal, and has done what the whole run does until there", "[executor]") {
   const auto problem = test::cup_problem();
-  for (const char* planner : {"rrt", "rrt_connect", "prm", "lazy_prm"}) {
+  for (const char* planner : {"rrt", "rrt_connect", "prm", "lazy_prm", "rrt_star", "lazy_rrg_star"}) {
     const StrategySpec strategy =
         guide("skeleton") >> guide("shrink") >> guide("lazy") >> PlannerSpec::make(planner, {});
     CAPTURE(strategy.text());

@@ -10,6 +10,10 @@ PlannerKind rrt_kind();
 PlannerKind rrt_connect_kind();
 PlannerKind prm_kind();
 PlannerKind lazy_prm_kind();
+PlannerKind rrt_star_kind();
+PlannerKind prm_star_kind();
+PlannerKind lazy_prm_star_kind();
+PlannerKind lazy_rrg_star_kind();
 PlannerKind graph_search_kind();
 PlannerKind kinodynamic_rrt_kind();
 

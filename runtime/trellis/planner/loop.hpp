@@ -93,6 +93,16 @@ inline void settle(Planner::Task& task, const Outcome& outcome, std::uint32_t ne
   task.guidance.observe(outcome, true);
 }
 
+/// The end of an extension from `from` towards q, which is `distance` away: at most `step` far. Whether that is q.
+inline bool steer(const Space& space, View from, View q, double distance, double step, Configuration& target) {
+  if (distance <= step) {
+    target.assign(q.begin(), q.end());
+    return true;
+  }
+  space.interpolate(from, q, step / distance, target);
+  return false;
+}
+
 /// A tree of configurations: rows of the level's node arena, their parents, and the index for nearest neighbours.
 class Tree {
  public:
@@ -104,6 +114,13 @@ class Tree {
     parents_.push_back(parent);
     return index_.add(q);
   }
+  /// Gives a node another parent, none of its descendants; one that came later, perhaps.
+  void hang(std::uint32_t id, std::uint32_t parent) {
+    task_.search.parents[rows_[id]] = rows_[parent];
+    parents_[id] = parent;
+  }
+  [[nodiscard]] std::uint32_t parent(std::uint32_t id) const { return parents_[id]; }
+  [[nodiscard]] const NearestIndex& index() const { return index_; }
   /// The row in the arena.
   [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
   [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }

@@ -75,12 +75,7 @@ class Rrt final : public Planner {
       settle(task_, outcome, tree_->row(near.id));
       return;
     }
-    const bool reaches = distance <= settings_.step;
-    if (reaches) {
-      target_ = sample_;
-    } else {
-      space.interpolate(outcome.near, sample_, settings_.step / distance, target_);
-    }
+    const bool reaches = steer(space, outcome.near, sample_, distance, settings_.step, target_);
     const MotionReport report = instance.motion(outcome.near, target_);
     if (!report.valid) {
       space.interpolate(outcome.near, target_, report.invalid_at, blocked_);

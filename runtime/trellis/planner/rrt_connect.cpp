@@ -91,12 +91,7 @@ class RrtConnect final : public Planner {
       step.added = near.id;
       return step;
     }
-    const bool reaches = distance <= settings_.step;
-    if (reaches) {
-      target_.assign(q.begin(), q.end());
-    } else {
-      instance.space.interpolate(tree[near.id], q, settings_.step / distance, target_);
-    }
+    const bool reaches = steer(instance.space, tree[near.id], q, distance, settings_.step, target_);
     const MotionReport report = instance.motion(tree[near.id], target_);
     if (!report.valid) {
       instance.space.interpolate(tree[near.id], target_, report.invalid_at, blocked_);

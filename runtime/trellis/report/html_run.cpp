@@ -132,7 +132,8 @@ std::string packed_fates(const LevelRecord& record, const Problem& problem) {
   return base64(bytes);
 }
 
-/// Of each node how far before it its parent is, 0 for a root. null without a tree.
+/// Of each node how far before it its parent is, 0 for a root, signed: a node may be hung from a later one. null
+/// without a tree.
 Json packed_parents(const Search& search) {
   const auto& parents = search.parents;
   if (parents.size() != search.nodes.size() ||
@@ -140,7 +141,9 @@ Json packed_parents(const Search& search) {
     return nullptr;
   }
   Numbers out;
-  for (std::size_t i = 0; i < parents.size(); ++i) out.add(parents[i] <= i ? i - parents[i] : 0);
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    out.add_signed(parents[i] == no_node ? 0 : static_cast<std::int64_t>(i) - static_cast<std::int64_t>(parents[i]));
+  }
   return out.text();
 }
 

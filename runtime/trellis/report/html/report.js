@@ -65,7 +65,7 @@ function unpackLevel(raw, number) {
   level.robot = data.robots[raw.robot] || null;
   level.drawn = raw.position.length >= 2;
   [level.x, level.y] = raw.position;
-  level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - delta);
+  level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - signed(delta));
   const kinds = bytes(raw.fates);
   level.station = i => {
     const fate = fates[kinds[i] & 3], validity = kinds[i] >> 2;
@@ -378,7 +378,8 @@ function drawTree(level, n) {
     if (level.parents) {
       for (let i = from; i < to; i++) {
         const up = level.parents[i];
-        if (up !== i) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
+        // A node that was hung anew may have a parent that is yet to come.
+        if (up !== i && up < n) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
       }
     }
     pen.stroke();

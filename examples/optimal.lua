@@ -1,0 +1,35 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
+-- Planners that go on after their first path, to shorter and shorter ones, with the same number of proposals each.
+--
+--   trellis run examples/optimal.lua
+--
+-- RRT and PRM end with the first path they find. RRT* and PRM* come near the shortest one, and pay for every motion to
+-- a neighbour. The lazy ones leave such a motion unchecked until a shortest path goes along it: Lazy-PRM* finds the
+-- paths of PRM*. `informed()` is told of each path found and draws from what a shorter one could pass through. Compare
+-- path lengths and validity checks in the summary.
+
+local around = problem {
+  name  = "around",
+  world = world { bounds = {0, 0, 12, 12}, box {5, 3, 7, 7, name = "block"} },
+  robot = robot.rigid { box {-0.3, -0.1, 0.3, 0.1} },
+  start = {4, 6, 0},
+  goal  = {8, 6, 0},
+}
+
+local spend = { proposals = 3000, improve = 3000 }
+
+return experiment {
+  problems   = { around },
+  strategies = {
+    rrt           = rrt(),
+    prm           = prm(),
+    rrt_star      = rrt_star(spend),
+    prm_star      = prm_star(spend),
+    lazy_prm_star = lazy_prm_star(spend),
+    lazy_rrg_star = lazy_rrg_star(spend),
+    informed_rrt_star      = informed() >> rrt_star(spend),
+    informed_lazy_prm_star = informed() >> lazy_prm_star(spend),
+  },
+  seeds   = 5,
+  measure = tube { delta = 0.5 },
+}

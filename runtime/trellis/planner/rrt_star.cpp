@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <trellis/planner/anytime.hpp>
+#include <trellis/planner/kinds.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct RrtStarSettings : AnytimeSettings {
+  double step = 0.5;
+};
+
+const Settings<RrtStarSettings>& rrt_star_settings() {
+  static const Settings<RrtStarSettings> settings = with_anytime(
+      Settings<RrtStarSettings>(
+          Component::Kind::planner, "rrt_star",
+          "RRT*: a random tree whose nodes hang from the neighbour that the shortest way comes by, and are hung anew "
+          "when a shorter one is found; goes on after its first path",
+          "Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning")
+          .number("step", &RrtStarSettings::step, "m in the metric", Range::positive(),
+                  "longest extension of the tree, and longest motion tried to the goal from a new node"));
+  return settings;
+}
+
+class RrtStar final : public Planner {
+ public:
+  RrtStar(const RrtStarSettings& settings, Task task)
+      : settings_(settings),
+        task_(std::move(task)),
+        connection_(settings.connection(task_.instance.space)),
+        best_(task_, settings.improve),
+        sample_(dimension()),
+        target_(dimension()),
+        blocked_(dimension()) {}
+
+  Solution solve(const Budget& budget) override {
+    auto& instance = task_.instance;
+    Meter meter(task_, budget);
+    if (!ends_checked_) {
+      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+      ends_checked_ = true;
+    }
+    best_.begin();
+    // What is known is kept, also when another path is asked for.
+    if (!tree_ || epoch_ != instance.validity->epoch()) plant();
+    bool another = best_.known();
+    while (another || !best_.done()) {
+      another = false;
+      if (const auto reason = meter.spent()) return finish(*reason);
+      iterate();
+    }
+    return finish(Status::solved);
+  }
+
+ private:
+  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
+  [[nodiscard]] double to_goal(View q) const { return task_.instance.space.distance(q, task_.instance.goal); }
+
+  void plant() {
+    epoch_ = task_.instance.validity->epoch();
+    tree_.emplace(task_);
+    best_.forget();
+    best_cost_ = std::numeric_limits<double>::infinity();
+    costs_ = {0.0};
+    lengths_ = {0.0};
+    children_.assign(1, {});
+    ends_.clear();
+    goal_ = no_node;
+    nearest_ = tree_->add(task_.instance.start, 0);
+    nearest_distance_ = to_goal(task_.instance.start);
+    if (nearest_distance_ <= task_.instance.goal_tolerance) ends_.push_back(nearest_);
+    keep_best();
+  }
+
+  void iterate() {
+    auto& instance = task_.instance;
+    const auto& space = instance.space;
+    propose(task_, sample_);
+    const auto near = tree_->nearest(sample_);
+    const double distance = std::sqrt(near.squared_distance);
+    Outcome outcome;
+    outcome.proposal = sample_;
+    outcome.near = (*tree_)[near.id];
+    if (distance == 0.0) {
+      settle(task_, outcome, tree_->row(near.id));
+      return;
+    }
+    const bool reaches = steer(space, outcome.near, sample_, distance, settings_.step, target_);
+    const MotionReport report = instance.motion(outcome.near, target_);
+    if (!report.valid) {
+      space.interpolate(outcome.near, target_, report.invalid_at, blocked_);
+      outcome.blocked_at = blocked_;
+      settle(task_, outcome, tree_->row(near.id));
+      return;
+    }
+    const std::uint32_t id = insert(target_, near.id);
+    if (goal_ == no_node && to_goal(target_) <= settings_.step && instance.motion(target_, instance.goal).valid) {
+      insert(instance.goal, id);
+    }
+    outcome.fate = reaches ? Fate::reached : Fate::advanced;
+    outcome.near = (*tree_)[near.id];
+    outcome.added = target_;
+    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    keep_best();
+  }
+
+  /// A node at q, to which the motion from `from` is valid: hung where its way is shortest, its neighbours hung from it
+  /// where that makes theirs shorter.
+  std::uint32_t insert(View q, std::uint32_t from) {
+    const auto& space = task_.instance.space;
+    connection_.find(tree_->index(), q, near_);
+    joints_.clear();
+    for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
+    // The goal hears of every way that ends near it, however many nodes are nearer.
+    if (goal_ != no_node && to_goal(q) <= settings_.step) add_joint(goal_, to_goal(q));
+    Joint best{from, space.distance((*tree_)[from], q)};
+    best.way = costs_[from] + best.length;
+    std::sort(joints_.begin(), joints_.end(),
+              [](const Joint& a, const Joint& b) { return a.way < b.way || (a.way == b.way && a.node < b.node); });
+    std::size_t refused = 0;
+    for (; refused < joints_.size() && joints_[refused].way < best.way; ++refused) {
+      const Joint& joint = joints_[refused];
+      if (!task_.instance.motion((*tree_)[joint.node], q).valid) continue;
+      best = joint;
+      break;
+    }
+    const std::uint32_t id = tree_->add(q, best.node);
+    costs_.push_back(best.way);
+    lengths_.push_back(best.length);
+    children_.emplace_back();
+    children_[best.node].push_back(id);
+    note(id);
+    // Those before `refused` were found to be blocked.
+    for (std::size_t i = refused; i < joints_.size(); ++i) {
+      const Joint& joint = joints_[i];
+      if (best.way + joint.length >= costs_[joint.node]) continue;
+      if (!task_.instance.motion((*tree_)[id], (*tree_)[joint.node]).valid) continue;
+      hang(joint.node, id, joint.length);
+    }
+    return id;
+  }
+
+  /// A neighbour of a new node.
+  struct Joint {
+    std::uint32_t node = 0;
+    double length = 0.0;
+    double way = 0.0;  ///< to the new node by this one
+  };
+
+  void add_joint(std::uint32_t node, double length) {
+    if (std::any_of(joints_.begin(), joints_.end(), [&](const Joint& j) { return j.node == node; })) return;
+    joints_.push_back({node, length, costs_[node] + length});
+  }
+
+  void hang(std::uint32_t id, std::uint32_t parent, double length) {
+    auto& siblings = children_[tree_->parent(id)];
+    siblings.erase(std::find(siblings.begin(), siblings.end(), id));
+    children_[parent].push_back(id);
+    tree_->hang(id, parent);
+    lengths_[id] = length;
+    std::vector<std::uint32_t> changed = {id};
+    while (!changed.empty()) {
+      const std::uint32_t at = changed.back();
+      changed.pop_back();
+      costs_[at] = costs_[tree_->parent(at)] + lengths_[at];
+      changed.insert(changed.end(), children_[at].begin(), children_[at].end());
+    }
+  }
+
+  /// Remembers how near the new node is to the goal.
+  void note(std::uint32_t id) {
+    const double distance = to_goal((*tree_)[id]);
+    if (distance <= task_.instance.goal_tolerance) ends_.push_back(id);
+    if (distance == 0.0) goal_ = id;
+    if (distance < nearest_distance_) {
+      nearest_distance_ = distance;
+      nearest_ = id;
+    }
+  }
+
+  void keep_best() {
+    const auto end = std::min_element(ends_.begin(), ends_.end(),
+                                      [&](std::uint32_t a, std::uint32_t b) { return costs_[a] < costs_[b]; });
+    if (end == ends_.end() || costs_[*end] >= best_cost_) return;
+    best_cost_ = costs_[*end];
+    best_.keep(tree_->branch(*end));
+  }
+
+  [[nodiscard]] Solution finish(Status status) const {
+    if (best_.known()) return best_.solution(status);
+    return {status, tree_->branch(nearest_)};
+  }
+
+  RrtStarSettings settings_;
+  Task task_;
+  Connection connection_;
+  BestPath best_;
+  std::optional<Tree> tree_;
+  std::vector<double> costs_;    ///< of each node the length of its way from the start
+  std::vector<double> lengths_;  ///< of each node that of the motion from its parent
+  std::vector<std::vector<std::uint32_t>> children_;
+  std::vector<NearestIndex::Neighbour> near_;
+  std::vector<Joint> joints_;
+  std::vector<std::uint32_t> ends_;  ///< nodes where the goal is
+  std::uint32_t goal_ = no_node;     ///< the node that is the goal itself
+  double best_cost_ = std::numeric_limits<double>::infinity();
+  Configuration sample_;
+  Configuration target_;
+  Configuration blocked_;
+  std::uint32_t nearest_ = 0;  ///< to the goal
+  double nearest_distance_ = std::numeric_limits<double>::infinity();
+  std::uint64_t epoch_ = 0;
+  bool ends_checked_ = false;
+};
+
+}  // namespace
+
+PlannerKind rrt_star_kind() {
+  return {&rrt_star_settings().component(), [](const Options& o) { return rrt_star_settings().read(o).common(); },
+          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+            return std::make_unique<RrtStar>(rrt_star_settings().read(o), std::move(task));
+          },
+          false};
+}
+
+}  // namespace trellis
