@@ -211,8 +211,9 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
 }
 
 SCENARIO("the other examples run to their end", "[examples]") {
-  for (const auto* name : {"minimal.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua",
-                           "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua", "pca.lua", "two_joint_arm.lua"}) {
+  for (const auto* name :
+       {"minimal.lua", "combinators.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua", "samplers.lua",
+        "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua", "pca.lua", "two_joint_arm.lua"}) {
     GIVEN(name) {
       const Result& result = run(name);
       INFO(result.outcome.err);
