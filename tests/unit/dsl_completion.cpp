@@ -28,7 +28,7 @@ TEST_CASE("a name is completed to globals, keywords and the names of the session
   CHECK(next("local g = skel") == Words{"skeleton"});
   CHECK(next("ret") == Words{"return"});
   CHECK(next("rob") == Words{"robot"});
-  CHECK(next("skeleton() >> sc") == Words{"scenario", "scenes"});
+  CHECK(next("skeleton() >> sc") == Words{"scenario", "scenes", "schedule"});
   CHECK(offers("", "experiment"));
   CHECK(offers("rrt { step = 0.5 }\n", "strategies"));
   CHECK(offers("pri", "print"));

@@ -8,6 +8,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/refuses.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -25,18 +26,6 @@ GuideSpec small(const GuideKind& kind) {
   if (kind.default_planner.empty()) return GuideSpec::make(kind.component->name, {});
   return GuideSpec::make(kind.component->name, {},
                          PlannerSpec::make(kind.default_planner, {{"proposals", std::int64_t{100}}}));
-}
-
-/// Whether a guide claims to need what the other one's space lacks.
-bool refuses(const GuideKind& above, const GuideKind& guided) {
-  const auto parent = make_instance(block_problem());
-  const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);
-  switch (above.claims.needs) {
-    case GuideClaims::Needs::nothing: return false;
-    case GuideClaims::Needs::position: return sub->position_axes.size() != 2;
-    case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
-  }
-  return false;
 }
 
 StrategySpec over(const GuideSpec& guide) {
@@ -74,7 +63,7 @@ TEST_CASE("any guide guides the search of any other that has one", "[strategy][p
     for (const auto& guided : guide_kinds()) {
       if (guided.default_planner.empty()) continue;
       const GuideSpec both = small(above) >> small(guided);
-      if (refuses(above, guided)) {
+      if (test::refuses(above, guided, block_problem())) {
         CAPTURE(both.text());
         const std::string what = above.component->name + ": needs " + std::string(to_string(above.claims.needs));
         CHECK_THROWS_WITH(execute(over(both), block_problem(), 5), Catch::Matchers::Contains(what));

@@ -153,10 +153,10 @@ struct ExperimentOptions {
   /// Threads that score, once all cells have run and no time is taken any more; 0: as many as the machine has.
   unsigned scoring_jobs = 0;
   /// Called after each cell's run and each cell's scoring, from one thread at a time: done, in all.
-  std::function<void(std::size_t, std::size_t)> progress;
+  std::function<void(std::size_t, std::size_t)> progress = {};
   /// Asked between cells and, through the executor, between proposals; true ends the experiment early (Interrupted).
   /// Called from the threads of all jobs at once.
-  std::function<bool()> interrupted;
+  std::function<bool()> interrupted = {};
 };
 
 /// Thrown when ExperimentOptions::interrupted said so.

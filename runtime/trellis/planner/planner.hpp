@@ -94,7 +94,7 @@ struct Solution {
   /// where it is valid).
   Configurations path;
   /// How the path is driven, where the instance has a motion model: replayed from the start it is the path.
-  Trajectory trajectory;
+  Trajectory trajectory = {};
   [[nodiscard]] bool solved() const { return status == Status::solved; }
 };
 

@@ -88,10 +88,10 @@ struct RunRecord {
 };
 
 struct ExecuteOptions {
-  std::int64_t shortcut = 0;          ///< rounds of shortcutting on the found path; not of one that is driven
-  std::function<bool()> interrupted;  ///< polled between proposals; true ends the run with Status::interrupted
+  std::int64_t shortcut = 0;               ///< rounds of shortcutting on the found path; not of one that is driven
+  std::function<bool()> interrupted = {};  ///< polled between proposals; true ends the run with Status::interrupted
   /// Shown h as it was when it drew a proposal, before the outcome is known, and the level that it drew for.
-  std::function<void(const LevelRecord& level, const Guidance& h)> watch;
+  std::function<void(const LevelRecord& level, const Guidance& h)> watch = {};
 };
 
 /// Checks a problem: finite coordinates of the right number, inside the space, start and goal valid. Throws Error that

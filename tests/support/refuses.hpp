@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <trellis/guide/guide.hpp>
+#include <trellis/instance/instance.hpp>
+
+namespace trellis::test {
+
+/// Whether a guide claims to need what the space of the other one lacks, in a problem.
+inline bool refuses(const GuideKind& above, const GuideKind& guided, const Problem& problem) {
+  const auto parent = make_instance(problem);
+  const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);
+  switch (above.claims.needs) {
+    case GuideClaims::Needs::nothing: return false;
+    case GuideClaims::Needs::position: return sub->position_axes.size() != 2;
+    case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
+  }
+  return false;
+}
+
+}  // namespace trellis::test
