@@ -13,7 +13,7 @@ stds.trellis = {
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
     "world", "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
-    "above", "exactly", "fewer_than", "solves", "spends", "finds_paths", "has_efficiency",
+    "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {
         "point", "disc", "rectangle", "polygon", "rigid", "arm",

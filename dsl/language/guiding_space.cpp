@@ -283,9 +283,9 @@ int make_guiding_space(Stack& call, const std::shared_ptr<GuideBook>& book) {
   std::string content;
   for (std::size_t i = 0; i < slots; ++i) {
     const auto slot = static_cast<Slot>(i);
-    const Value value = arguments[slot_name(slot)];
+    const Value value = arguments[std::string(slot_name(slot))];
     if (!value.given()) continue;
-    if (!fits(slot, value)) arguments.reject(slot_name(slot));
+    if (!fits(slot, value)) arguments.reject(std::string(slot_name(slot)));
     definition->types[i] = value.type();
     definition->values[i] = std::make_shared<const lua::Reference>(call, value);
     if (slot == Slot::valid) definition->validity = value.string().value_or("");
@@ -388,9 +388,9 @@ std::string identity_of(const GuideSpec& distribution) {
 
 }  // namespace
 
-const char* slot_name(Slot slot) {
-  constexpr std::array<const char*, slots> names = {"space", "project",   "lift",    "valid",   "robot", "world",
-                                                    "graph", "heuristic", "density", "observe", "stale"};
+std::string_view slot_name(Slot slot) {
+  constexpr std::array<std::string_view, slots> names = {"space", "project",   "lift",    "valid",   "robot", "world",
+                                                         "graph", "heuristic", "density", "observe", "stale"};
   return names[static_cast<std::size_t>(slot)];
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <dsl/language/measure.hpp>
@@ -37,7 +38,7 @@ enum class Slot : std::uint8_t {
   count
 };
 inline constexpr auto slots = static_cast<std::size_t>(Slot::count);
-const char* slot_name(Slot slot);
+std::string_view slot_name(Slot slot);
 
 /// One `guiding_space { ... }` in one interpreter.
 struct GuideDefinition {

@@ -164,7 +164,7 @@ const std::vector<Method>& criterion_methods() {
          return c.in_level(*name);
        }},
       {"by", "fun(margin: number): trellis.Criterion",
-       "less than another trial by this much at the least: a share of its spending, or nats",
+       "less or more than another trial by this much at the least: a share of its spending, or nats",
        [](const Criterion& c, Value margin) { return c.by(number_argument("by", margin)); }},
       {"with_confidence", "fun(confidence: number): trellis.Criterion",
        "how sure a statement about all seeds is to be, in (0.5, 1); 0.95 without it",
@@ -231,16 +231,20 @@ int make_bound(Stack& call) {
                                                                {Criterion::Kind::below, "below"},
                                                                {Criterion::Kind::above, "above"},
                                                                {Criterion::Kind::exactly, "exactly"}};
-  if (const auto* other = call[1].get<Trial>(); other != nullptr && kind == Criterion::Kind::below) {
-    return call.result(Criterion(*other));
+  if constexpr (kind == Criterion::Kind::below || kind == Criterion::Kind::above) {
+    if (const auto* other = call[1].get<Trial>()) return call.result(Criterion(kind, *other));
   }
   return call.result(Criterion(kind, number_argument(names.at(kind), call[1])));
 }
 
+template <Criterion::Kind kind>
 int make_comparison(Stack& call) {
-  if (const auto* other = call[1].get<Trial>()) return call.result(Criterion(*other));
-  throw Error(fmt::format("fewer_than: takes a trial, as `when` makes it, got {}{}", describe(call[1]),
-                          call[1].number() ? "; a number goes with below(x) or at_most(x)" : ""));
+  if (const auto* other = call[1].get<Trial>()) return call.result(Criterion(kind, *other));
+  constexpr bool less = kind == Criterion::Kind::below;
+  const char* const bounds =
+      less ? "; a number goes with below(x) or at_most(x)" : "; a number goes with above(x) or at_least(x)";
+  throw Error(fmt::format("{}: takes a trial, as `when` makes it, got {}{}", less ? "fewer_than" : "more_than",
+                          describe(call[1]), call[1].number() ? bounds : ""));
 }
 
 int make_solves(Stack& call) {
@@ -294,7 +298,8 @@ const std::vector<Function>& plain_functions() {
               make_bound<Kind::at_most>),
         bound("below", "below(2.0)", "a criterion: less than a number, or than another trial", true,
               make_bound<Kind::below>),
-        bound("above", "above(0.5)", "a criterion: more than a number", false, make_bound<Kind::above>),
+        bound("above", "above(0.5)", "a criterion: more than a number, or than another trial", true,
+              make_bound<Kind::above>),
         bound("exactly", "exactly(0).validity_checks()", "a criterion: just so much, in every run", false,
               make_bound<Kind::exactly>)};
     all.push_back(
@@ -303,7 +308,14 @@ const std::vector<Function>& plain_functions() {
                             {{"trial", "trellis.Trial", "a trial",
                               "on the same problem and seeds; .by(0.2) asks for 20 % less at the least", true}},
                             criterion_type),
-         make_comparison});
+         make_comparison<Kind::below>});
+    all.push_back(
+        {function_construct("more_than", "more_than(plain).validity_checks()",
+                            "a criterion: more than another trial spends, seed by seed: what misleads",
+                            {{"trial", "trellis.Trial", "a trial",
+                              "on the same problem and seeds; .by(0.2) asks for 20 % more at the least", true}},
+                            criterion_type),
+         make_comparison<Kind::above>});
     all.push_back({function_construct(
                        "solves", "solves(at_least(0.95))", "a matcher: the share of the seeds whose run finds a path",
                        {{"share", criterion_type, "a criterion",
@@ -314,7 +326,7 @@ const std::vector<Function>& plain_functions() {
                                       "a matcher: what runs spend until they have a path, at the median over seeds",
                                       {{"criterion", criterion_type, "a criterion with a quantity",
                                         "as at_most(5000).validity_checks(); a run without a path counts as more than "
-                                        "any other",
+                                        "any other, with more_than as what it has spent",
                                         true}},
                                       matcher_type),
                    make_spends});

@@ -898,7 +898,7 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
                     spec.text()));
   }
   if (in_s) throw Error("lifted within lifted: it is over S already");
-  if (sub_ == nullptr) throw Error("lifted: S = {0}, so there is nothing to lift from");
+  if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
   return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
                                            compose(lift->distribution(), true));
 }

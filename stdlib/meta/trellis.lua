@@ -132,7 +132,7 @@
 ---@field proposals fun(): trellis.Criterion of configurations that h proposed
 ---@field nodes fun(): trellis.Criterion of nodes of trees and roadmaps
 ---@field in_level fun(level: string|integer): trellis.Criterion of one level, instead of all of them together
----@field by fun(margin: number): trellis.Criterion less than another trial by this much at the least: a share of its spending, or nats
+---@field by fun(margin: number): trellis.Criterion less or more than another trial by this much at the least: a share of its spending, or nats
 ---@field with_confidence fun(confidence: number): trellis.Criterion how sure a statement about all seeds is to be, in (0.5, 1); 0.95 without it
 
 ---What `rrt` takes.
@@ -1595,10 +1595,10 @@ function at_most(x) end
 ---@return trellis.Criterion
 function below(x) end
 
----a criterion: more than a number
+---a criterion: more than a number, or than another trial
 ---
 ---    above(0.5)
----@param x number a number: a share, nats, metres, or how many
+---@param x number|trellis.Trial a number, or a trial: against another trial it goes seed by seed, as fewer_than does
 ---@return trellis.Criterion
 function above(x) end
 
@@ -1616,6 +1616,13 @@ function exactly(x) end
 ---@return trellis.Criterion
 function fewer_than(trial) end
 
+---a criterion: more than another trial spends, seed by seed: what misleads
+---
+---    more_than(plain).validity_checks()
+---@param trial trellis.Trial a trial: on the same problem and seeds; .by(0.2) asks for 20 % more at the least
+---@return trellis.Criterion
+function more_than(trial) end
+
 ---a matcher: the share of the seeds whose run finds a path
 ---
 ---    solves(at_least(0.95))
@@ -1626,7 +1633,7 @@ function solves(share) end
 ---a matcher: what runs spend until they have a path, at the median over seeds
 ---
 ---    spends(fewer_than(plain).validity_checks())
----@param criterion trellis.Criterion a criterion with a quantity: as at_most(5000).validity_checks(); a run without a path counts as more than any other
+---@param criterion trellis.Criterion a criterion with a quantity: as at_most(5000).validity_checks(); a run without a path counts as more than any other, with more_than as what it has spent
 ---@return trellis.Matcher
 function spends(criterion) end
 

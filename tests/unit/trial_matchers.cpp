@@ -154,6 +154,34 @@ TEST_CASE("spends: a run without a path has spent its budget for nothing") {
   CHECK_FALSE(judge(guided(), spends(fewer_than(hopeless()).validity_checks())).holds);
 }
 
+TEST_CASE("spends: more than another, which is what misleads") {
+  const Said said = judge(plain(), spends(more_than(guided()).validity_checks()));
+  INFO(said.text);
+  CHECK(said.holds);
+  CHECK_THAT(said.text, StartsWith("plain spends more validity checks than guided: "));
+  CHECK_THAT(said.text, Contains(" times as many at the median, at least ") && Contains("; more on "));
+  CHECK(judge(plain(), spends(more_than(guided()).validity_checks().by(1.0))).holds);
+
+  const Said other_way = judge(guided(), spends(more_than(plain()).validity_checks().by(0.2)));
+  CHECK_FALSE(other_way.holds);
+  CHECK_THAT(other_way.text, StartsWith("guided spends 20 % more validity checks than plain: 0."));
+  CHECK_THAT(other_way.help, StartsWith("seed ") && Contains("; plain spent "));
+  CHECK_FALSE(judge(plain(), spends(more_than(plain()).validity_checks())).holds);
+  CHECK_FALSE(judge(plain(), spends(more_than(guided()).validity_checks().by(1e6))).holds);
+}
+
+TEST_CASE("spends: more than one that found no path is more than can be told") {
+  // Nobody knows what hopeless would have spent; and it has itself spent no more than its budget.
+  CHECK_FALSE(judge(plain(), spends(more_than(hopeless()).validity_checks())).holds);
+  CHECK_FALSE(judge(hopeless(), spends(more_than(plain()).validity_checks())).holds);
+  const Trial beaten = trial_of("beaten", rrt({{"proposals", 5.0}}));
+  CHECK_FALSE(judge(hopeless(), spends(more_than(beaten).proposals())).holds);
+  const Said few =
+      judge(trial_of("plain", rrt(), 4), spends(more_than(trial_of("guided", guide("skeleton") >> rrt(), 4)).nodes()));
+  CHECK_FALSE(few.holds);
+  CHECK_THAT(few.text, Contains("at least less than can be told times") && Contains("; 4 seeds show nothing"));
+}
+
 TEST_CASE("spends: too few seeds show nothing, and it says how many would") {
   const Trial few = trial_of("guided", guide("skeleton") >> rrt(), 4);
   const Trial others = trial_of("plain", rrt(), 4);
@@ -199,6 +227,8 @@ TEST_CASE("finds_paths: valid, and no longer than asked for") {
   CHECK_THAT(said.text, StartsWith("plain finds valid paths, below 5 m long: "));
   CHECK_FALSE(judge(hopeless(), finds_paths()).holds);
   CHECK_FALSE(judge(plain(), finds_paths(fewer_than(plain()))).holds);
+  CHECK_THAT(judge(plain(), finds_paths(more_than(guided()))).text,
+             StartsWith("plain finds valid paths longer than those of guided: "));
 }
 
 TEST_CASE("has_efficiency: the end of the interval of the mean") {
@@ -213,6 +243,11 @@ TEST_CASE("has_efficiency: the end of the interval of the mean") {
   CHECK(judge(guided(), has_efficiency("root", below(plain()))).holds);
   CHECK_FALSE(judge(plain(), has_efficiency("root", below(guided()))).holds);
   CHECK_FALSE(judge(guided(), has_efficiency("root", below(plain()).by(50))).holds);
+  const Said worse = judge(plain(), has_efficiency("root", above(guided())));
+  CHECK(worse.holds);
+  CHECK_THAT(worse.text, StartsWith("plain has at the root an efficiency above that of guided: a difference of +") &&
+                             Contains(", at least +"));
+  CHECK_FALSE(judge(guided(), has_efficiency("root", above(plain()))).holds);
   const Level lifted = Level("skeleton").lifted();
   CHECK_THAT(judge(guided(), has_efficiency(lifted, below(100))).text,
              Contains("has at level skeleton (lifted) an efficiency"));
@@ -242,6 +277,7 @@ TEST_CASE("criteria that mean nothing for a matcher are refused") {
   CHECK_THROWS_WITH(solves(at_least(0.5).nodes()), "solves: takes a share of the seeds, as solves(at_least(0.95))");
   CHECK_THROWS_WITH(spends(at_most(5)), StartsWith("spends: of what? Write one of .validity_checks()"));
   CHECK_THROWS_WITH(spends(fewer_than(plain()).nodes().by(1.5)), StartsWith("spends: by(x) is a share"));
+  CHECK_NOTHROW(spends(more_than(plain()).nodes().by(1.5)));
   CHECK_THROWS_WITH(at_most(5).by(0.1), "by: 'at most 5' compares with no other trial");
   CHECK_THROWS_WITH(at_most(5).with_confidence(95), StartsWith("with_confidence: a confidence is a number"));
   CHECK_THROWS_WITH(has_efficiency("root", exactly(2)), StartsWith("has_efficiency: an estimate is nothing exactly"));

@@ -35,6 +35,7 @@ using trial::at_most;
 using trial::below;
 using trial::exactly;
 using trial::fewer_than;
+using trial::more_than;
 using trial::seeds;
 using trial::Trial;
 

@@ -80,8 +80,11 @@ class SplitSearch final : public Planner {
     const PlannerSpec& leaf = planner_.undivided();
     Task task = task_;
     task.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
-    undivided_ = leaf.dividing() != nullptr ? make_split_search(run_, level_, leaf, guide_, std::move(task))
-                                            : find_planner(leaf.name())->make(leaf.options(), std::move(task));
+    if (leaf.dividing() != nullptr) {
+      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(task));
+    } else {
+      undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(task));
+    }
     return undivided_->solve(budget);
   }
 

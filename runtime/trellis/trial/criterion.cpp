@@ -37,7 +37,9 @@ Criterion::Criterion(Kind kind, double value) : kind_(kind), value_(value) {
   if (!std::isfinite(value)) throw Error(fmt::format("{} takes a finite number, got {}", to_string(kind), value));
 }
 
-Criterion::Criterion(Trial less_than) : kind_(Kind::below), other_(std::move(less_than)) {}
+Criterion::Criterion(Kind kind, Trial other) : kind_(kind), other_(std::move(other)) {
+  if (kind != Kind::below && kind != Kind::above) throw Fault("two trials are compared by below and above only");
+}
 
 Criterion Criterion::by(double margin) const {
   if (!other_) throw Error(fmt::format("by: '{}' compares with no other trial", text()));
@@ -83,7 +85,8 @@ bool Criterion::met_by(double figure) const {
 }
 
 std::string Criterion::text() const {
-  return other_ ? fmt::format("less than {}", other_->name()) : fmt::format("{} {:g}", to_string(kind_), value_);
+  if (!other_) return fmt::format("{} {:g}", to_string(kind_), value_);
+  return fmt::format("{} than {}", from_above() ? "less" : "more", other_->name());
 }
 
 }  // namespace trellis::trial

@@ -23,8 +23,8 @@ class Criterion {
 
   /// Throws Error for a number that is not finite.
   Criterion(Kind kind, double value);
-  /// Less than the other trial has, seed by seed.
-  explicit Criterion(Trial less_than);
+  /// Below or above what the other trial has, seed by seed; no other kind.
+  Criterion(Kind kind, Trial other);
 
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] double value() const { return value_; }
@@ -36,7 +36,7 @@ class Criterion {
   [[nodiscard]] const std::optional<double>& asked_confidence() const { return confidence_; }
   [[nodiscard]] double confidence() const { return confidence_.value_or(default_confidence); }
 
-  /// Of a comparison: by so much less at the least. A share of the other's spending, or nats.
+  /// Of a comparison: by so much at the least. A share of the other's spending, or nats.
   [[nodiscard]] Criterion by(double margin) const;
   /// In (0.5, 1): how sure a statement about all seeds is to be.
   [[nodiscard]] Criterion with_confidence(double confidence) const;
@@ -49,10 +49,10 @@ class Criterion {
   [[nodiscard]] Criterion in_level(std::string level) const;
 
   /// Whether an upper end can satisfy it (less is better), and whether a lower end can.
-  [[nodiscard]] bool from_above() const { return other_ || kind_ == Kind::at_most || kind_ == Kind::below; }
+  [[nodiscard]] bool from_above() const { return kind_ == Kind::at_most || kind_ == Kind::below; }
   /// Whether a figure satisfies it; of numbers only.
   [[nodiscard]] bool met_by(double figure) const;
-  /// "at least 0.95", "less than planner".
+  /// "at least 0.95", "less than planner", "more than planner".
   [[nodiscard]] std::string text() const;
 
   static constexpr double default_confidence = 0.95;
@@ -75,7 +75,9 @@ inline Criterion at_most(double x) { return {Criterion::Kind::at_most, x}; }
 inline Criterion below(double x) { return {Criterion::Kind::below, x}; }
 inline Criterion above(double x) { return {Criterion::Kind::above, x}; }
 inline Criterion exactly(double x) { return {Criterion::Kind::exactly, x}; }
-inline Criterion below(Trial other) { return Criterion(std::move(other)); }
-inline Criterion fewer_than(Trial other) { return Criterion(std::move(other)); }
+inline Criterion below(Trial other) { return {Criterion::Kind::below, std::move(other)}; }
+inline Criterion above(Trial other) { return {Criterion::Kind::above, std::move(other)}; }
+inline Criterion fewer_than(Trial other) { return below(std::move(other)); }
+inline Criterion more_than(Trial other) { return above(std::move(other)); }
 
 }  // namespace trellis::trial

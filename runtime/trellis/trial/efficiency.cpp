@@ -55,8 +55,8 @@ class HasEfficiency final : public Matcher {
         fmt::format("has at {}{} an efficiency ", level_.name() == "root" ? "the root" : "level " + level_.name(),
                     which.empty() ? "" : fmt::format(" ({})", which));
     if (!nats_.other()) return fmt::format("{}{} nats", what, nats_.text());
-    return what + (nats_.margin() > 0.0 ? fmt::format("{:g} nats below that of ", nats_.margin()) : "below that of ") +
-           nats_.other()->name();
+    return fmt::format("{}{}{} that of {}", what, nats_.margin() > 0.0 ? fmt::format("{:g} nats ", nats_.margin()) : "",
+                       nats_.from_above() ? "below" : "above", nats_.other()->name());
   }
 
   [[nodiscard]] Verdict judge(const Trial& trial) const override {
@@ -72,8 +72,9 @@ class HasEfficiency final : public Matcher {
       const std::vector<double> here = values_of(runs, figure);
       const std::vector<double> there = values_of(others, theirs);
       const Interval difference = paired(there, here, two_sided).difference;
-      verdict.holds = difference.infinite == 0 && difference.hi < -nats_.margin();
-      verdict.finding = "a difference of " + figure_text(difference, true, nats_.confidence(), true);
+      const double end = nats_.from_above() ? difference.hi : -difference.lo;
+      verdict.holds = difference.infinite == 0 && end < -nats_.margin();
+      verdict.finding = "a difference of " + figure_text(difference, nats_.from_above(), nats_.confidence(), true);
       if (difference.n == 0 && difference.infinite == 0) verdict.finding = "no seed has both figures";
       std::vector<double> worse(runs.size(), nan);
       for (std::size_t i = 0; i < runs.size(); ++i) worse[i] = here[i] - there[i];

@@ -50,7 +50,7 @@ class FindsPaths final : public Matcher {
     if (length_->kind() == Criterion::Kind::exactly) {
       throw Error("finds_paths: no two paths are exactly as long; give a bound, as at_most(20)");
     }
-    if (length_->margin() >= 1.0) {
+    if (length_->from_above() && length_->margin() >= 1.0) {
       throw Error(
           fmt::format("finds_paths: by(x) is a share of the other's length, less than 1, got {:g}", length_->margin()));
     }
@@ -59,9 +59,9 @@ class FindsPaths final : public Matcher {
   [[nodiscard]] std::string text() const override {
     if (!length_) return "finds valid paths";
     if (!length_->other()) return fmt::format("finds valid paths, {} m long", length_->text());
-    return fmt::format("finds valid paths {}shorter than those of {}",
+    return fmt::format("finds valid paths {}{} than those of {}",
                        length_->margin() > 0.0 ? fmt::format("{:g} % ", 100.0 * length_->margin()) : "",
-                       length_->other()->name());
+                       length_->from_above() ? "shorter" : "longer", length_->other()->name());
   }
 
   [[nodiscard]] Verdict judge(const Trial& trial) const override {

@@ -45,8 +45,9 @@ using MatcherPointer = std::shared_ptr<const Matcher>;
 MatcherPointer solves(Criterion share);
 
 /// What runs spend until they have a path. It speaks of the median over all seeds there are: with the confidence at
-/// least half of them spend so little. A run without a path counts as if it spent more than any other. Against another
-/// trial, the ratio of both seed by seed. `exactly` is of each run that was made, whether it found a path or not.
+/// least half of them spend so little (so much). A run without a path counts as if it spent more than any other where
+/// less is claimed, as what it has spent where more is. Against another trial, the ratio of both seed by seed.
+/// `exactly` is of each run that was made, whether it found a path or not.
 MatcherPointer spends(Criterion spending);
 
 /// All paths that were found lead from start to goal by valid motions and, with a criterion, are as long (m) as it says

@@ -19,7 +19,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string number_text(double x, int decimals) {
-  return std::isfinite(x) ? fixed(x, decimals) : "more than can be told";
+  if (std::isfinite(x)) return fixed(x, decimals);
+  return x > 0.0 ? "more than can be told" : "less than can be told";
 }
 
 /// Why no run can be pointed at: however they come out, so few show nothing.
@@ -103,17 +104,21 @@ Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& r
 
 Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, const FigureOf& figure,
                     const FigureOf& others, const MedianWords& words) {
+  const bool less = criterion.from_above();
   std::vector<double> ratios;
   std::vector<const RunResult*> mine;
   std::vector<const RunResult*> theirs;
   const Pair* worst = nullptr;
+  double most = 0.0;
   for (const Pair& pair : pairs) {
-    const double there = others(*pair.others);
-    if (std::isnan(there)) continue;
-    const double here = pair.mine->run.solved ? figure(*pair.mine) : infinity;
-    if (std::isnan(here)) continue;
+    const double there = less || pair.others->run.solved ? others(*pair.others) : infinity;
+    const double here = !less || pair.mine->run.solved ? figure(*pair.mine) : infinity;
+    if (std::isnan(there) || std::isnan(here)) continue;
     const double ratio = here == there ? 1.0 : there > 0.0 ? here / there : infinity;
-    if (worst == nullptr || ratio > *std::max_element(ratios.begin(), ratios.end())) worst = &pair;
+    if (worst == nullptr || (less ? ratio > most : ratio < most)) {
+      worst = &pair;
+      most = ratio;
+    }
     ratios.push_back(ratio);
     mine.push_back(pair.mine);
     theirs.push_back(pair.others);
@@ -123,15 +128,17 @@ Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, 
     verdict.finding = fmt::format("{} has no run with {} to compare with", criterion.other()->name(), words.noun);
     return verdict;
   }
-  const double bound = median_upper(ratios, criterion.confidence());
-  verdict.holds = bound < 1.0 - criterion.margin();
-  const auto fewer = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r < 1.0; });
+  const double bound =
+      less ? median_upper(ratios, criterion.confidence()) : median_lower(ratios, criterion.confidence());
+  verdict.holds = less ? bound < 1.0 - criterion.margin() : bound > 1.0 + criterion.margin();
+  const auto as_claimed =
+      std::count_if(ratios.begin(), ratios.end(), [less](double r) { return less ? r < 1.0 : r > 1.0; });
   constexpr int decimals = 2;
   verdict.finding = fmt::format(
-      "{} times as {} at the median, at most {} times with {:g} % confidence; less on {} of {}{}{}{}",
-      number_text(median(ratios), decimals), words.decimals == 0 ? "many" : "long", number_text(bound, decimals),
-      100.0 * criterion.confidence(), fewer, plural(ratios.size(), "seed"),
-      unsolved(mine) > 0 ? fmt::format("; {} without a path", unsolved(mine)) : "",
+      "{} times as {} at the median, at {} {} times with {:g} % confidence; {} on {} of {}{}{}{}",
+      number_text(median(ratios), decimals), words.decimals == 0 ? "many" : "long", less ? "most" : "least",
+      number_text(bound, decimals), 100.0 * criterion.confidence(), less ? "less" : "more", as_claimed,
+      plural(ratios.size(), "seed"), unsolved(mine) > 0 ? fmt::format("; {} without a path", unsolved(mine)) : "",
       unsolved(theirs) > 0 ? fmt::format("; {} of {}'s without a path", unsolved(theirs), criterion.other()->name())
                            : "",
       too_few(ratios.size(), criterion.confidence()));

@@ -48,7 +48,7 @@ class Spends final : public Matcher {
     if (!criterion_.other() && criterion_.value() < 0.0) {
       throw Error(fmt::format("spends: nobody spends less than nothing, got {:g}", criterion_.value()));
     }
-    if (criterion_.margin() >= 1.0) {
+    if (criterion_.from_above() && criterion_.margin() >= 1.0) {
       throw Error(
           fmt::format("spends: by(x) is a share of the other's spending, less than 1, got {:g}", criterion_.margin()));
     }
@@ -59,9 +59,9 @@ class Spends final : public Matcher {
     const std::string where =
         criterion_.level().empty() ? std::string() : fmt::format(" in level {}", criterion_.level());
     if (!criterion_.other()) return fmt::format("spends {} {}{}", criterion_.text(), noun, where);
-    return fmt::format("spends {} {}{} than {}",
-                       criterion_.margin() > 0.0 ? fmt::format("{:g} % fewer", 100.0 * criterion_.margin()) : "fewer",
-                       noun, where, criterion_.other()->name());
+    return fmt::format("spends {}{} {}{} than {}",
+                       criterion_.margin() > 0.0 ? fmt::format("{:g} % ", 100.0 * criterion_.margin()) : "",
+                       criterion_.from_above() ? "fewer" : "more", noun, where, criterion_.other()->name());
   }
 
   [[nodiscard]] Verdict judge(const Trial& trial) const override {

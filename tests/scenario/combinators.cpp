@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ways of combining guides, and guides of one's own: what each is good for, and where it misleads, by the validity
+// checks of 30 runs, all levels together, beside those of the same planner without guidance, and beside the parts
+// alone.
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/folder.hpp"
+#include "support/trials.hpp"
+
+using namespace trellis;
+using namespace trellis::test;
+using namespace trellis::testing;
+
+namespace {
+
+// In the cup both are worth something; before the pickets both mislead.
+GuideSpec one() { return guide("skeleton"); }
+GuideSpec other() { return guide("lazy"); }
+
+GuideSpec half() { return by_two_trees("shrink", {{"scale", 0.5}}); }
+GuideSpec most() { return by_two_trees("shrink", {{"scale", 0.8}}); }
+
+}  // namespace
+
+SCENARIO("a >> b: what guides the guide", "[catalogue][combinators]") {
+  const StrategySpec nested = guide("skeleton") >> guide("shrink") >> tree();
+  GIVEN("a narrow passage") {
+    const Problem problem = simple_passage_problem();
+    THEN("it saves checks, and some of those that the guide alone spends") {
+      CHECK_THAT(tried(nested, problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(tried(nested, problem),
+                 Spends(fewer_than(tried(guide("shrink") >> tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("one block in the middle of an open world") {
+    const Problem problem = open_world();
+    THEN("a search for the guide and one for the guide's guide cost checks") {
+      CHECK_THAT(tried(nested, problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("a + b: it hedges, and pays for both", "[catalogue][combinators]") {
+  const StrategySpec mixed = (one() + other()) >> tree();
+  GIVEN("a cup between start and goal") {
+    const Problem problem = cup_problem();
+    THEN("it saves checks, and some of those that the worse part alone spends; the better one spends still fewer") {
+      const Trial trial = tried(mixed, problem);
+      CHECK_THAT(trial, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(fewer_than(tried(other() >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(more_than(tried(one() >> tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("a wall of pickets, where both of them mislead") {
+    const Problem problem = pickets();
+    THEN("it costs checks") {
+      CHECK_THAT(tried(mixed, problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("blend: by what the parts achieve, where they achieve something", "[catalogue][combinators]") {
+  GIVEN("a cup between start and goal") {
+    const Problem problem = cup_problem();
+    const Trial plain = tried(tree(), problem);
+    THEN("by rates, by exp3 and by efficiency it saves checks") {
+      CHECK_THAT(tried(blend({one(), other()}) >> tree(), problem), Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(tried(blend({one(), other()}, {.rule = "exp3"}) >> tree(), problem),
+                 Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(tried(blend({one(), other()}, {.credit = "efficiency"}) >> tree(), problem),
+                 Spends(fewer_than(plain).validity_checks()));
+    }
+  }
+  GIVEN("a wall of pickets, where both of them mislead") {
+    const Problem problem = pickets();
+    const Trial plain = tried(tree(), problem);
+    THEN("by rates, by exp3 and by efficiency it costs checks") {
+      CHECK_THAT(tried(blend({one(), other()}) >> tree(), problem), Spends(more_than(plain).validity_checks()));
+      CHECK_THAT(tried(blend({one(), other()}, {.rule = "exp3"}) >> tree(), problem),
+                 Spends(more_than(plain).validity_checks()));
+      CHECK_THAT(tried(blend({one(), other()}, {.credit = "efficiency"}) >> tree(), problem),
+                 Spends(more_than(plain).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("a .. b: turns, each of which is paid", "[catalogue][combinators]") {
+  const StrategySpec turns = sequence({other(), one()}, 50) >> tree();
+  GIVEN("a cup between start and goal") {
+    const Problem problem = cup_problem();
+    THEN("it saves checks") {
+      CHECK_THAT(tried(turns, problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("a wall of pickets, where both of them mislead") {
+    const Problem problem = pickets();
+    THEN("it costs checks") {
+      CHECK_THAT(tried(turns, problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("schedule: robots that grow, each until it is refuted", "[catalogue][combinators]") {
+  const StrategySpec growing = schedule({half(), most()}) >> tree();
+  GIVEN("a narrow passage") {
+    const Problem problem = passage(0.35, 1);
+    THEN("it saves checks") {
+      CHECK_THAT(tried(growing, problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("alleys, and a robot that is too long for most of their corners") {
+    const Problem problem = alleys();
+    THEN("refuting each of them costs checks") {
+      CHECK_THAT(tried(growing, problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("race: the quick one leads, the slow one is paid a slice", "[catalogue][combinators]") {
+  const GuideSpec slow = guide("shrink", {{"scale", 0.9}});
+  const GuideSpec quick = guide("skeleton") >> guide("shrink", {{"scale", 0.6}});
+  const StrategySpec raced = race({slow, quick}, {.slice = 50}) >> tree();
+  GIVEN("a slit that the robot does not pass, and a way round it") {
+    const Problem problem = detour();
+    const Trial trial = tried(raced, problem);
+    THEN("it spends fewer checks than their mixture, than the slow one and than no guide") {
+      CHECK_THAT(trial, Spends(fewer_than(tried((slow + quick) >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(fewer_than(tried(slow >> tree(), problem)).validity_checks()));
+      CHECK_THAT(trial, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+    THEN("whoever knows the quick one spends fewer without a race") {
+      CHECK_THAT(trial, Spends(more_than(tried(quick >> tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("one block in the middle of an open world") {
+    const Problem problem = open_world();
+    THEN("any race costs checks") {
+      CHECK_THAT(tried(raced, problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("split: a sub-goal that halves the way, and one that nobody need reach", "[catalogue][combinators]") {
+  const PlannerSpec trees = PlannerSpec::make("rrt_connect", {{"proposals", std::int64_t{20000}}});
+  const GuideSpec skeleton = guide("skeleton");
+  GIVEN("a narrow passage, and a skeleton through it") {
+    const Problem problem = simple_passage_problem();
+    THEN("two trees that begin in it spend fewer checks than undivided") {
+      const Trial whole = tried(skeleton >> trees, problem);
+      CHECK_THAT(tried(skeleton >> split(trees), problem), Spends(fewer_than(whole).validity_checks()));
+      CHECK_THAT(tried(skeleton >> split(trees, {.depth = 2}), problem), Spends(fewer_than(whole).validity_checks()));
+    }
+    THEN("a tree that grows from the start alone spends more: it need not reach just this configuration") {
+      CHECK_THAT(tried(skeleton >> split(tree()), problem),
+                 Spends(more_than(tried(skeleton >> tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("a cup, whose rim the way leads around") {
+    const Problem problem = cup_problem();
+    THEN("it saves checks, beside the same undivided and beside no guide") {
+      const Trial divided = tried(skeleton >> split(trees), problem);
+      CHECK_THAT(divided, Spends(fewer_than(tried(skeleton >> trees, problem)).validity_checks()));
+      CHECK_THAT(divided, Spends(fewer_than(tried(trees, problem)).validity_checks()));
+      CHECK_THAT(tried(skeleton >> split(tree()), problem),
+                 Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("alleys, and a robot that is too long for most of their corners") {
+    const Problem problem = alleys();
+    THEN("sub-goals in corners cost checks") {
+      CHECK_THAT(tried(skeleton >> split(tree()), problem),
+                 Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("guiding_space: what its writer knows, and what its writer believes", "[catalogue][combinators]") {
+  GIVEN("a script of somebody who knows of a door in the middle of the wall") {
+    const Folder folder;
+    const std::string script = folder.write("door.lua", R"lua(
+      local door = guiding_space {
+        name = "door",
+        space = {},
+        heuristic = function()
+          return function(random, normal)
+            return 5 + 0.5 * normal(), 5 + 0.5 * normal(), math.pi * (2 * random() - 1)
+          end
+        end,
+      }
+      local function crossing(name, lower, upper)
+        return problem {
+          name = name,
+          world = world { bounds = {0, 0, 10, 10}, box(lower), box(upper) },
+          robot = robot.rectangle(0.6, 0.2),
+          start = {2, 5, 0},
+          goal = {8, 5, 0},
+        }
+      end
+      local plain = rrt { step = 0.5, proposals = 20000 }
+      return experiment {
+        problems = {
+          crossing("a door", {4, 0, 6, 4.75}, {4, 5.25, 6, 10}),
+          crossing("a slit", {4, 1, 6, 4.94}, {4, 5.06, 6, 10}),
+        },
+        strategies = { plain = plain, door = door >> plain },
+      }
+    )lua");
+    const Script knows = load(script);
+    WHEN("it is there") {
+      const Trial guided = knows.trial("door", seeds(30), "a door");
+      THEN("it saves checks") {
+        CHECK_THAT(guided, Spends(fewer_than(knows.trial("plain", seeds(30), "a door")).validity_checks()));
+      }
+    }
+    WHEN("it is a slit, and the way is elsewhere") {
+      const Trial guided = knows.trial("door", seeds(30), "a slit");
+      THEN("it costs checks") {
+        CHECK_THAT(guided, Spends(more_than(knows.trial("plain", seeds(30), "a slit")).validity_checks()));
+      }
+    }
+  }
+}

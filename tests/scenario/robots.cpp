@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Guides that change the robot: what each is good for, and where it misleads, by the validity checks of 30 runs, all
+// levels together, beside those of the same planner without it.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/trials.hpp"
+
+using namespace trellis;
+using namespace trellis::test;
+using namespace trellis::testing;
+
+namespace {
+
+/// Iterative relaxation: the robots of a quarter, a half and three quarters of the size, each guided by the path of the
+/// one before, and half of what each proposes is uniform.
+GuideSpec relaxation() {
+  const auto level = [](double scale) {
+    return GuideSpec::make("shrink", {{"scale", scale}, {"follow", "waypoints"}},
+                           PlannerSpec::make("rrt", {{"step", 0.5}, {"uniform", 0.5}}));
+  };
+  return level(0.25 / 0.5) >> level(0.5 / 0.75) >> level(0.75);
+}
+
+Problem arm_problem(const std::string& name, const Arm& arm, const Rectangles& boxes, const Configuration& start,
+                    const Configuration& goal) {
+  return make_problem(name, rectangle_world(boxes), Robot::arm(arm), start, goal);
+}
+/// An arm of four links, with a bar or a box somewhere about.
+Problem four_links(const Rectangles& boxes, const Configuration& goal) {
+  const Arm arm{.links = {1.2, 1.2, 1.2, 1}, .widths = {0.1, 0.1, 0.1, 0.1}, .base = {5, 1}};
+  return arm_problem("four links", arm, boxes, {0.9, 0.3, 0.2, 0.1}, goal);
+}
+GuideSpec flat() { return by_two_trees("pca", {{"dimensions", std::int64_t{2}}}, 0.2); }
+
+PlannerSpec driving(std::vector<Options::Entry> options) {
+  options.emplace_back("proposals", std::int64_t{10000});
+  return PlannerSpec::make("kinodynamic_rrt", options);
+}
+
+/// A car that only goes forwards, and a goal behind it, headed as it is: it has to drive a whole turn.
+Problem goal_behind() {
+  Problem problem =
+      make_problem("goal behind", World(Box2{{0, 0}, {10, 10}}, {}), rectangle_robot(0.5, 0.3), {5, 5, 0}, {3, 5, 0});
+  const MotionKind& car = *find_motion("car");
+  problem.motion_model = car.make(Options::validate(
+      *car.component, {{"min_speed", 0.5}, {"max_speed", 1.0}, {"max_steering", 0.4}, {"wheelbase", 0.5}}));
+  problem.goal_tolerance = 1.0;
+  return problem;
+}
+
+}  // namespace
+
+SCENARIO("workspace: where a point goes, and whether the robot can follow", "[catalogue][robots]") {
+  GIVEN("passages that the robot fits through") {
+    THEN("the point's way saves checks") {
+      for (const Problem& problem : {simple_passage_problem(), rows()}) {
+        CHECK_THAT(tried(guide("workspace") >> tree(), problem),
+                   Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+      }
+    }
+  }
+  GIVEN("passages that only a point fits through") {
+    const Problem problem = trap_problem();
+    THEN("the point's way costs checks") {
+      CHECK_THAT(tried(guide("workspace") >> tree(), problem),
+                 Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("skeleton: regions that lead through a passage, and regions in slits", "[catalogue][robots]") {
+  const GuideSpec regions = guide("skeleton", {{"explore", 0.1}});
+  GIVEN("a passage that the robot fits through") {
+    const Problem problem = simple_passage_problem();
+    THEN("they save checks") {
+      const Trial plain = tried(tree(), problem);
+      CHECK_THAT(tried(regions >> tree(), problem), Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(tried(guide("skeleton") >> tree(), problem), Spends(fewer_than(plain).validity_checks()));
+    }
+  }
+  GIVEN("a wall of pickets, and room below it") {
+    const Problem problem = pickets();
+    WHEN("a tree is guided by them, one in each slit") {
+      THEN("they cost checks") {
+        CHECK_THAT(tried(regions >> tree(), problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+      }
+    }
+  }
+  GIVEN("two trees in an open world, which find their way by themselves") {
+    const Problem problem = open_world();
+    const PlannerSpec trees = PlannerSpec::make("rrt_connect", {{"step", 0.5}});
+    THEN("they cost checks") {
+      CHECK_THAT(tried(guide("skeleton") >> trees, problem),
+                 Spends(more_than(tried(trees, problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("shrink: what half of the robot passes, the whole may pass too, or may not", "[catalogue][robots]") {
+  const GuideSpec half = by_two_trees("shrink", {{"scale", 0.5}});
+  GIVEN("a narrow passage") {
+    const Problem problem = passage(0.35, 1);
+    THEN("the way of half the robot saves checks") {
+      CHECK_THAT(tried(half >> tree(), problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("a slit that only half of the robot fits through, and a way round") {
+    const Problem problem = detour();
+    THEN("its way costs checks") {
+      CHECK_THAT(tried(half >> tree(), problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("shrink, again and again: iterative relaxation", "[catalogue][robots]") {
+  const PlannerSpec planner =
+      PlannerSpec::make("rrt", {{"step", 0.5}, {"uniform", 0.5}, {"proposals", std::int64_t{20000}}});
+  GIVEN("a narrow passage") {
+    const Problem problem = passage(0.35, 1);
+    THEN("ever larger robots save checks") {
+      CHECK_THAT(tried(relaxation() >> planner, problem),
+                 Spends(fewer_than(tried(planner, problem)).validity_checks()));
+    }
+  }
+  GIVEN("a block in the middle of an open world") {
+    const Problem problem = open_world();
+    THEN("three more searches cost checks") {
+      CHECK_THAT(tried(relaxation() >> planner, problem), Spends(more_than(tried(planner, problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("shrink with several distinct paths", "[catalogue][robots]") {
+  const GuideSpec several = by_two_trees(
+      "shrink", {{"scale", 0.5}, {"paths", std::int64_t{2}}, {"effort", std::int64_t{500}}, {"follow", "waypoints"}});
+  GIVEN("a narrow passage") {
+    const Problem problem = passage(0.35, 1);
+    THEN("they save checks") {
+      CHECK_THAT(tried(several >> tree(), problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+  GIVEN("alleys, and a robot that is too long for most of their corners") {
+    const Problem problem = alleys();
+    THEN("looking for several ways of half of it costs checks") {
+      CHECK_THAT(tried(several >> tree(), problem), Spends(more_than(tried(tree(), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("joints: the first ones say where the others are, or they say little", "[catalogue][robots]") {
+  const GuideSpec first_two = by_two_trees("joints", {}, 0.1);
+  GIVEN("an arm of two long links and a wrist of three short ones") {
+    const Arm arm{.links = {2.2, 2.0, 0.3, 0.3, 0.3}, .widths = {0.2, 0.2, 0.1, 0.1, 0.1}, .base = {5, 5}};
+    const Problem problem = arm_problem("wrist", arm, {{6.2, 7, 8.2, 8.2}, {6.8, 2.2, 8, 3.6}},
+                                        {1.9, 0.4, 0.3, 0.3, 0.3}, {-0.9, -0.5, -0.3, -0.3, -0.3});
+    THEN("they save checks") {
+      CHECK_THAT(tried(first_two >> tree(0.1), problem),
+                 Spends(fewer_than(tried(tree(0.1), problem)).validity_checks()));
+    }
+  }
+  GIVEN("an arm of two short links and a long one") {
+    const Arm arm{.links = {0.8, 0.8, 2.2}, .widths = {0.2, 0.2, 0.2}, .base = {5, 5}};
+    const Problem problem =
+        arm_problem("hand", arm, {{6.9, 5.6, 8.5, 8.2}, {6.8, 2.2, 8, 3.6}}, {1.9, 0.4, 0.3}, {-0.9, -0.5, -0.3});
+    THEN("they cost checks") {
+      CHECK_THAT(tried(first_two >> tree(0.1), problem),
+                 Spends(more_than(tried(tree(0.1), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("pca: a flat that has a way, and a motion that needs none", "[catalogue][robots]") {
+  GIVEN("an arm of four links that has to draw in a little to pass below a bar") {
+    const Problem problem = four_links({{4.7, 5.35, 5.3, 5.5}}, {2.2, -0.3, -0.2, -0.1});
+    THEN("a search of two dimensions saves checks, those of the fit counted") {
+      CHECK_THAT(tried(flat() >> tree(0.2), problem), Spends(fewer_than(tried(tree(0.2), problem)).validity_checks()));
+    }
+  }
+  GIVEN("a goal near the start") {
+    const Problem problem = four_links({{3.6, 4.8, 4.4, 5.2}}, {1.4, 0.2, 0.2, 0.1});
+    THEN("the fit costs more checks than there were to save") {
+      CHECK_THAT(tried(flat() >> tree(0.2), problem), Spends(more_than(tried(tree(0.2), problem)).validity_checks()));
+    }
+  }
+}
+
+SCENARIO("holonomic and decomposition: what forgets how the robot is driven", "[catalogue][robots]") {
+  GIVEN("a wall like a cup between start and goal, and a car that turns in a radius") {
+    const Problem problem = driven(cup_problem(), "car");
+    const PlannerSpec planner = driving({});
+    THEN("both save checks") {
+      const Trial plain = tried(planner, problem);
+      CHECK_THAT(tried(guide("holonomic") >> planner, problem), Spends(fewer_than(plain).validity_checks()));
+      CHECK_THAT(tried(guide("decomposition") >> planner, problem), Spends(fewer_than(plain).validity_checks()));
+    }
+  }
+  GIVEN("a car that only goes forwards, and a goal behind it") {
+    const Problem problem = goal_behind();
+    const PlannerSpec planner = driving({{"connect", 0.0}});
+    THEN("both cost checks, as the straight way there cannot be driven") {
+      const Trial plain = tried(planner, problem);
+      CHECK_THAT(tried(guide("holonomic") >> planner, problem), Spends(more_than(plain).validity_checks()));
+      CHECK_THAT(tried(guide("decomposition") >> planner, problem), Spends(more_than(plain).validity_checks()));
+    }
+  }
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Trials of guides beside the same planner without them, for the scenarios of what each guide is good for.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/testing.hpp>
+
+#include "support/worlds.hpp"
+
+namespace trellis::test {
+
+/// A strategy on 30 seeds.
+inline testing::Trial tried(StrategySpec strategy, const Problem& problem) {
+  return testing::trial("", std::move(strategy), problem, testing::seeds(30));
+}
+
+inline GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& given = {}) {
+  return GuideSpec::make(name, given);
+}
+/// A guide whose space is searched by two trees.
+inline GuideSpec by_two_trees(const std::string& name, const std::vector<Options::Entry>& given = {},
+                              double step = 0.5) {
+  return GuideSpec::make(name, given, PlannerSpec::make("rrt_connect", {{"step", step}}));
+}
+
+inline PlannerSpec tree(double step = 0.5) {
+  return PlannerSpec::make("rrt", {{"step", step}, {"proposals", std::int64_t{20000}}});
+}
+/// A roadmap whose nodes are few enough that a narrow passage is easily missed.
+inline PlannerSpec roadmap() { return PlannerSpec::make("prm", {{"proposals", std::int64_t{4000}}}); }
+
+inline Problem boxes(const std::string& name, const Rectangles& all, const Configuration& start,
+                     const Configuration& goal) {
+  return make_problem(name, rectangle_world(all), rectangle_robot(), start, goal);
+}
+
+/// A wall from side to side with one passage in its middle.
+inline Problem passage(double width, double length) {
+  return boxes(
+      "passage",
+      {{5 - length / 2, 0, 5 + length / 2, 5 - width / 2}, {5 - length / 2, 5 + width / 2, 5 + length / 2, 10}},
+      {1, 8.5, 0}, {9, 1.5, 0});
+}
+/// One block in the middle.
+inline Problem open_world() { return boxes("open", {{4.5, 4.5, 5.5, 5.5}}, {1, 5, 0}, {9, 5, 0}); }
+/// Rows of boxes with gaps that the robot fits into.
+inline Problem rows() {
+  Rectangles all;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 6; ++row) {
+      const double x = 3 + column * 1.1;
+      const double y = 1.5 + row * 1.2;
+      all.push_back({x, y, x + 0.7, y + 0.7});
+    }
+  }
+  return boxes("rows", all, {1, 5, 0}, {9, 5, 0});
+}
+/// Alleys with corners, and a robot that is too long to turn about most of them.
+inline Problem alleys() {
+  return make_problem("alleys", rectangle_world({{3, 1, 4.6, 6}, {5, 1, 7, 4.6}, {3, 6.4, 7, 9}, {5, 5, 7, 6}}),
+                      rectangle_robot(1.6, 0.2), {2, 5, 0}, {8, 5, 0});
+}
+/// A wall of pickets with slits that only a point goes through; below it there is room.
+inline Problem pickets() {
+  Rectangles all;
+  for (int i = 0; i < 6; ++i) {
+    const double y = 2.5 + i * 1.25;
+    all.push_back({4.8, y, 5.2, i == 5 ? 10 : y + 1.13});
+  }
+  return boxes("pickets", all, {2, 6, 0}, {8, 6, 0});
+}
+/// A wall with a slit that the robot is too wide for, half of it is not; and a way round.
+inline Problem detour() { return boxes("detour", {{4, 1, 6, 4.94}, {4, 5.06, 6, 10}}, {2, 5, 0}, {8, 5, 0}); }
+
+}  // namespace trellis::test
