@@ -4,8 +4,8 @@
 --
 --   trellis run examples/pca.lua
 --
--- The arm has to draw in a little to pass below the bar. What the plane is fitted to costs validity checks, and they are
--- its level's: see the table of the levels.
+-- The arm has to draw in a little to pass below the bar. What the plane is fitted to costs validity checks, and they
+-- are its level's: see the table of the levels.
 
 local arm = problem {
   name = "four_links",

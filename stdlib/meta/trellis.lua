@@ -230,7 +230,8 @@
 ---What `kinodynamic_rrt` takes.
 ---@class trellis.kinodynamic_rrt.Options
 ---@field controls? integer an integer at least 1 (controls); default 10: random controls, each for a random duration, that are tried for a proposal before one is checked
----@field longest? number a number greater than 0 (s); default 1: the longest duration of a control; a whole number of the model's steps, at least one
+---@field longest? number a number greater than 0 (s); default 1: the longest duration of a control, or of an extension along a curve; a whole number of the model's steps, at least one
+---@field extend? "controls"|"curves" one of "controls", "curves"; default "controls": how a node is driven towards a proposal: "controls", under random controls; "curves", along the shortest curve to it, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 and car have them, any other model keeps to controls
 ---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
@@ -295,6 +296,7 @@
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field lift? "uniform"|"handles" one of "uniform", "handles"; default "uniform": what a position is completed with: "uniform", uniform angles; "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform
 ---@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
 ---@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
@@ -341,7 +343,8 @@
 ---@field [1]? integer `dimensions` without its name
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field dimensions? integer an integer at least 0 (axes); default 0: dimension of S, less than that of C; 0: half of C's, rounded up
----@field samples? integer an integer at least 1 (configurations); default 200: valid configurations that the subspace is fitted to; the checks of looking for them are its level's
+---@field samples? integer an integer at least 1 (configurations); default 200: configurations that the subspace is fitted to: valid ones out of uniform ones, which are looked at as checks of its level; or with `db` points spread over stored paths
+---@field db? string the name of a file; default "": a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its paths of the same space and robot, and nothing is checked for it
 ---@field ends? boolean true or false; default true: the subspace goes through start and goal, and the way between them is its first direction; otherwise it goes where the samples say, and start and goal are projected onto it
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
@@ -1157,7 +1160,7 @@ function shrink(options) end
 ---@overload fun(...: string): trellis.Guide
 function joints(options) end
 
----a flat subspace of few dimensions, fitted to valid configurations by principal components
+---a flat subspace of few dimensions, fitted by principal components to valid configurations or to paths
 ---
 ---Source: Mahoney, Bross and Johnson 2010, Deformable robot motion planning in a reduced-dimension configuration space
 ---@param options? trellis.pca.Options

@@ -88,7 +88,7 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
                     folder.file("samples.csv"), folder.file("points.csv"), -target.log_volume(), -space.log_volume());
     for (const auto k : ks) command += fmt::format(" {}", k);
     REQUIRE(succeeds(command + " > '" + folder.file("out") + "'"));
-    std::ifstream outfolder.file("out");
+    std::ifstream out(folder.file("out"));
     for (const auto k : ks) {
       std::array<double, 3> theirs{};
       for (double& figure : theirs) REQUIRE(out >> figure);

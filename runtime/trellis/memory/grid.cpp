@@ -95,8 +95,8 @@ WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : b
 }
 
 Vec2 WorldGrid::corner(std::size_t cell) const {
-  return {box_.lo.x + width_ * static_cast<double>(cell % columns_),
-          box_.lo.y + height_ * static_cast<double>(cell / columns_)};
+  const std::size_t row = cell / columns_;
+  return {box_.lo.x + width_ * static_cast<double>(cell % columns_), box_.lo.y + height_ * static_cast<double>(row)};
 }
 
 Vec2 WorldGrid::centre(std::size_t cell) const { return corner(cell) + Vec2{0.5 * width_, 0.5 * height_}; }
@@ -123,7 +123,10 @@ std::optional<std::size_t> WorldGrid::free_near(Vec2 point) const {
 }
 
 std::vector<double> ways_to(const WorldGrid& grid, std::size_t to) {
-  if (!grid.free(to)) return std::vector<double>(grid.size(), nowhere);
+  if (!grid.free(to)) {
+    std::vector<double> none(grid.size(), nowhere);
+    return none;
+  }
   return spread_from(grid, {to}, [&](std::size_t cell, std::size_t next, const Step& step) {
     if (!grid.free(next)) return false;
     if (step.columns == 0 || step.rows == 0) return true;

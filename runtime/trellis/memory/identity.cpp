@@ -59,8 +59,8 @@ std::uint64_t identity(const Robot& robot) {
   bytes += robot.translates() ? '\1' : '\0';
   put(bytes, robot.base());
   for (const Body& body : robot.bodies()) {
-    put_integer(bytes, static_cast<std::uint64_t>(body.parent + 1));
-    put_integer(bytes, static_cast<std::uint64_t>(body.angle_axis + 1));
+    put_integer(bytes, static_cast<std::uint64_t>(std::int64_t{body.parent} + 1));
+    put_integer(bytes, static_cast<std::uint64_t>(std::int64_t{body.angle_axis} + 1));
     bytes += body.absolute ? '\1' : '\0';
     put(bytes, body.joint);
     put_integer(bytes, body.parts.size());

@@ -33,7 +33,7 @@ class ArmFile {
       auto words = words_of(text.lines[i]);
       if (words.empty()) continue;
       if (words[0] == grid_heading) break;
-      const auto known = std::find(headings.begin(), headings.end(), words[0]);
+      const auto* const known = std::find(headings.begin(), headings.end(), words[0]);
       if (known == headings.end()) {
         throw text.error(
             i + 1, fmt::format("'{}', expected one of {} or {}", words[0], fmt::join(headings, ", "), grid_heading));
@@ -189,8 +189,8 @@ std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& op
   }
 
   const auto goal = file.numbers(headings[5], 2);
-  const double column = static_cast<double>(file.cell(headings[5], goal[0], cells[0]));
-  const double row = static_cast<double>(file.cell(headings[5], goal[1], cells[1]));
+  const auto column = static_cast<double>(file.cell(headings[5], goal[0], cells[0]));
+  const auto row = static_cast<double>(file.cell(headings[5], goal[1], cells[1]));
   Reach reach;
   reach.body = arm.links.size() - 1;
   reach.point = {arm.links.back(), 0.0};

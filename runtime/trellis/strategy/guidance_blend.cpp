@@ -112,7 +112,7 @@ class BlendGuidance final : public PartsGuidance {
   }
   /// Of exp3, to the part that drew.
   void reward(double r) {
-    const double n = static_cast<double>(arms_.size());
+    const auto n = static_cast<double>(arms_.size());
     arms_[drawn_].successes *= std::exp(settings_.floor * r / (n * share(drawn_, total_weight())));
     // Only the ratios matter, and none may grow beyond all numbers.
     double most = 0.0;
