@@ -1,13 +1,14 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- Scenes of dynobench, driven: unicycles of first and second order and a car with a trailer, by the motion models that
--- the files name. dynobench_geometry.lua beside this plans for their shapes alone. Left out is unicycle1_v1/kink_0:
--- its unicycle can neither stop nor go back, and none of these strategies solves it within 100000 proposals.
+-- the files name. dynobench_geometry.lua beside this plans for their shapes alone. The unicycle of unicycle1_v1/kink_0
+-- can neither stop nor go back, and has to turn about in a pocket: along curves it gets out, under random controls not.
 --
 --   trellis run examples/real/dynobench.lua --jobs 2
 
 local names = {
   "unicycle1_v0/bugtrap_0",
   "unicycle1_v0/parallelpark_0",
+  "unicycle1_v1/kink_0",
   "unicycle2_v0/kink_0",
   "car1_v0/parallelpark_0",
   "car1_v0/kink_0",
@@ -26,6 +27,7 @@ return experiment {
     { "holonomic",     holonomic() >> kinodynamic_rrt {} },
     { "decomposition", decomposition() >> kinodynamic_rrt {} },
     { "nested",        skeleton() >> holonomic() >> kinodynamic_rrt {} },
+    { "curves",        decomposition() >> kinodynamic_rrt { extend = "curves", longest = 15 } },
   },
   seeds = 3,
 }

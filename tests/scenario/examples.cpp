@@ -427,7 +427,7 @@ SCENARIO("driven robots are guided by what forgets that they are driven", "[exam
     INFO(result.outcome.err);
     REQUIRE(result.outcome.status == 0);
     THEN("every guided run arrives, and says how it was driven") {
-      for (const auto* strategy : {"holonomic", "decomposition", "nested"}) {
+      for (const auto* strategy : {"holonomic", "decomposition", "nested", "curves"}) {
         const auto runs = runs_of(result.document, strategy);
         REQUIRE(runs.size() == 15);
         for (const auto& run : runs) {
@@ -447,18 +447,18 @@ SCENARIO("driven robots are guided by what forgets that they are driven", "[exam
 
 SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[examples][real]") {
   if (!scenes_are_here()) return;
-  GIVEN("five scenes, with and without a guide") {
+  GIVEN("six scenes, with and without a guide") {
     const Result& result = run("real/dynobench.lua");
     INFO(result.outcome.err);
     REQUIRE(result.outcome.status == 0);
-    THEN("each is solved in three of nine guided runs at least") {
+    THEN("each is solved in three of twelve guided runs at least") {
       std::map<std::string, int> solved;
       for (const auto* strategy : {"holonomic", "decomposition", "nested"}) {
         for (const auto& run : runs_of(result.document, strategy)) {
           solved[run["problem"].get<std::string>()] += run["solved"] == true ? 1 : 0;
         }
       }
-      CHECK(solved.size() == 5);
+      CHECK(solved.size() == 6);
       for (const auto& [problem, times] : solved) {
         CAPTURE(problem);
         CHECK(times >= 3);

@@ -2,6 +2,7 @@
 // A robot that is driven: what is recorded of its paths, and which planners are refused.
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/error.hpp>
@@ -16,8 +17,8 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// The guides of a list, the first one outermost, above a kinodynamic RRT.
-StrategySpec strategy(const std::vector<GuideSpec>& guides) {
-  const PlannerSpec planner = PlannerSpec::make("kinodynamic_rrt", {});
+StrategySpec strategy(const std::vector<GuideSpec>& guides, const std::string& extend = "controls") {
+  const PlannerSpec planner = PlannerSpec::make("kinodynamic_rrt", {{"extend", extend}});
   if (guides.empty()) return StrategySpec(planner);
   GuideSpec all = guides.front();
   for (std::size_t i = 1; i < guides.size(); ++i) all = all >> guides[i];
@@ -29,10 +30,11 @@ StrategySpec strategy(const std::vector<GuideSpec>& guides) {
 TEST_CASE("a driven path is recorded as its controls, which give its states to the bit", "[kinodynamic]") {
   for (const std::string model : {"unicycle1", "unicycle2", "car"}) {
     const Problem problem = test::driven(test::cup_problem(), model);
-    for (const bool guided : {false, true}) {
-      CAPTURE(model, guided);
-      const auto spec =
-          guided ? strategy({GuideSpec::make("skeleton", {}), GuideSpec::make("holonomic", {})}) : strategy({});
+    for (const auto& [guided, extend] :
+         {std::pair(false, "controls"), std::pair(true, "controls"), std::pair(false, "curves")}) {
+      CAPTURE(model, guided, extend);
+      const auto spec = guided ? strategy({GuideSpec::make("skeleton", {}), GuideSpec::make("holonomic", {})}, extend)
+                               : strategy({}, extend);
       const auto run = execute(spec, problem, 3, {.shortcut = 100});
       REQUIRE(run.solved);
       const auto states = replay(*problem.motion_model, problem.space, problem.start, run.trajectory);

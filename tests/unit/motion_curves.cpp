@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The shortest curves of bounded curvature: Dubins', and Reeds and Shepp's.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/component.hpp>
@@ -137,4 +139,44 @@ TEST_CASE("steering drives models of bounded curvature close to where they are t
   const MotionKind& second = *find_motion("unicycle2");
   const auto model = second.make(Options::validate(*second.component, {}));
   CHECK_FALSE(steer(*model, Configuration(5, 0.0), Configuration(5, 1.0)));
+}
+
+TEST_CASE("steering at one speed keeps to what the controls allow, and ends near to where it is to go",
+          "[motion][curves]") {
+  Stream stream(5, "", "poses");
+  const std::vector<Options::Entry> fine = {{"dt", 0.01}};
+  const std::vector<Options::Entry> onwards = {
+      {"dt", 0.01}, {"min_speed", 0.25}, {"max_speed", 0.5}, {"max_angular_speed", 0.5}};
+  const Space space = Space::se2({-50, 50}, {-50, 50});
+  for (const auto& [name, given] :
+       {std::pair("unicycle1", fine), std::pair("unicycle1", onwards), std::pair("car", fine)}) {
+    const MotionKind& kind = *find_motion(name);
+    const auto model = kind.make(Options::validate(*kind.component, given));
+    CAPTURE(model->text());
+    for (int i = 0; i < 200; ++i) {
+      const CurvePose a = random_pose(stream, 3.0);
+      const CurvePose b = random_pose(stream, 3.0);
+      const double share = stream.uniform();
+      CAPTURE(share);
+      const Configuration from = {a.x, a.y, a.theta};
+      const auto way = steer_at(*model, from, Configuration{b.x, b.y, b.theta}, share);
+      REQUIRE(way);
+      for (std::size_t k = 0; k < way->steps.size(); ++k) CHECK(model->allows(way->controls[k]));
+      const auto states = replay(*model, space, from, *way);
+      CHECK(std::abs(std::remainder(states.back()[2] - b.theta, 2.0 * pi)) < 0.05);
+      CHECK(std::hypot(states.back()[0] - b.x, states.back()[1] - b.y) < 0.15);
+    }
+  }
+  // The slower, the narrower a unicycle turns: about, it takes less room.
+  const MotionKind& kind = *find_motion("unicycle1");
+  const auto model = kind.make(Options::validate(*kind.component, onwards));
+  const auto room = [&](double share) {
+    const Configuration from = {0, 0, 0};
+    const auto states = replay(*model, space, from, *steer_at(*model, from, Configuration{0, 0.9, pi}, share));
+    double most = 0.0;
+    for (std::size_t i = 0; i < states.size(); ++i) most = std::max(most, std::abs(states[i][1]));
+    return most;
+  };
+  CHECK(room(0.0) < 1.2);
+  CHECK(room(1.0) > 1.4);
 }

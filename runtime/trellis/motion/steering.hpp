@@ -14,4 +14,9 @@ namespace trellis {
 /// speed.
 std::optional<Trajectory> steer(const MotionModel& model, View from, View to);
 
+/// The same at one speed, which tells how narrow its turns are where the model turns by an angular speed: `share` of
+/// the way from the slowest (a tenth of the fastest where it may be slower) to the fastest, in [0, 1]. Each piece takes
+/// the whole number of steps that is nearest, so it ends near to `to` only.
+std::optional<Trajectory> steer_at(const MotionModel& model, View from, View to, double share);
+
 }  // namespace trellis

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include <trellis/base/error.hpp>
 #include <trellis/motion/steering.hpp>
@@ -34,8 +35,8 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
                   "steps, at least one")
           .choice("extend", &KinodynamicRrtSettings::extend, {"controls", "curves"},
                   "how a node is driven towards a proposal: \"controls\", under random controls; \"curves\", along the "
-                  "shortest curve to it, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 "
-                  "and car have them, any other model keeps to controls")
+                  "shortest curve to it at a random speed, of Dubins, or of Reeds and Shepp where the model can go "
+                  "backwards: unicycle1 and car have them, any other model keeps to controls")
           .number("connect", &KinodynamicRrtSettings::connect, "m in the metric", Range::non_negative(),
                   "from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and "
                   "Shepp where the model can go backwards: with unicycle1 and car only; 0: never"));
@@ -161,7 +162,8 @@ class KinodynamicRrt final : public Planner {
   /// The way from a node towards the proposal.
   Trajectory way_from(View from) {
     if (settings_.extend == "curves") {
-      if (auto curve = steer(model_, from, sample_)) return std::move(*curve);
+      auto curve = steer_at(model_, from, sample_, task_.proposals.uniform());
+      if (curve && !curve->steps.empty()) return std::move(*curve);
     }
     Trajectory way{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
     way.controls.push(best_control_);
@@ -194,10 +196,16 @@ class KinodynamicRrt final : public Planner {
 
   /// Drives the shortest curve from a node to the goal; it becomes part of the tree where it gets there.
   void connect(std::uint32_t id, View from) {
-    const auto way = steer(model_, from, task_.instance.goal);
-    if (!way) return;
-    const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
-    if (driven.arrived) add(id, driven, *way);
+    const auto arrives = [&](const std::optional<Trajectory>& way) {
+      if (!way) return false;
+      const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
+      if (driven.arrived) add(id, driven, *way);
+      return driven.arrived;
+    };
+    const View goal = task_.instance.goal;
+    if (!arrives(steer(model_, from, goal)) && settings_.extend == "curves") {
+      arrives(steer_at(model_, from, goal, task_.proposals.uniform()));
+    }
   }
 
   /// Remembers how near the new node is to the goal.
