@@ -74,13 +74,35 @@ std::string axes_of(const Space& space) {
   return names;
 }
 
-Configuration read_configuration(const Arguments& arguments, const std::string& name, const Space& space) {
-  auto q = read_numbers(arguments[name], fmt::format("problem: field '{}'", name));
+Configuration read_configuration(Value value, const std::string& what, const Space& space) {
+  auto q = read_numbers(value, fmt::format("problem: {}", what));
   if (q.size() != space.dimension()) {
-    throw Error(fmt::format("problem: field '{}' must have {} coordinates ({}), got {}", name, space.dimension(),
+    throw Error(fmt::format("problem: {} must have {} coordinates ({}), got {}", what, space.dimension(),
                             axes_of(space), q.size()));
   }
   return q;
+}
+
+/// One goal, or a list of them.
+void read_goals(Value value, Problem& problem) {
+  bool several = false;
+  if (value.type() == lua::Type::table) {
+    value.each(
+        [&](std::size_t i, Value element) { several = several || (i == 1 && element.type() == lua::Type::table); });
+  }
+  if (!several) {
+    problem.goal = read_configuration(value, "field 'goal'", problem.space);
+    return;
+  }
+  problem.further_goals = Configurations(problem.space.dimension());
+  value.each([&](std::size_t i, Value element) {
+    auto q = read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem.space);
+    if (i == 1) {
+      problem.goal = std::move(q);
+    } else {
+      problem.further_goals.push(q);
+    }
+  });
 }
 
 int make_problem(Stack& call) {
@@ -103,8 +125,8 @@ int make_problem(Stack& call) {
     problem.motion_model = *model;
     problem.space = state_space(problem.space, **model);
   }
-  problem.start = read_configuration(arguments, "start", problem.space);
-  problem.goal = read_configuration(arguments, "goal", problem.space);
+  problem.start = read_configuration(arguments["start"], "field 'start'", problem.space);
+  read_goals(arguments["goal"], problem);
   problem.goal_tolerance =
       motion.given() && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance : settings.goal_tolerance;
   problem.resolution = settings.resolution;
@@ -113,7 +135,7 @@ int make_problem(Stack& call) {
   return call.result(std::move(problem));
 }
 
-void push_coordinates(Stack& call, const Configuration& q) {
+void push_coordinates(Stack& call, View q) {
   const Value list = call.push_table();
   for (const double x : q) {
     call.push(x);
@@ -136,7 +158,17 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
          }
        }},
       {"start", [](Stack& call, const Problem& p) { push_coordinates(call, p.start); }},
-      {"goal", [](Stack& call, const Problem& p) { push_coordinates(call, p.goal); }},
+      {"goal",
+       [](Stack& call, const Problem& p) {
+         if (p.further_goals.empty()) return push_coordinates(call, p.goal);
+         const Value list = call.push_table();
+         push_coordinates(call, p.goal);
+         call.append(list);
+         for (std::size_t i = 0; i < p.further_goals.size(); ++i) {
+           push_coordinates(call, p.further_goals[i]);
+           call.append(list);
+         }
+       }},
       {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
       {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
       {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }}};
@@ -207,7 +239,8 @@ const Construct& problem_construct() {
                  {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
                  {"start", "number[]", "a list of numbers",
                   "the start configuration, in metres and radians; with a motion model its velocities follow", true},
-                 {"goal", "number[]", "a list of numbers", "the goal configuration, in metres and radians", true},
+                 {"goal", "number[]|number[][]", "a list of numbers, or a list of such lists",
+                  "the goal configuration, in metres and radians, or several of which any will do", true},
                  {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
                   "how the robot is driven; without one it moves straight to any configuration"}},
       .options = problem_settings().component(),

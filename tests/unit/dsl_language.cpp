@@ -135,6 +135,23 @@ TEST_CASE("an experiment holds what was given, in a known order") {
   CHECK_FALSE(listed.experiment.measure);
 }
 
+TEST_CASE("a problem may have several goals, any of which will do") {
+  const std::string head =
+      "local function p(goal) return problem { robot = robot.point(), world = world { bounds = {0, 0, 4, 4}, "
+      "box {1, 1, 2, 2} }, start = {0.5, 0.5}, goal = goal } end return ";
+  CHECK(value("#(function() " + head + "p { {3, 3}, {3.5, 1} }.goal end)()") == "2");
+  CHECK(value("(function() " + head + "p { {3, 3}, {3.5, 1} }.goal[2][1] end)()") == "3.5");
+  CHECK(value("(function() " + head + "p(p { {3, 3}, {3.5, 1} }.goal).goal[1][2] end)()") == "3.0");
+  CHECK(value("(function() " + head + "p({3, 2}).goal[2] end)()") == "2.0");
+  CHECK_THAT(failure("(function() " + head + "p { {3, 3}, {3.5} } end)()"),
+             Catch::Contains("goal 2 of field 'goal' must have 2 coordinates (x, y), got 1"));
+  CHECK_THAT(failure("(function() " + head + "p { {3, 3}, 4 } end)()"),
+             Catch::Contains("goal 2 of field 'goal' must be a list of numbers"));
+  CHECK_THAT(failure("(function() " + head + "p { {3, 3}, {1.5, 1.5} } end)()"),
+             Catch::Contains("goal 2 (1.5, 1.5) is in collision with"));
+  CHECK_THAT(failure("(function() " + head + "p {} end)()"), Catch::Contains("field 'goal' must have 2 coordinates"));
+}
+
 TEST_CASE("a script may return a strategy and a problem") {
   for (const char* script : {"return shrink(0.5) >> rrt {}, scenes.cup()",
                              "return { strategy = shrink(0.5) >> rrt {}, problem = scenes.cup() }"}) {

@@ -65,12 +65,9 @@ const Settings<NearObstacleSettings>& bridge_test_settings() {
 
 class GoalBias final : public Heuristic {
  public:
-  GoalBias(const Instance& parent, double share) : uniform_(parent.space), goal_(parent.goal), share_(share) {}
+  GoalBias(const Instance& parent, double share) : uniform_(parent.space), goal_(parent), share_(share) {}
   Source sample(Stream& stream, MutableView out) override {
-    if (stream.uniform() < share_) {
-      std::copy(goal_.begin(), goal_.end(), out.begin());
-      return 0;
-    }
+    if (stream.uniform() < share_) return goal_.sample(stream, out);
     uniform_.sample(stream, out);
     return 1;
   }
@@ -84,7 +81,7 @@ class GoalBias final : public Heuristic {
 
  private:
   UniformGuidance uniform_;
-  Configuration goal_;
+  GoalGuidance goal_;
   double share_;
 };
 

@@ -30,7 +30,7 @@ const Settings<InformedSettings>& informed_settings() {
       Settings<InformedSettings>(
           Component::Kind::guide, "informed",
           "only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and "
-          "goal; uniform while no path is known; S = {0}",
+          "goal; uniform while no path is known, and where there are several goals; S = {0}",
           "Gammell, Srinivasa and Barfoot 2014, Informed RRT*")
           .number("cost", &InformedSettings::cost, "m in the metric", Range::positive(),
                   "length that paths of interest are below, before one is known; infinite: none");
@@ -239,7 +239,7 @@ class Informed final : public Heuristic {
     ++epoch_;
     bound_ = cost;
     set_.reset();
-    if (cost >= 2.0 * parent_.space.diameter()) return;
+    if (cost >= 2.0 * parent_.space.diameter() || parent_.goals() > 1) return;
     auto set = std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal, std::max(cost, least_));
     // One that is far larger than the space would be reflected many times, and leave nothing out.
     if (set->volume() < most_reflections * std::exp(parent_.space.log_volume())) set_ = std::move(set);

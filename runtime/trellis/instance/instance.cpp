@@ -58,6 +58,15 @@ std::shared_ptr<Validity> make_validity(const std::string& collision, const std:
   return std::make_shared<StateValidity>(std::move(configurations), space, motion_model);
 }
 
+Instance::NearGoal Instance::nearest_goal(View q) const {
+  NearGoal nearest{0, space.distance(q, goal)};
+  for (std::size_t i = 0; i < further_goals.size(); ++i) {
+    const double distance = space.distance(q, further_goals[i]);
+    if (distance < nearest.distance) nearest = {i + 1, distance};
+  }
+  return nearest;
+}
+
 std::shared_ptr<Validity> Instance::validity_in(const std::shared_ptr<const Scene>& other) const {
   return validity_of ? validity_of(other) : make_validity(collision, other, space, resolution, motion_model);
 }
@@ -71,6 +80,7 @@ std::unique_ptr<Instance> make_instance(const Problem& problem) {
       make_validity(problem.collision, problem.scene, problem.space, problem.resolution, problem.motion_model);
   instance->start = problem.start;
   instance->goal = problem.goal;
+  instance->further_goals = problem.further_goals;
   instance->goal_tolerance = problem.goal_tolerance;
   instance->resolution = problem.resolution;
   instance->collision = problem.collision;

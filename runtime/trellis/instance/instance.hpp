@@ -77,7 +77,8 @@ class Instance {
   std::shared_ptr<Validity> validity;
   std::shared_ptr<Graph> graph;  ///< nullptr: a sampling planner searches the space
   Configuration start;
-  Configuration goal;
+  Configuration goal;            ///< what guides and figures go by
+  Configurations further_goals;  ///< each of them would do as well; none of most instances
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
   std::string collision = "planar";
@@ -85,6 +86,17 @@ class Instance {
   std::vector<std::size_t> position_axes;           ///< axes that hold the reference point's position; empty: none
   /// Makes validity for a scene where the axes are not the robot's; empty where they are.
   std::function<std::shared_ptr<Validity>(const std::shared_ptr<const Scene>&)> validity_of;
+
+  [[nodiscard]] std::size_t goals() const { return 1 + further_goals.size(); }
+  /// `goal` first, then the further ones.
+  [[nodiscard]] View goal_at(std::size_t i) const { return i == 0 ? View(goal) : further_goals[i - 1]; }
+  struct NearGoal {
+    std::size_t goal = 0;  ///< of goal_at
+    double distance = 0.0;
+  };
+  [[nodiscard]] NearGoal nearest_goal(View q) const;
+  /// How far the nearest goal is from q.
+  [[nodiscard]] double to_goal(View q) const { return nearest_goal(q).distance; }
 
   /// Counted validity.
   [[nodiscard]] bool valid(View q) {

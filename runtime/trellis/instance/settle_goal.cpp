@@ -95,6 +95,7 @@ void settle_goal(Problem& problem) {
   if (!problem.reach) return;
   constexpr int tries = 4000;
   constexpr int wanted = 40;
+  constexpr std::size_t most_goals = 10;
   // Turns of the start's coordinates, in turn: near it there are the more valid ones, far from it others.
   constexpr std::array<double, 6> spreads = {0.02, 0.1, 0.3, 0.6, 1.0, 0.0};
   const Reach& reach = *problem.reach;
@@ -104,8 +105,7 @@ void settle_goal(Problem& problem) {
   const Vec2 half = 0.5 * (reach.box.hi - reach.box.lo);
   const double near = 0.05 * std::min(half.x, half.y);
   Stream stream(0, problem.name, "goal");
-  std::optional<Configuration> best;
-  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, Configuration>> all;  // with the distance from the start
   Configuration q(problem.space.dimension());
   for (int i = 0, found = 0; i < tries && found < wanted; ++i) {
     problem.space.sample_uniform(stream, q);
@@ -118,19 +118,19 @@ void settle_goal(Problem& problem) {
         middle + Vec2{0.9 * half.x * stream.uniform(-1.0, 1.0), 0.9 * half.y * stream.uniform(-1.0, 1.0)};
     if (!kinematics.bring(q, target, near) || !reaches(problem.scene->robot, reach, q) || !checker->valid(q)) continue;
     ++found;
-    const double distance = problem.space.distance(problem.start, q);
-    if (distance >= least) continue;
-    least = distance;
-    best = q;
+    all.emplace_back(problem.space.distance(problem.start, q), q);
   }
-  if (!best) {
+  if (all.empty()) {
     throw Error(
         fmt::format("problem '{}': no valid configuration brings {} into the box ({:g}, {:g}) to ({:g}, {:g}), of {} "
                     "that were tried",
                     problem.name, problem.scene->robot.body_name(reach.body), reach.box.lo.x, reach.box.lo.y,
                     reach.box.hi.x, reach.box.hi.y, tries));
   }
-  problem.goal = *best;
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  problem.goal = all.front().second;
+  problem.further_goals = Configurations(problem.space.dimension());
+  for (std::size_t i = 1; i < std::min(all.size(), most_goals); ++i) problem.further_goals.push(all[i].second);
 }
 
 }  // namespace trellis

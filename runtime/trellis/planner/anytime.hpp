@@ -41,9 +41,7 @@ class BestPath {
  public:
   /// \param improve  proposals of a solve after the first path, or from its beginning where one is known
   BestPath(Planner::Task& task, double improve)
-      : task_(task),
-        improve_(improve),
-        straight_(task.instance.space.distance(task.instance.start, task.instance.goal)) {}
+      : task_(task), improve_(improve), straight_(task.instance.to_goal(task.instance.start)) {}
 
   /// A solve begins.
   void begin() {

@@ -12,6 +12,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/random.hpp>
+#include <trellis/instance/instance.hpp>
 #include <trellis/planner/density.hpp>
 #include <trellis/space/space.hpp>
 
@@ -83,12 +84,15 @@ class UniformGuidance final : public Guidance {
   double density_;
 };
 
-/// The goal itself: S = {0}. An atom, without density.
+/// The goal itself, or one of several: S = {0}. Atoms, without density.
 class GoalGuidance final : public Guidance {
  public:
-  explicit GoalGuidance(Configuration goal) : goal_(std::move(goal)) {}
-  Source sample(Stream&, MutableView out) override {
-    std::copy(goal_.begin(), goal_.end(), out.begin());
+  explicit GoalGuidance(const Instance& instance) : goals_(instance.space.dimension()) {
+    for (std::size_t i = 0; i < instance.goals(); ++i) goals_.push(instance.goal_at(i));
+  }
+  Source sample(Stream& stream, MutableView out) override {
+    const View goal = std::as_const(goals_)[goals_.size() > 1 ? stream.below(goals_.size()) : 0];
+    std::copy(goal.begin(), goal.end(), out.begin());
     return 0;
   }
   [[nodiscard]] double density(View) const override { return 0.0; }
@@ -97,7 +101,7 @@ class GoalGuidance final : public Guidance {
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal"}; }
 
  private:
-  Configuration goal_;
+  Configurations goals_;
 };
 
 inline void DensityRecord::served(const Guidance& h) {

@@ -92,7 +92,7 @@ class KinodynamicRrt final : public Planner {
     epoch_ = task_.instance.validity->epoch();
     best_ = tree_->add(task_.instance.start, 0);
     edges_.push_back({});
-    best_distance_ = task_.instance.space.distance(task_.instance.start, task_.instance.goal);
+    best_distance_ = task_.instance.to_goal(task_.instance.start);
     solved_ = best_distance_ <= task_.instance.goal_tolerance;
   }
 
@@ -135,7 +135,7 @@ class KinodynamicRrt final : public Planner {
       std::size_t end = before;
       while (end < before + done && !driven.arrived) {
         const View state = std::as_const(driven.states)[end++];
-        driven.arrived = instance.space.distance(state, instance.goal) <= instance.goal_tolerance;
+        driven.arrived = instance.to_goal(state) <= instance.goal_tolerance;
       }
       if (end == before) break;
       driven.ends.push_back(static_cast<std::uint32_t>(end));
@@ -190,7 +190,7 @@ class KinodynamicRrt final : public Planner {
     const View added = std::as_const(driven.states)[driven.ends.back() - 1];
     outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
     outcome.added = added;
-    if (!solved_ && space.distance(added, instance.goal) <= settings_.connect) connect(id, added);
+    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
     settle(task_, outcome, tree_->row(near.id), tree_->row(id));
   }
 
@@ -202,7 +202,7 @@ class KinodynamicRrt final : public Planner {
       if (driven.arrived) add(id, driven, *way);
       return driven.arrived;
     };
-    const View goal = task_.instance.goal;
+    const View goal = task_.instance.goal_at(task_.instance.nearest_goal(from).goal);
     if (!arrives(steer(model_, from, goal)) && settings_.extend == "curves") {
       arrives(steer_at(model_, from, goal, task_.proposals.uniform()));
     }
@@ -210,7 +210,7 @@ class KinodynamicRrt final : public Planner {
 
   /// Remembers how near the new node is to the goal.
   void note(std::uint32_t id) {
-    const double distance = task_.instance.space.distance((*tree_)[id], task_.instance.goal);
+    const double distance = task_.instance.to_goal((*tree_)[id]);
     if (distance < best_distance_) {
       best_distance_ = distance;
       best_ = id;

@@ -146,13 +146,22 @@ class Tree {
   std::vector<std::uint32_t> parents_;  ///< a root is its own parent
 };
 
-/// Checks that start and goal are valid in the instance; what a search that cannot begin has found otherwise.
+/// Checks that start and goal are valid in the instance; what a search that cannot begin has found otherwise. Of
+/// several goals those that are not valid are left out.
 inline std::optional<Solution> invalid_ends(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
   solution.status = Status::invalid_goal;
   solution.path.push(instance.start);
-  if (!instance.space.contains(instance.goal) || !instance.valid(instance.goal)) return solution;
+  Configurations goals(instance.space.dimension());
+  for (std::size_t i = 0; i < instance.goals(); ++i) {
+    const View q = instance.goal_at(i);
+    if (instance.space.contains(q) && instance.valid(q)) goals.push(q);
+  }
+  if (goals.empty()) return solution;
+  instance.goal.assign(std::as_const(goals)[0].begin(), std::as_const(goals)[0].end());
+  instance.further_goals.clear();
+  for (std::size_t i = 1; i < goals.size(); ++i) instance.further_goals.push(std::as_const(goals)[i]);
   return std::nullopt;
 }
 

@@ -32,7 +32,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   best_.begin();
   if (paths_.vertices() == 0) {
     if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
-    if (instance.space.distance(instance.start, instance.goal) <= instance.goal_tolerance) {
+    if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
       Solution solution{Status::solved, Configurations(dimension())};
       task_.search.nodes.push(instance.start);
       task_.search.parents.push_back(no_node);
@@ -41,7 +41,13 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     epoch_ = instance.validity->epoch();
     insert(instance.start, Known::valid);
-    insert(instance.goal, Known::valid);
+    for (std::size_t i = 0; i < instance.goals(); ++i) insert(instance.goal_at(i), Known::valid);
+    // A way to any of the goals is one to the first.
+    for (std::uint32_t further = goal + 1; further <= instance.further_goals.size() + goal; ++further) {
+      jumps_.push_back(paths_.add_edge(further, goal, jump_cost));
+      edges_.push_back(Known::valid);
+      passes_.push_back(0);
+    }
     owed_ = mode_.samples;
   } else if (epoch_ != instance.validity->epoch()) {
     // What was found valid may not be so any more; only what the next paths use is looked at again.
@@ -50,6 +56,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     for (auto& known : edges_) known = known == Known::valid ? Known::unknown : known;
     std::fill(passes_.begin(), passes_.end(), std::uint8_t{0});
     nodes_[0] = nodes_[1] = Known::valid;
+    for (const std::uint32_t jump : jumps_) edges_[jump] = Known::valid;
     best_.forget();
     best_cost_ = std::numeric_limits<double>::infinity();
   } else if (solved_) {
@@ -132,7 +139,7 @@ void RoadmapPlanner::insert(View q, Known known) {
   nodes_.push_back(known);
   if (judged_) task_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
-  const std::uint32_t id = paths_.add_vertex(task_.instance.space.distance(q, task_.instance.goal));
+  const std::uint32_t id = paths_.add_vertex(task_.instance.to_goal(q));
   for (const auto& neighbour : neighbours_) {
     const double length = std::sqrt(neighbour.squared_distance);
     if (nodes_[neighbour.id] == Known::invalid) continue;
@@ -232,6 +239,7 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
   std::uint32_t at = LifelongSearch::start;
   way.push(node(at));
   for (const std::uint32_t edge : path_) {
+    if (std::find(jumps_.begin(), jumps_.end(), edge) != jumps_.end()) break;
     at = paths_.other(edge, at);
     way.push(node(at));
   }
@@ -246,7 +254,7 @@ Solution RoadmapPlanner::finish(Status status) {
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) {
     if (!paths_.reached(id) || id == goal) continue;
-    const double distance = task_.instance.space.distance(node(id), task_.instance.goal);
+    const double distance = task_.instance.to_goal(node(id));
     if (distance < least) {
       least = distance;
       end = id;

@@ -38,6 +38,8 @@ class RoadmapPlanner final : public Planner {
  private:
   enum class Known : std::uint8_t { unknown, valid, invalid };
   static constexpr std::uint32_t goal = LifelongSearch::goal;
+  /// Of an edge that stands for no motion: too little to tell one way from another.
+  static constexpr double jump_cost = 1e-12;
 
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
   [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
@@ -70,6 +72,7 @@ class RoadmapPlanner final : public Planner {
   std::vector<std::uint32_t> rows_;
   std::vector<Known> nodes_;
   std::vector<Known> edges_;
+  std::vector<std::uint32_t> jumps_;  ///< edges from further goals to the first
   std::vector<NearestIndex::Neighbour> neighbours_;
   std::vector<std::uint32_t> path_;                  ///< edges
   std::vector<std::uint32_t> stops_;                 ///< the nodes between them

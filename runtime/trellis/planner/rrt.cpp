@@ -58,7 +58,7 @@ class Rrt final : public Planner {
     solved_ = false;
     epoch_ = task_.instance.validity->epoch();
     best_ = tree_->add(task_.instance.start, 0);
-    best_distance_ = task_.instance.space.distance(task_.instance.start, task_.instance.goal);
+    best_distance_ = task_.instance.to_goal(task_.instance.start);
     if (best_distance_ <= task_.instance.goal_tolerance) solved_ = true;
   }
 
@@ -88,17 +88,16 @@ class Rrt final : public Planner {
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
     outcome.added = target_;
-    if (!solved_ && settings_.connect_goal && last_distance_ <= settings_.step &&
-        instance.motion(target_, instance.goal).valid) {
-      note(tree_->add(instance.goal, id));
-      outcome.near = (*tree_)[near.id];
+    if (!solved_ && settings_.connect_goal && last_distance_ <= settings_.step) {
+      const View goal = instance.goal_at(instance.nearest_goal(target_).goal);
+      if (instance.motion(target_, goal).valid) note(tree_->add(goal, id));
     }
     settle(task_, outcome, tree_->row(near.id), tree_->row(id));
   }
 
   /// Remembers how near the new node is to the goal.
   void note(std::uint32_t id) {
-    last_distance_ = task_.instance.space.distance((*tree_)[id], task_.instance.goal);
+    last_distance_ = task_.instance.to_goal((*tree_)[id]);
     if (last_distance_ < best_distance_) {
       best_distance_ = last_distance_;
       best_ = id;

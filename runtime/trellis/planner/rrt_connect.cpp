@@ -62,13 +62,14 @@ class RrtConnect final : public Planner {
     trees_[0].emplace(task_);
     trees_[1].emplace(task_);
     trees_[0]->add(instance.start, 0);
-    trees_[1]->add(instance.goal, 0);
+    for (std::uint32_t i = 0; i < instance.goals(); ++i) trees_[1]->add(instance.goal_at(i), i);
     bridge_.reset();
     active_ = 0;
     best_ = 0;
-    best_distance_ = instance.space.distance(instance.start, instance.goal);
+    const auto nearest = instance.nearest_goal(instance.start);
+    best_distance_ = nearest.distance;
     epoch_ = instance.validity->epoch();
-    if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{};
+    if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{0, static_cast<std::uint32_t>(nearest.goal)};
   }
 
   /// One step of `tree` from its node nearest to q. Fills near, added or blocked_at and fate.
@@ -101,7 +102,7 @@ class RrtConnect final : public Planner {
     step.added = tree.add(target_, near.id);
     step.fate = reaches ? Fate::reached : Fate::advanced;
     if (side == 0) {
-      const double to_goal = instance.space.distance(target_, instance.goal);
+      const double to_goal = instance.to_goal(target_);
       if (to_goal < best_distance_) {
         best_distance_ = to_goal;
         best_ = step.added;

@@ -58,7 +58,7 @@ class RrtStar final : public Planner {
 
  private:
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
-  [[nodiscard]] double to_goal(View q) const { return task_.instance.space.distance(q, task_.instance.goal); }
+  [[nodiscard]] double to_goal(View q) const { return task_.instance.to_goal(q); }
 
   void plant() {
     epoch_ = task_.instance.validity->epoch();
@@ -69,7 +69,7 @@ class RrtStar final : public Planner {
     lengths_ = {0.0};
     children_.assign(1, {});
     ends_.clear();
-    goal_ = no_node;
+    goals_.assign(task_.instance.goals(), no_node);
     nearest_ = tree_->add(task_.instance.start, 0);
     nearest_distance_ = to_goal(task_.instance.start);
     if (nearest_distance_ <= task_.instance.goal_tolerance) ends_.push_back(nearest_);
@@ -98,8 +98,10 @@ class RrtStar final : public Planner {
       return;
     }
     const std::uint32_t id = insert(target_, near.id);
-    if (goal_ == no_node && to_goal(target_) <= settings_.step && instance.motion(target_, instance.goal).valid) {
-      insert(instance.goal, id);
+    const auto goal = instance.nearest_goal(target_);
+    if (goals_[goal.goal] == no_node && goal.distance <= settings_.step &&
+        instance.motion(target_, instance.goal_at(goal.goal)).valid) {
+      insert(instance.goal_at(goal.goal), id);
     }
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
@@ -115,8 +117,12 @@ class RrtStar final : public Planner {
     connection_.find(tree_->index(), q, near_);
     joints_.clear();
     for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
-    // The goal hears of every way that ends near it, however many nodes are nearer.
-    if (goal_ != no_node && to_goal(q) <= settings_.step) add_joint(goal_, to_goal(q));
+    // A goal hears of every way that ends near it, however many nodes are nearer.
+    for (const std::uint32_t goal : goals_) {
+      if (goal == no_node) continue;
+      const double distance = space.distance((*tree_)[goal], q);
+      if (distance <= settings_.step) add_joint(goal, distance);
+    }
     Joint best{from, space.distance((*tree_)[from], q)};
     best.way = costs_[from] + best.length;
     std::sort(joints_.begin(), joints_.end(),
@@ -173,9 +179,9 @@ class RrtStar final : public Planner {
 
   /// Remembers how near the new node is to the goal.
   void note(std::uint32_t id) {
-    const double distance = to_goal((*tree_)[id]);
+    const auto [goal, distance] = task_.instance.nearest_goal((*tree_)[id]);
     if (distance <= task_.instance.goal_tolerance) ends_.push_back(id);
-    if (distance == 0.0) goal_ = id;
+    if (distance == 0.0) goals_[goal] = id;
     if (distance < nearest_distance_) {
       nearest_distance_ = distance;
       nearest_ = id;
@@ -205,8 +211,8 @@ class RrtStar final : public Planner {
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<NearestIndex::Neighbour> near_;
   std::vector<Joint> joints_;
-  std::vector<std::uint32_t> ends_;  ///< nodes where the goal is
-  std::uint32_t goal_ = no_node;     ///< the node that is the goal itself
+  std::vector<std::uint32_t> ends_;   ///< nodes where a goal is
+  std::vector<std::uint32_t> goals_;  ///< of each goal the node that is the goal itself
   double best_cost_ = std::numeric_limits<double>::infinity();
   Configuration sample_;
   Configuration target_;

@@ -408,6 +408,9 @@ Json experiment_json(const Experiment& experiment) {
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
                         {"collision", p.collision}});
+    for (std::size_t i = 0; i < p.further_goals.size(); ++i) {
+      problems.back()["further_goals"].push_back(array(p.further_goals[i]));
+    }
     if (p.motion_model) problems.back()["motion"] = p.motion_model->text();
   }
   Json strategies = Json::array();

@@ -264,6 +264,10 @@ class ScenePictures {
     for (const Obstacle& obstacle : world.obstacles()) frame.obstacles.push_back(drawn(obstacle.shape));
     frame.start = placed(problem.scene->robot, problem.start);
     frame.goal = placed(problem.scene->robot, problem.goal);
+    for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+      const auto further = placed(problem.scene->robot, problem.further_goals[i]);
+      frame.goal.insert(frame.goal.end(), further.begin(), further.end());
+    }
     frame.colours = options.colours;
     // Wide worlds have wide panels.
     const double aspect = frame.world.width / frame.world.height;

@@ -151,8 +151,9 @@ struct Problem {
   Space space;
   Configuration start;
   Configuration goal;
-  std::optional<Reach> reach = {};   ///< what `goal` was chosen for, where any configuration of a set would do
-  double goal_tolerance = 1e-6;      ///< a configuration this near (metric) to the goal is the goal
+  Configurations further_goals = {};  ///< each of them would do as well
+  std::optional<Reach> reach = {};    ///< what the goals were chosen for, where any configuration of a set would do
+  double goal_tolerance = 1e-6;       ///< a configuration this near (metric) to the goal is the goal
   double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
   /// nullptr: the robot moves straight from any configuration to any other. Else `space` holds its states.

@@ -76,8 +76,13 @@ void check(const Problem& problem) {
                             problem.goal_tolerance));
   }
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  for (const auto& [what, q] : {std::pair<const char*, const Configuration&>{"start", problem.start},
-                                std::pair<const char*, const Configuration&>{"goal", problem.goal}}) {
+  std::vector<std::pair<std::string, Configuration>> ends = {{"start", problem.start}, {"goal", problem.goal}};
+  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+    const View q = problem.further_goals[i];
+    ends.emplace_back(fmt::format("goal {}", i + 2), Configuration(q.begin(), q.end()));
+  }
+  if (ends.size() > 2) ends[1].first = "goal 1";
+  for (const auto& [what, q] : ends) {
     if (q.size() != axes.size()) {
       std::vector<std::string> names;
       names.reserve(axes.size());

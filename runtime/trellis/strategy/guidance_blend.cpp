@@ -21,7 +21,7 @@ class BlendGuidance final : public PartsGuidance {
                                               : Rule::rates),
         arms_(parts_.size()),
         served_(rule_ == Rule::efficiency ? parts_.size() : 0),
-        nearest_to_goal_(instance.space.distance(instance.start, instance.goal)),
+        nearest_to_goal_(instance.to_goal(instance.start)),
         nearest_to_start_(nearest_to_goal_) {}
   Advance prepare(double proposals) override { return prepare_all(proposals); }
   Source sample(Stream& stream, MutableView out) override {
@@ -123,8 +123,8 @@ class BlendGuidance final : public PartsGuidance {
   /// Whether the search has come nearer to its end than ever before.
   bool is_progress(const Outcome& outcome) {
     double& nearest = outcome.from_goal ? nearest_to_start_ : nearest_to_goal_;
-    const Configuration& end = outcome.from_goal ? instance_.start : instance_.goal;
-    const double distance = instance_.space.distance(outcome.added, end);
+    const double distance =
+        outcome.from_goal ? instance_.space.distance(outcome.added, instance_.start) : instance_.to_goal(outcome.added);
     if (distance >= nearest) return false;
     nearest = distance;
     return true;

@@ -24,10 +24,24 @@ class ComponentGuidance final : public Prepared {
     auto sub = told([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
+    project_further_goals(*sub);
     level_ = told(
         [&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_); });
     level_->charge(seconds);
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
+  }
+
+  /// f of the goals beyond the first, in a space that is not an explicit graph; those that it maps out of S are left
+  /// out.
+  void project_further_goals(Instance& sub) {
+    const Instance& parent = parent_.instance();
+    sub.further_goals = Configurations(sub.space.dimension());
+    if (sub.graph) return;
+    Configuration s(sub.space.dimension());
+    for (std::size_t i = 1; i < parent.goals(); ++i) {
+      guide_->project(parent.goal_at(i), s);
+      if (sub.space.contains(s)) sub.further_goals.push(s);
+    }
   }
 
   Advance prepare(double proposals) override {

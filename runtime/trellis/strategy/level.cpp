@@ -80,6 +80,10 @@ Advance Level::solve_own(double proposals, bool slice) {
     end_turn(found.solved() ? found.path : Configurations(), true);
   }
   // A later solve that finds nothing does not undo what was found: its path may still guide.
+  if (found.solved() && instance_->goals() > 1) {
+    const View reached = instance_->goal_at(instance_->nearest_goal(found.path.back()).goal);
+    record_.goal.assign(reached.begin(), reached.end());
+  }
   if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
   return advance;
 }

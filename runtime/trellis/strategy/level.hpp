@@ -54,7 +54,7 @@ struct Run {
 class LevelGuidance final : public Guidance {
  public:
   LevelGuidance(const Instance& instance, const PlannerCommon& common)
-      : instance_(instance), common_(common), uniform_(instance.space), goal_(instance.goal) {}
+      : instance_(instance), common_(common), uniform_(instance.space), goal_(instance) {}
 
   void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
   [[nodiscard]] Prepared* guide() const { return guide_.get(); }

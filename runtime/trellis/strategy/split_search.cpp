@@ -184,7 +184,7 @@ class SplitSearch final : public Planner {
       propose(task_, q);
       Outcome outcome;
       outcome.proposal = q;
-      const double to_goal = instance.space.distance(q, instance.goal);
+      const double to_goal = instance.to_goal(q);
       const double to_start = instance.space.distance(q, instance.start);
       if (std::min(to_goal, to_start) > instance.goal_tolerance) {
         if (instance.valid(q)) {
@@ -213,6 +213,7 @@ class SplitSearch final : public Planner {
       // What the first half reached, which its goal's tolerance may keep from the sub-goal.
       if (i == 0) {
         half->goal = goal;
+        half->further_goals.clear();
       } else {
         const View reached = whole.path.back();
         half->start.assign(reached.begin(), reached.end());

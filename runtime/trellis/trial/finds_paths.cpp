@@ -23,7 +23,7 @@ std::string fault_of(const Configurations& path, const Problem& problem) {
   if (!std::equal(start.begin(), start.end(), path.front().begin(), path.front().end())) {
     return "does not begin at the start";
   }
-  if (instance->space.distance(path.back(), problem.goal) > problem.goal_tolerance) return "does not end at the goal";
+  if (instance->to_goal(path.back()) > problem.goal_tolerance) return "does not end at the goal";
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (!instance->space.contains(path[i]) || !instance->valid(path[i]))
       return fmt::format("is invalid at point {}", i + 1);

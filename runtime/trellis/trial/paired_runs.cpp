@@ -52,7 +52,8 @@ std::vector<Pair> pairs_of(const std::vector<RunResult>& mine, const Trial& tria
   };
   const Problem& here = trial.setup().problem;
   const Problem& there = other.setup().problem;
-  if (here.name != there.name || here.start != there.start || here.goal != there.goal) {
+  if (here.name != there.name || here.start != there.start || here.goal != there.goal ||
+      !std::ranges::equal(here.further_goals.values(), there.further_goals.values())) {
     fail("they are on different problems");
   }
   if (trial.setup().seeds != other.setup().seeds) fail("their seeds differ");

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Problems with several goals, any of which will do.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/planner/planner.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+void add_goal(Problem& problem, const Configuration& q) {
+  if (problem.further_goals.empty()) problem.further_goals = Configurations(problem.space.dimension());
+  problem.further_goals.push(q);
+}
+
+/// The first goal is shut in by four walls; the second lies in the open, the third behind it.
+Problem shut_in() {
+  Problem problem = test::make_problem(
+      "shut in", test::rectangle_world({{6, 6, 9, 6.2}, {6, 8.8, 9, 9}, {6, 6, 6.2, 9}, {8.8, 6, 9, 9}}),
+      test::rectangle_robot(), {2, 2, 0}, {7.5, 7.5, 0});
+  add_goal(problem, {5, 3, 1});
+  add_goal(problem, {9.4, 2, -1});
+  return problem;
+}
+
+std::size_t goal_reached(const Problem& problem, const RunRecord& run) {
+  REQUIRE(run.solved);
+  const auto instance = make_instance(problem);
+  const auto near = instance->nearest_goal(run.path.back());
+  CHECK(near.distance <= problem.goal_tolerance);
+  CHECK(problem.space.distance(run.levels[0].goal, run.path.back()) <= problem.goal_tolerance);
+  for (std::size_t i = 1; i < run.path.size(); ++i) CHECK(instance->motion(run.path[i - 1], run.path[i]).valid);
+  return near.goal;
+}
+
+PlannerSpec planner(const PlannerKind& kind) {
+  const auto& options = kind.component->options;
+  const bool goes_on = std::any_of(options.begin(), options.end(), [](const Option& o) { return o.name == "improve"; });
+  return PlannerSpec::make(kind.component->name,
+                           goes_on ? std::vector<Options::Entry>{{"improve", 300.0}} : std::vector<Options::Entry>{});
+}
+
+}  // namespace
+
+TEST_CASE("every planner stops at whichever goal it comes to", "[strategy][goals]") {
+  for (const auto& kind : planner_kinds()) {
+    if (kind.graph) continue;
+    CAPTURE(kind.component->name);
+    Problem problem = shut_in();
+    if (kind.kinodynamic) {
+      problem = test::driven(problem);
+      CHECK(problem.further_goals.size() == 2);
+    }
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const RunRecord run = execute(StrategySpec(planner(kind)), problem, seed);
+      CHECK(goal_reached(problem, run) > 0);
+      CHECK(execute(StrategySpec(planner(kind)), problem, seed).validity_checks == run.validity_checks);
+    }
+  }
+}
+
+TEST_CASE("planners that go on find the way to the nearer goal", "[strategy][goals]") {
+  Problem problem =
+      test::make_problem("open", test::rectangle_world({{4, 4, 5, 5}}), test::rectangle_robot(), {2, 2, 0}, {9, 9, 0});
+  add_goal(problem, {2, 5, 0});
+  for (const auto* name : {"rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
+    CAPTURE(name);
+    const StrategySpec strategy(PlannerSpec::make(name, {{"improve", 1000.0}}));
+    const RunRecord run = execute(strategy, problem, 2);
+    CHECK(goal_reached(problem, run) == 1);
+    CHECK(path_length(problem.space, run.path) < 3.3);
+  }
+}
+
+TEST_CASE("guides guide to several goals", "[strategy][goals]") {
+  const Problem problem = shut_in();
+  const auto rrt = PlannerSpec::make("rrt", {{"step", 0.5}});
+  for (const auto& kind : guide_kinds()) {
+    CAPTURE(kind.component->name);
+    const StrategySpec strategy = GuideSpec::make(kind.component->name, {}) >> rrt;
+    CHECK(goal_reached(problem, execute(strategy, problem, 3)) > 0);
+    const StrategySpec nested = GuideSpec::make(kind.component->name, {}) >> GuideSpec::make("shrink", {}) >> rrt;
+    CHECK(goal_reached(problem, execute(nested, problem, 3)) > 0);
+  }
+}
+
+TEST_CASE("a goal that is in collision is named by its number", "[strategy][goals]") {
+  Problem problem = shut_in();
+  add_goal(problem, {7.5, 6.1, 0});
+  CHECK_THROWS_WITH(check(problem), Contains("goal 4 (7.5, 6.1, 0) is in collision with obstacle 1"));
+  problem = shut_in();
+  problem.goal = {7.5, 6.1, 0};
+  CHECK_THROWS_WITH(check(problem), Contains("goal 1 (7.5, 6.1, 0) is in collision"));
+}
