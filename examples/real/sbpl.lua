@@ -3,8 +3,8 @@
 --
 --   trellis run examples/real/sbpl.lua --jobs 2
 --
--- The goal of each is a cell for the end of the last link. One of the configurations that reach it is chosen, by
--- inverse kinematics, when the file is read. Links that are no neighbours must not meet.
+-- The goal of each is a cell for the end of the last link: ten configurations that reach it are found, by inverse
+-- kinematics, when the file is read, and any of them will do. Links that are no neighbours must not meet.
 
 local problems = {}
 for _, name in ipairs { "env1_6d", "env3_6d", "env1_20d" } do

@@ -45,7 +45,7 @@
 ---@field world trellis.World as world { ... } makes it
 ---@field robot trellis.Robot as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] the goal configuration, in metres and radians
+---@field goal number[]|number[][] the goal configuration, in metres and radians, or several of which any will do
 ---@field motion trellis.Motion how the robot is driven; without one it moves straight to any configuration
 ---@field resolution number how far the robot's fastest point moves between two checked configurations
 ---@field collision string the collision backend
@@ -231,7 +231,7 @@
 ---@class trellis.kinodynamic_rrt.Options
 ---@field controls? integer an integer at least 1 (controls); default 10: random controls, each for a random duration, that are tried for a proposal before one is checked
 ---@field longest? number a number greater than 0 (s); default 1: the longest duration of a control, or of an extension along a curve; a whole number of the model's steps, at least one
----@field extend? "controls"|"curves" one of "controls", "curves"; default "controls": how a node is driven towards a proposal: "controls", under random controls; "curves", along the shortest curve to it, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 and car have them, any other model keeps to controls
+---@field extend? "controls"|"curves" one of "controls", "curves"; default "controls": how a node is driven towards a proposal: "controls", under random controls; "curves", along the shortest curve to it at a random speed, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 and car have them, any other model keeps to controls
 ---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
@@ -641,7 +641,7 @@
 ---@field world trellis.World a world: as world { ... } makes it
 ---@field robot trellis.Robot a robot: as robot.rectangle(0.6, 0.2) makes it
 ---@field start number[] a list of numbers: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal number[] a list of numbers: the goal configuration, in metres and radians
+---@field goal number[]|number[][] a list of numbers, or a list of such lists: the goal configuration, in metres and radians, or several of which any will do
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -745,7 +745,7 @@
 ---@field world? trellis.World a world; default a world of 2 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 8.5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 1.5, 0}: the goal configuration, in metres and radians
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 1.5, 0}: the goal configuration, in metres and radians, or several of which any will do
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -758,7 +758,7 @@
 ---@field world? trellis.World a world; default a world of 10 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 4, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 4, 0}: the goal configuration, in metres and radians
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 4, 0}: the goal configuration, in metres and radians, or several of which any will do
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -771,7 +771,7 @@
 ---@field world? trellis.World a world; default a world of 3 obstacles in 0 0 10 10: as world { ... } makes it
 ---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
 ---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
----@field goal? number[] a list of numbers; default {9, 5, 0}: the goal configuration, in metres and radians
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 5, 0}: the goal configuration, in metres and radians, or several of which any will do
 ---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
@@ -1115,7 +1115,7 @@ function medial_axis(options) end
 ---@return trellis.Guide
 function halton() end
 
----only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and goal; uniform while no path is known; S = {0}
+---only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and goal; uniform while no path is known, and where there are several goals; S = {0}
 ---
 ---Source: Gammell, Srinivasa and Barfoot 2014, Informed RRT*
 ---@param options? trellis.informed.Options

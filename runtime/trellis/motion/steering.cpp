@@ -37,7 +37,8 @@ struct Wheels {
   /// A steering angle fixes the curvature at any speed; an angular speed goes with the speed.
   [[nodiscard]] std::array<double, 2> control(double v, int side, double fastest) const {
     if (turn.name == "steering") return {v, side * turn.hi};
-    return {v, side * std::copysign(1.0, v) * turn.hi * std::abs(v) / fastest};
+    // Never more than all, however the quotient is rounded.
+    return {v, side * std::copysign(std::min(turn.hi, turn.hi * std::abs(v) / fastest), v)};
   }
 };
 
