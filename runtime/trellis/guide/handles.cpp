@@ -35,7 +35,7 @@ std::optional<std::array<Vec2, 2>> ends_of(const Body& body) {
   std::vector<Vec2> vertices;
   for (const ConvexShape& part : body.parts) append_vertices(part, vertices);
   if (vertices.size() < 2) return {};
-  const double n = static_cast<double>(vertices.size());
+  const auto n = static_cast<double>(vertices.size());
   Vec2 mean;
   for (const Vec2 v : vertices) mean = {mean.x + v.x / n, mean.y + v.y / n};
   double xx = 0.0;
