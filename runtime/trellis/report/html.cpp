@@ -321,12 +321,16 @@ Json problem_json(const Problem& problem, RobotTable& robots) {
     bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
     for (const auto& obstacle : problem.scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
   }
+  Json goals = Json::array({problem.goal});
+  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+    goals.push_back(Configuration(problem.further_goals[i].begin(), problem.further_goals[i].end()));
+  }
   const bool moves = problem.scene && problem.scene->robot.translates();
   return {{"name", problem.name},
           {"bounds", std::move(bounds)},
           {"obstacles", std::move(obstacles)},
           {"start", problem.start},
-          {"goal", problem.goal},
+          {"goals", std::move(goals)},
           {"position", moves ? Json{0, 1} : Json::array()},
           {"robot", robots.add(problem.scene.get())}};
 }

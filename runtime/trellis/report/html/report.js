@@ -550,14 +550,15 @@ function draw() {
   }
   pen.font = '600 12px system-ui, sans-serif';
   pen.textBaseline = 'bottom';
-  for (const [q, name, fill] of [[problem.start, 'start', null], [problem.goal, 'goal', colours.ends]]) {
+  const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', colours.ends]);
+  for (const [q, name, fill] of [[problem.start, 'start', null], ...goals]) {
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
     const px = problem.position.length >= 2 ? q[problem.position[0]] : robot ? robot.base[0] : 0;
     const py = problem.position.length >= 2 ? q[problem.position[1]] : robot ? robot.base[1] : 0;
     const x = frame.X(px), y = frame.Y(py);
-    if (problem.position.length < 2 && name === 'goal') continue;
+    if (problem.position.length < 2 && fill) continue;
     pen.beginPath(); pen.arc(x, y, 3, 0, 7);
-    pen.fillStyle = name === 'goal' ? colours.ends : colours.free; pen.fill();
+    pen.fillStyle = fill || colours.free; pen.fill();
     pen.strokeStyle = colours.ends; pen.lineWidth = 1.5; pen.stroke();
     const label = problem.position.length < 2 ? 'base' : name;
     const reach = robot ? Math.max(6, Math.min(40, robot.radius * frame.scale)) : 6;
