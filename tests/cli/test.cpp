@@ -46,9 +46,11 @@ std::string two_trials(const std::string& seeds = "6") {
          seeds + " }\n";
 }
 
-/// Times, which differ from run to run, out of the last column of the tables.
+/// Times, which differ from run to run, out of the last column of the tables, and what its width makes of the others.
 std::string without_times(const std::string& text) {
-  return std::regex_replace(text, std::regex("( +)[0-9]+\\.[0-9]+(?=\n)"), " T");
+  const std::string rows = std::regex_replace(text, std::regex(" {2,}[0-9]+(\\.[0-9]+)?(?=\n)"), " T");
+  const std::string head = std::regex_replace(rows, std::regex(" +(time|ms)(?=\n)"), " $1");
+  return std::regex_replace(head, std::regex("(─)+"), "─");
 }
 
 ptree parsed(const std::string& path) {

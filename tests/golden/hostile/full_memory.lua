@@ -1,2 +1,2 @@
 local t = {}
-while true do t[#t + 1] = { t } end
+while true do t[#t + 1] = { t, t, t, t, t, t, t, t, t, t, t, t, t, t, t, t } end
