@@ -18,6 +18,7 @@
 #include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -26,23 +27,6 @@ using Catch::Matchers::Contains;
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of this test's own, gone when it ends.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "trellis-library-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
 
 /// The path number n of a family: straight ways at different heights, all alike but for that.
 Configurations numbered(int n, int points = 8) {
@@ -86,7 +70,7 @@ bool same(const Configurations& a, const Configurations& b) {
 }  // namespace
 
 TEST_CASE("a library gives back what was put into it, to the last bit", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string file = folder.file("a.db");
   {
     Library library(file, Library::Mode::write);
@@ -111,7 +95,7 @@ TEST_CASE("a library gives back what was put into it, to the last bit", "[memory
 }
 
 TEST_CASE("a path is added only when it is new, whichever way round and however it is divided", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   Library library(folder.file("a.db"), Library::Mode::write);
   REQUIRE(library.add(stored(0), space(), 0.3));
   CHECK_FALSE(library.add(stored(0), space(), 0.3));
@@ -165,7 +149,7 @@ TEST_CASE("what a path was found in is told apart by what matters", "[memory][li
 }
 
 TEST_CASE("a file that is no library is told and left as it is", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string file = folder.file("a.db");
   const auto both = [&](const std::string& fault) {
     const std::string before = bytes_of(file);
@@ -241,7 +225,7 @@ TEST_CASE("a file that is no library is told and left as it is", "[memory][libra
 }
 
 TEST_CASE("an empty file is a library to which nothing was added yet", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string file = folder.file("a.db");
   write(file, "");
   CHECK(Library(file).paths().empty());
@@ -250,7 +234,7 @@ TEST_CASE("an empty file is a library to which nothing was added yet", "[memory]
 }
 
 TEST_CASE("killed at any time, a library opens and has every path that was committed", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string file = folder.file("a.db");
   int committed = 0;  // known to be
   int killed_amid = 0;
@@ -296,7 +280,7 @@ TEST_CASE("killed at any time, a library opens and has every path that was commi
 }
 
 TEST_CASE("processes that add to one library at once lose nothing of each other's", "[memory][library]") {
-  const Folder folder;
+  const test::Folder folder;
   const std::string file = folder.file("a.db");
   constexpr int writers = 3;
   constexpr int each = 15;
