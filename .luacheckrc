@@ -29,6 +29,11 @@ stds.trellis = {
         "scenes", "methods", "parasol", "published",
       },
     },
+    pays = {
+      fields = {
+        "groups", "missing", "strategies", "catalogue", "experiment",
+      },
+    },
     scenes = {
       fields = {
         "load", "exists", "simple_passage", "trap", "cup",
@@ -39,6 +44,12 @@ stds.trellis = {
         "rrt", "parasol_rrt", "lazy_prm", "parasol_lazy_prm", "regions", "dr_rrt", "parasol_dr_rrt",
         "relaxation", "irc", "parasol_irc", "several", "vonasek", "rrt_connect", "nested", "hybrid", "blend",
         "skeleton", "shrinking", "biases",
+      },
+    },
+    worlds = {
+      fields = {
+        "maze", "false_gaps", "rooms", "boxes", "slalom", "dead_ends", "bug_trap", "open_world", "block",
+        "thin_wall", "detour", "alleys", "pickets", "rows",
       },
     },
   },

@@ -66,6 +66,14 @@ int dispatch(int argc, char** argv) {
 
   add_script_options(measure, measuring.scripts);
 
+  command::CompareOptions comparing;
+  auto* compare =
+      app.add_subcommand("compare", "compare what strategies cost, seed by seed, in results of trellis run");
+  compare->add_option("RESULTS", comparing.files, "documents that trellis run --json wrote")->required();
+  compare->add_option("--baseline", comparing.baseline,
+                      "the strategy that the others are compared with, instead of the experiment's");
+  compare->add_option("--out", comparing.out, "write tables and figures into a folder");
+
   std::vector<std::string> scripts;
   command::ScriptOptions checking;
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
@@ -146,7 +154,7 @@ int dispatch(int argc, char** argv) {
     }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const auto* parsed : {run, measure, check, test}) {
+  for (const auto* parsed : {run, measure, compare, check, test}) {
     for (const auto* option : parsed->get_options()) {
       const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
       if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
@@ -154,6 +162,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
+  if (compare->parsed()) return command::compare(comparing);
   if (check->parsed()) return command::check(scripts, checking);
   if (test->parsed()) return command::test(testing);
   if (experience->parsed()) return command::experience(library, list);

@@ -7,8 +7,8 @@
 local step = rrt { step = 0.5 }
 
 -- `schedule`: each robot guides until it is refuted, then the next larger one, informed by the path of the one before.
--- It is schedule { shrink { 0.3, patience = 50 }, shrink { 0.6, patience = 50 }, shrink { 0.9, patience = 50 } }.
-local scheduled = schedule { shrink, scale = {0.3, 0.6, 0.9}, patience = 50 } >> step
+-- It is schedule { shrink { 0.3, evidence = 50 }, shrink { 0.6, evidence = 50 }, shrink { 0.9, evidence = 50 } }.
+local scheduled = schedule { shrink, scale = {0.3, 0.6, 0.9}, evidence = 50 } >> step
 
 -- `race`: the spaces are searched in turn, by slices of proposals that double; the first path found guides.
 local raced = race { shrink(0.9), lazy(), slice = 50 } >> step

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Obstacles left out of S by name; each comes back when the planner in C finds it in the way.
+-- Obstacles left out of S by name; each comes back when it refutes a path in C.
 --
 --   trellis run examples/drop.lua
 --

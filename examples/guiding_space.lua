@@ -1,14 +1,16 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- Guiding spaces of one's own: f and h written here, and composed like built-in ones. See docs/guiding_space.md.
 
--- The built-in shrink(0.5): the robot at half its size in the same world. h is by default a tube about the path found.
+-- As the built-in shrink { 0.5, follow = "tube", resolves = 0 }: the robot at half its size in the same world.
 local half = guiding_space {
   name = "half",
   robot = function(instance) return instance.robot:scaled(0.5) end,
+  heuristic = function(found) return along(found.path, { follow = "tube" }) end,
+  resolves = 0,
 }
 
--- The built-in workspace(), with rrt {} in place of the grid: the robot as a free point in the workspace. S has two of
--- C's axes; the third, the angle, is lifted uniformly.
+-- As the built-in workspace(), with rrt {} in place of the grid: the robot as a free point in the workspace. S has
+-- two of C's axes; the third, the angle, is lifted uniformly.
 local point = guiding_space {
   name = "point",
   space = { "x", "y" },
@@ -38,7 +40,7 @@ return experiment {
   problems   = { scenes.simple_passage() },
   strategies = {
     { "rrt", rrt { step = 0.5 } },
-    { "shrink", shrink(0.5) >> rrt { step = 0.5 } },
+    { "shrink", shrink { 0.5, follow = "tube", resolution = 0.05, resolves = 0 } >> rrt { step = 0.5 } },
     { "half", half >> rrt { step = 0.5 } },
     { "workspace", workspace { radius = 0.5, planner = rrt {} } >> rrt { step = 0.5 } },
     { "point", point >> rrt { step = 0.5 } },

@@ -49,9 +49,9 @@ return experiment {
   problems   = { cart, sledge, car },
   strategies = {
     { "unguided",      kinodynamic_rrt {} },
-    -- The same robot without its wheels finds a way first.
+    -- The same robot without its motion model finds a path first.
     { "holonomic",     holonomic() >> kinodynamic_rrt {} },
-    -- The way of the reference point, triangle by triangle.
+    -- The path of the reference point, triangle by triangle.
     { "decomposition", decomposition() >> kinodynamic_rrt {} },
     -- And both: the medial axis guides the robot without wheels, whose path guides the one with them.
     { "nested",        skeleton() >> holonomic() >> kinodynamic_rrt {} },

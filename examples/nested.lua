@@ -4,11 +4,11 @@
 --   trellis run examples/nested.lua
 --
 -- Read `>>` as "guides". The tree of the RRT at the right end grows in the robot's own configuration space; each guide
--- to its left searches a simpler space and tells the level to its right where to look:
+-- to its left searches a simpler space, and proposals to its right follow the path found there:
 --
---   skeleton()    the medial axis of the free workspace: where there is room at all
---   shrink(0.5)   the same world with a robot of half the size: which of the ways a robot can take
---   lazy()        the world without obstacles, where edges found invalid are taken out again: a first whole path
+--   skeleton()    the medial axis of the free workspace: where the workspace is wide enough
+--   shrink(0.5)   the same world with a robot of half the size: which of these paths a robot can take
+--   lazy()        the world without obstacles; the edges of its path are validated for the robot, each once
 --
 -- The report has a row for each level: what it cost, and how well its samples tell where the final path lies (the
 -- sampling efficiency, in nats, lower is better), in its own space and lifted to the robot's.

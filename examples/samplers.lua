@@ -3,8 +3,9 @@
 --
 --   trellis run examples/samplers.lua
 --
--- Each of them draws with nine of ten guided proposals; the rest stays uniform. What they look at to find a sample
--- (pairs, bridges, rays) is paid in validity checks, which the table counts.
+-- The configurations that they check to find a sample (pairs, bridges, rays) cost validity checks, which the table
+-- counts. None of them makes progress along a path, so bounded loss leaves them about half of the work; the rest
+-- stays uniform.
 
 local samplers = {
   uniform     = uniform(),
@@ -21,7 +22,7 @@ local samplers = {
 local strategies = {}
 for name, guide in pairs(samplers) do strategies[name] = guide >> rrt { step = 0.5 } end
 -- A search that goes on after its first path tells it how long that was: here each of S's, once the tree in C is stuck.
-strategies.shorter = informed() >> identity { planner = rrt { step = 0.5 }, patience = 20 } >> rrt { step = 0.5 }
+strategies.shorter = informed() >> identity { planner = rrt { step = 0.5 }, evidence = 20 } >> rrt { step = 0.5 }
 
 return experiment {
   problems   = { scenes.simple_passage() },

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Obstacles eroded, so that a narrow passage is a wide one in S: the way through it is found there, and followed in C.
+-- Obstacles eroded, so that a narrow passage is a wide one in S: the path through it is found there, and followed in C.
 --
 --   trellis run examples/widen.lua
 --
--- Each obstacle is eroded by itself. Walls less than twice as thick as the distance vanish, and the way found through
--- them misleads: that is the cup, whose walls are 0.5 thick.
+-- Each obstacle is eroded by itself. Walls less than twice as thick as the distance vanish, and the path found
+-- through them misleads: that is the cup, whose walls are 0.5 thick.
 
 return experiment {
   problems   = { scenes.simple_passage(), scenes.cup() },

@@ -64,9 +64,10 @@ end
 
 local grows = closed_by("an rrt with the step and the shares above")
 
--- `uniform_share` is the share of the whole space beside the guide's.
+-- `uniform_share` is the share of the whole space beside the guide's. The published methods have no other bound on what
+-- their guides spend.
 local function grown(o, uniform_share)
-  return o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = uniform_share }
+  return o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = uniform_share, bound = 0 }
 end
 
 -- The methods of the paper ----------------------------------------------------------------------------------------
@@ -97,7 +98,7 @@ define("regions", {
   "dynamic regions along the skeleton of the workspace: the guide of dr_rrt", source = denny, returns = "guide",
   usage = "strategies.regions() >> shrink(0.5) >> rrt_connect {}", options = regions,
 }, function(o)
-  o.resolves = 0
+  o.follow, o.prune, o.resolves = "regions", false, 0
   return skeleton(o)
 end)
 
@@ -115,7 +116,7 @@ local relaxation = {
     doc = "the robots from the smallest to the largest, by the size of the real one",
   },
   { "rrt", step = 0.5, goal_bias = 0.05, uniform = 0.5 },
-  { "shrink", radius = 0, patience = 100, resolves = 10 },
+  { "shrink", radius = 0, evidence = 100, resolves = 10 },
 }
 
 define("relaxation", {
@@ -132,8 +133,8 @@ define("relaxation", {
       native.fail("strategies.relaxation: field 'scales' must be a list of numbers that grow, below 1")
     end
     local level = shrink {
-      scale / larger, follow = "waypoints", radius = o.radius, patience = o.patience, resolves = o.resolves,
-      planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform },
+      scale / larger, follow = "waypoints", radius = o.radius, evidence = o.evidence, resolves = o.resolves,
+      planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform, bound = 0 },
     }
     guide = guide and guide >> level or level
   end
@@ -149,7 +150,7 @@ end)
 
 local vonasek = "Vonasek, Penicka and Kozlikova 2020, Searching multiple approximate solutions"
 local several = {
-  { "shrink", scale = 0.5, paths = 3, distinct = 0, effort = 2000, radius = 0, patience = 100, resolves = 10 }, tree,
+  { "shrink", scale = 0.5, paths = 3, distinct = 0, effort = 2000, radius = 0, evidence = 100, resolves = 10 }, tree,
 }
 
 define("several", {
@@ -158,7 +159,8 @@ define("several", {
 }, function(o)
   return shrink {
     o.scale, follow = "waypoints", paths = o.paths, distinct = o.distinct, effort = o.effort, radius = o.radius,
-    patience = o.patience, resolves = o.resolves, planner = rrt { step = o.step, goal_bias = o.goal_bias },
+    evidence = o.evidence, resolves = o.resolves,
+    planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = 0.1, bound = 0 },
   }
 end)
 
@@ -197,7 +199,7 @@ define("hybrid", {
   local levels = part(o, relaxation)
   levels.uniform = 0.5
   local halves = o.share * strategies.regions(part(o, regions)) + (1 - o.share) * strategies.relaxation(levels)
-  return halves >> grown(o, o.uniform)
+  return halves >> (o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform })
 end)
 
 define("blend", {
@@ -213,7 +215,7 @@ define("blend", {
     strategies.regions(part(o, regions)), strategies.relaxation(levels),
     floor = o.floor, decay = o.memory, credit = o.credit,
   }
-  return guides >> grown(o, o.uniform)
+  return guides >> (o.planner or rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform })
 end)
 
 define("skeleton", { "the medial axis of the workspace", options = short }, function(o)

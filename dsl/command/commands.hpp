@@ -59,6 +59,12 @@ struct MeasureOptions {
   ScriptOptions scripts;
 };
 
+struct CompareOptions {
+  std::vector<std::string> files;  ///< documents of trellis run --json
+  std::string baseline;            ///< a strategy, "" for the one that they name
+  std::string out;                 ///< a folder, "" without
+};
+
 struct TestOptions {
   std::vector<std::string> files;
   ScriptOptions scripts;
@@ -74,6 +80,8 @@ struct TestOptions {
 int run(const RunOptions& options);
 /// Measures samples of any program's against a tube, as a case file says, and prints the figures.
 int measure(const MeasureOptions& options);
+/// Compares the costs of the strategies in documents of results, prints them, and writes tables and figures.
+int compare(const CompareOptions& options);
 /// Prints what is in a library of paths: a line for each problem, or for each path.
 int experience(const std::string& file, bool list);
 /// Loads scripts without planning and prints their strategies as trees.

@@ -312,7 +312,8 @@ void name_values(CLI::App& app) {
                                                     {"instructions", "N"},     {"learn", "FILE"},
                                                     {"novelty", "METRES"},     {"LIBRARY", "FILE"},
                                                     {"data", "FOLDER"},        {"family", "NAME"},
-                                                    {"train out", "FILE"}};
+                                                    {"train out", "FILE"},     {"RESULTS", "FILE"},
+                                                    {"baseline", "NAME"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     for (CLI::Option* option : verb->get_options()) {
       const bool argument = option->get_positional();

@@ -105,7 +105,7 @@ int make_race(Stack& call) {
   return call.result(race(read_parts("race", arguments), race_settings().read(arguments.options())));
 }
 
-/// schedule { shrink, scale = {0.3, 0.6}, patience = 50 }: a guide with an option's values in turn. An option with one
+/// schedule { shrink, scale = {0.3, 0.6}, evidence = 50 }: a guide with an option's values in turn. An option with one
 /// value has it in every round.
 class Rounds {
  public:

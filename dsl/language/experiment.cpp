@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include <dsl/language/algebra.hpp>
@@ -161,6 +162,59 @@ void read_ablate(const Arguments& arguments, Experiment& experiment) {
   ablate(experiment, names);
 }
 
+/// One group: { "paper", problems, tuned = true }.
+ProblemGroup read_group(Value value, const std::string& what) {
+  const lua::Keys keys = value.type() == Type::table ? value.keys() : lua::Keys{};
+  const bool named = keys.names.empty() || keys.names == std::vector<std::string>{"tuned"};
+  if (keys.length != 2 || !named || !keys.odd.empty()) {
+    throw Error(fmt::format("experiment: {} must be {{ \"name\", problems }}, perhaps with tuned = true, got {}", what,
+                            describe(value)));
+  }
+  ProblemGroup group;
+  value.each([&](std::size_t i, Value part) {
+    if (i == 1) {
+      group.name = part.string().value_or("");
+      if (group.name.empty()) throw Error(fmt::format("experiment: the name of {} must be a string", what));
+      return;
+    }
+    ProblemReader problems;
+    problems.read("the second element of " + what, part);
+    for (const Problem& problem : problems.take()) group.problems.push_back(problem.name);
+  });
+  const Value tuned = value.field("tuned");
+  if (tuned.given()) {
+    const auto given = tuned.boolean();
+    if (!given) throw Error(fmt::format("experiment: field 'tuned' of {} must be true or false", what));
+    group.tuned = *given;
+  }
+  return group;
+}
+
+void read_groups(const Arguments& arguments, Experiment& experiment) {
+  const Value value = arguments["groups"];
+  if (!value.given()) return;
+  const lua::Keys keys = value.type() == Type::table ? value.keys() : lua::Keys{};
+  if (value.type() != Type::table || !keys.names.empty() || !keys.odd.empty()) arguments.reject("groups");
+  std::map<std::string, std::string> group_of;
+  value.each([&](std::size_t i, Value element) {
+    ProblemGroup group = read_group(element, fmt::format("element {} of field 'groups'", i));
+    for (const std::string& name : group.problems) {
+      const bool known = std::any_of(experiment.problems.begin(), experiment.problems.end(),
+                                     [&](const Problem& problem) { return problem.name == name; });
+      if (!known) {
+        throw Error(fmt::format("experiment: group '{}' holds the problem '{}', which is not in field 'problems'",
+                                group.name, name));
+      }
+      const auto [other, first] = group_of.emplace(name, group.name);
+      if (!first) {
+        throw Error(
+            fmt::format("experiment: problem '{}' is in the groups '{}' and '{}'", name, other->second, group.name));
+      }
+    }
+    experiment.groups.push_back(std::move(group));
+  });
+}
+
 int make_experiment(Stack& call) {
   const Arguments arguments(experiment_construct(), call);
   const auto settings = experiment_settings().read(arguments.options());
@@ -181,6 +235,7 @@ int make_experiment(Stack& call) {
   } else if (arguments["published"].given()) {
     arguments.reject("published");
   }
+  read_groups(arguments, experiment);
   read_ablate(arguments, experiment);
   check(experiment);
   return call.result(std::move(program));
@@ -303,6 +358,10 @@ const Construct& experiment_construct() {
             "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
             "the first that has a figure gives the headline, the others stand beside it", false, "{ exact(), knn() }"},
            {"baseline", "string", "the name of a strategy", "what the others are compared with; the first by default"},
+           {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
+            "problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are "
+            "held "
+            "out"},
            {"published", "trellis.Publication", "published { ... }",
             "figures and sentences of somebody else, to set the results beside"},
            {"ablate", "boolean|string[]", "true, or a list of names of strategies",

@@ -16,7 +16,7 @@ namespace trellis::dsl {
 /// description says, and calls `make` with the defaults overlaid by what was given. `returns` is a type of the
 /// language: "guide", "strategy", "problem", or one as LuaCATS has it. `options` lists
 ///
-///     { "shrink", radius = 0, patience = 100 }     options of a component or construct, with other defaults;
+///     { "shrink", radius = 0, evidence = 100 }     options of a component or construct, with other defaults;
 ///     { of = "blend", as = "decay", name = "memory", default = 0.98 }     one of them under another name;
 ///     { name = "share", default = 0.5, lo = 0, hi = 1, unit = "...", doc = "..." }     a number of its own;
 ///     { name = "scales", type = "number[]", default = {0.5}, expects = "...", doc = "..." }     anything else;

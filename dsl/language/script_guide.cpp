@@ -476,6 +476,11 @@ class ScriptHeuristic final : public Heuristic {
     h_->sample(stream, out);
     return 0;
   }
+  void select_tree(TreeSide side) override { h_->select_tree(side); }
+  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
+  [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
+  [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   [[nodiscard]] double density(View q) const override { return h_->density(q); }
   [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
@@ -492,6 +497,7 @@ class ScriptHeuristic final : public Heuristic {
   OutcomeTable table_;
   std::uint64_t epoch_ = 0;
   std::uint64_t told_ = 0;  ///< outcomes
+  double progress_ = 0.0;   ///< along what it returned before
 };
 
 /// A distribution of the registry, with the guide that made it.
@@ -609,6 +615,7 @@ void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
       });
   if (!returned) return;
   epoch_ = epoch() + 1;
+  progress_ += h_->progress();
   h_ = guide_.make(*returned);
 }
 
@@ -818,7 +825,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
 }
 
 void ScriptGuide::learn(const Outcome& outcome) {
-  if (outcome.added.empty() || parent_ == nullptr) return;
+  if (outcome.added.empty() || !outcome.connected || parent_ == nullptr) return;
   reached_.add(outcome.added);
   if (!follows_in_s_) return;
   Configuration s(s_->dimension());

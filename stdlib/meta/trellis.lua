@@ -140,7 +140,8 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field connect_goal? boolean true or false; default true: try the motion to the goal from every new node within one step of it
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -149,7 +150,8 @@
 ---@class trellis.rrt_connect.Options
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of a tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -160,7 +162,8 @@
 ---@field neighbours? integer an integer at least 1 (nodes); default 10: nearest nodes that a new node is joined to
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -176,7 +179,8 @@
 ---@field neighbours? integer an integer at least 1 (nodes); default 10: nearest nodes that a new node is joined to
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -188,7 +192,8 @@
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -199,7 +204,8 @@
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -210,7 +216,8 @@
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -222,7 +229,8 @@
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -234,7 +242,8 @@
 ---@field extend? "controls"|"curves" one of "controls", "curves"; default "controls": how a node is driven towards a proposal: "controls", under random controls; "curves", along the shortest curve to it at a random speed, of Dubins, or of Reeds and Shepp where the model can go backwards: unicycle1 and car have them, any other model keeps to controls
 ---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -243,7 +252,8 @@
 ---@class trellis.graph_search.Options
 ---@field samples? integer an integer at least 1 (proposals); default 200: proposals drawn per search where it is guided
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
----@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -271,7 +281,8 @@
 
 ---What `medial_axis` takes.
 ---@class trellis.medial_axis.Options
----@field rays? integer an integer in [2, 1024] (rays); default 8: directions in which the nearest way out is looked for where a configuration is invalid
+---@field rays? integer an integer in [2, 1024] (rays); default 8: directions of C in which the nearest surface is searched where a configuration is invalid
+---@field climbs? integer an integer in [0, 1000] (steps); default 3: steps of the ascent of clearance in which all coordinates change; 0: the position alone
 ---@field tries? integer an integer at least 1 (configurations); default 100: configurations tried, where none can be moved out, before a uniform proposal is made instead
 
 ---What `informed` takes.
@@ -282,10 +293,11 @@
 ---@class trellis.identity.Options
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
@@ -297,32 +309,39 @@
 ---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point
 ---@field lift? "uniform"|"handles" one of "uniform", "handles"; default "uniform": what a position is completed with: "uniform", uniform angles; "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `skeleton` takes.
 ---@class trellis.skeleton.Options
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
+---@field follow? "path"|"regions" one of "path", "regions"; default "path": "path": the path found on the axis is validated in C at points `spacing` apart, with the angles that are nearest to those before, and proposals are a step of the planner ahead of the node that came farthest along it; "regions", as published: dynamic regions along the whole axis, those on the path found weighing twice. Where there is a motion model, always regions
+---@field prune? boolean true or false; default true: leave out edges that are narrower than the largest disc about the reference point inside the robot, which it cannot pass
+---@field spacing? number a number at least 0 (m); default 0: distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (2 % of the space's diameter for a point)
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted there and the graph searched again
 ---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field clearance? number a number at least 0 (m); default 0: edges of the skeleton with less clearance than this are left out
----@field patience? integer an integer at least 1 (proposals); default 200: proposals of a region without progress after which it is stuck; when all are, the edges they are stuck on are made dearer and the graph is searched again
----@field resolves? integer an integer at least 0 (re-solves); default 5: how often the graph may be searched again
+---@field patience? integer an integer at least 1 (proposals); default 200: proposals of a region without progress after which it is stuck; when all are, the edges they are stuck on cost more and the graph is searched again
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often the graph may be searched again
 
 ---What `shrink` takes.
 ---@class trellis.shrink.Options
 ---@field [1]? number `scale` without its name
 ---@field planner? trellis.Planner a planner; default rrt(): searches the guide's own space
----@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
+---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its links, whose lengths stay
+---@field resolution? number a number at least 0 (m); default 0: checking resolution in S; 0: the diameter of the largest disc about the reference point inside the smaller robot, as no wall fits between two of its places so near to each other, but not below that of C nor above four times that
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
@@ -334,9 +353,9 @@
 ---@field axes? string[] a list of names; default {}: the axes of C that S keeps, by name ("theta2") or by number ("2"), in any order; none: the first ones
 ---@field first? integer an integer at least 1 (axes); default 2: how many axes from the first on S keeps where none are named; all where C has no more
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `pca` takes.
 ---@class trellis.pca.Options
@@ -347,21 +366,24 @@
 ---@field db? string the name of a file; default "": a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its paths of the same space and robot, and nothing is checked for it
 ---@field ends? boolean true or false; default true: the subspace goes through start and goal, and the way between them is its first direction; otherwise it goes where the samples say, and start and goal are projected onto it
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `widen` takes.
 ---@class trellis.widen.Options
 ---@field [1]? number `distance` without its name
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field distance? number a number at least 0 (m); default 0: how far the sides of obstacles move inwards; what is not twice as thick vanishes; 0: a quarter of the robot's bounding radius, or half a percent of the world's diagonal for a point
+---@field repair? integer an integer at least 0 (configurations); default 10: how many configurations about a point of the path that is invalid in C are tried in its place, farther and farther from it; 0: the point stays. Without effect where the path is followed by "steps", which lifts every point to a valid one
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
@@ -369,11 +391,15 @@
 ---What `lazy` takes.
 ---@class trellis.lazy.Options
 ---@field planner? trellis.Planner a planner; default lazy_prm(): searches the guide's own space
----@field margin? number a number at least 0 (m in the metric); default 0: radius about a configuration found invalid that S takes for invalid too; 0: the checking resolution
+---@field selector? "alternate"|"forward"|"backward" one of "alternate", "forward", "backward"; default "alternate": order in which the edges of a candidate path are validated: "alternate", from both ends inwards; "forward", from the start; "backward", from the goal
+---@field effort? number a number in [0, 1) (share); default 0.99: lambda: share of the effort to validate an edge in its cost for a search of a roadmap in S; the rest is its length. An edge validated before has no effort. Without effect where a tree searches S
+---@field sparse? number a number at least 0 (m in the metric); default 0: distance between single configurations of a candidate path that are checked before its edges are, once a candidate was refuted; 0: 1.2 of the planner's step, or the diameter of the robot's bounding circle where that is more
+---@field margin? number a number at least 0 (m in the metric); default 0: radius about a configuration found invalid that S takes for invalid too, at least; 0: the checking resolution. Where the checker knows how deep the configuration lies, S loses all that is known
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "waypoints": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `drop` takes.
@@ -382,9 +408,10 @@
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field obstacles? string[] a list of names; default {}: names of obstacles that are left out, as the world gives them (name = ...) or messages ("obstacle 3"); none: all
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 100: how often its space may be solved again
 
 ---What `aggregate` takes.
@@ -395,10 +422,11 @@
 ---@field refinements? integer an integer in [0, 16] (times); default 3: how often the error is halved where S has no path; then S has the obstacles themselves
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search among hulls of one error, and among the obstacles themselves
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `holonomic` takes.
 ---@class trellis.holonomic.Options
@@ -406,10 +434,11 @@
 ---@field heading? "along"|"found" one of "along", "found"; default "along": the robot's heading on the path that is followed: "along", in the direction of travel, which is how a wheeled robot can follow it; "found", as the search in S had it
 ---@field speed? "forwards"|"any" one of "forwards", "any"; default "forwards": which speeds are drawn where they are part of the state: "forwards", those not below 0 where there are any; "any", all; other velocities are drawn from all there are
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 500: guided proposals without progress along the path before its space is solved again
----@field resolves? integer an integer at least 0 (re-solves); default 3: how often its space may be solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "tube": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
@@ -419,9 +448,11 @@
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field size? number a number at least 0 (m); default 0: length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's diagonal for a point
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.2: share that is spread evenly over all triangles; the rest keeps to the lead
----@field ahead? integer an integer at least 1 (triangles); default 2: how far along the lead beyond what the planner has reached proposals are drawn
----@field patience? integer an integer at least 1 (proposals); default 50: proposals on the lead without reaching a triangle farther along it before another lead is searched
----@field resolves? integer an integer at least 0 (re-solves); default 1000: how often another lead may be searched
+---@field ahead? integer an integer at least 1 (triangles); default 2: how many triangles of the lead, beyond the one whose node is expanded, proposals are drawn from
+---@field random_leads? number a number in [0, 1] (share of leads); default 0.05: share of leads that are found by a random depth-first search; the rest are shortest paths
+---@field expansions? integer an integer at least 1 (proposals); default 100: proposals on one lead before another one is searched
+---@field abandon? number a number in [0, 1] (probability); default 0.05: with which a lead is abandoned after a proposal on it that improved neither the coverage of a triangle nor that of a connection between two
+---@field resolves? integer an integer at least 0 (re-solves); default 10000: how often another lead may be searched
 
 ---What `experience` takes.
 ---@class trellis.experience.Options
@@ -434,15 +465,16 @@
 ---@field robots? "same"|"any" one of "same", "any"; default "same": whose paths: "same", of the same robot in the same space; "any", of any in the same space
 ---@field paths? integer an integer in [1, 64] (paths); default 1: ways through the graph that guide at once, each found with those before it made dearer
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "waypoints": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "waypoints": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `learned` takes.
 ---@class trellis.learned.Options
 ---@field [1]? string `model` without its name
----@field model? string the name of a file; default "learned.model": the model, as trellis train makes it
+---@field model? string the name of a file; default "learned.model": the classifier, as trellis train makes it
 ---@field sharpness? number a number at least 0 (exponent); default 1: power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones more often than the model says
 
 ---What `tube` takes.
@@ -549,7 +581,7 @@
 ---@field density? fun(...: number): number a function: of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with respect to volume in metric coordinates
 ---@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on
 ---@field stale? fun(): boolean a function: asked after each outcome whether S is to be solved again; h made of along(path) asks for that by itself too
----@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
+---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `box` takes.
 ---@class trellis.box.Options
@@ -664,6 +696,7 @@
 ---@field measure? trellis.Target|false a target, as tube { delta = 0.5 }, or false; default tube {}: what samples are measured against; false computes no efficiency
 ---@field estimators? trellis.Estimator|trellis.Estimator[] an estimator or a list of estimators, as { exact(), knn { k = 3 } }; default { exact(), knn() }: the first that has a figure gives the headline, the others stand beside it
 ---@field baseline? string the name of a strategy: what the others are compared with; the first by default
+---@field groups? table[] a list of groups, as { { "mazes", {p, q}, tuned = true } }: problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are held out
 ---@field published? trellis.Publication published { ... }: figures and sentences of somebody else, to set the results beside
 ---@field ablate? boolean|string[] true, or a list of names of strategies; default false: adds each strategy that has a guide, or each that is named, with every guide taken out in turn
 ---@field seed? integer an integer at least 0; default 1: the first of consecutive seeds, where 'seeds' is their number
@@ -703,9 +736,10 @@
 ---What `along` takes.
 ---@class trellis.along.Options
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field follow? "tube"|"waypoints" one of "tube", "waypoints"; default "tube": how the path is followed: "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
----@field window? number a number in (0, 1] (share of the path); default 0.2: how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
+---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
+---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
+---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 
 ---What `has_efficiency` takes.
 ---@class trellis.has_efficiency.Options
@@ -730,6 +764,29 @@
 ---@field lazy_prm? table a table of what shall differ: as strategies.parasol_lazy_prm takes it
 ---@field dr_rrt? table a table of what shall differ: as strategies.parasol_dr_rrt takes it
 ---@field irc? table a table of what shall differ: as strategies.parasol_irc takes it
+
+---What `pays.groups` takes.
+---@class trellis.pays.groups.Options
+---@field only? string[] a list of names: worlds and groups; all of them without it
+---@field catalogue? boolean true or false; default false: every guide of the catalogue over rrt, on the paper's scenes and on worlds that mislead
+---@field mazes? trellis.Problem[] a list of problems: further worlds of the group mazes
+
+---What `pays.strategies` takes.
+---@class trellis.pays.strategies.Options
+---@field budget? number a number in [1, 1e+09] (proposals); default 400000: proposals of the level at the root, after which a run fails
+
+---What `pays.catalogue` takes.
+---@class trellis.pays.catalogue.Options
+---@field budget? number a number in [1, 1e+09] (proposals); default 400000: proposals of the level at the root, after which a run fails
+
+---What `pays.experiment` takes.
+---@class trellis.pays.experiment.Options
+---@field only? string[] a list of names: worlds and groups; all of them without it
+---@field catalogue? boolean true or false; default false: every guide of the catalogue over rrt, on the paper's scenes and on worlds that mislead
+---@field mazes? trellis.Problem[] a list of problems: further worlds of the group mazes
+---@field strategies? string[] a list of names: of pays.strategies or pays.catalogue; the planners that nothing guides are always there
+---@field seeds? number a number in [1, 1e+06] (seeds); default 30: consecutive seeds
+---@field budget? number a number in [1, 1e+09] (proposals); default 400000: proposals of the level at the root, after which a run fails
 
 ---What `scenes.load` takes.
 ---@class trellis.scenes.load.Options
@@ -847,7 +904,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.irc` takes.
@@ -858,7 +915,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.parasol_irc` takes.
@@ -869,14 +926,14 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.several` takes.
 ---@class trellis.strategies.several.Options
----@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
+---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its links, whose lengths stay
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
@@ -887,9 +944,9 @@
 ---What `strategies.vonasek` takes.
 ---@class trellis.strategies.vonasek.Options
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
----@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
+---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its links, whose lengths stay
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
@@ -905,7 +962,7 @@
 ---What `strategies.nested` takes.
 ---@class trellis.strategies.nested.Options
 ---@field planner? trellis.Planner a planner; default rrt { step = 0.5 }: the planner at the root
----@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C
+---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its links, whose lengths stay
 
 ---What `strategies.hybrid` takes.
 ---@class trellis.strategies.hybrid.Options
@@ -921,7 +978,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.blend` takes.
@@ -940,7 +997,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
----@field patience? integer an integer at least 1 (proposals); default 100: guided proposals without progress along the path before its space is solved again
+---@field evidence? integer an integer at least 1 (proposals); default 100: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 10: how often its space may be solved again
 
 ---What `strategies.skeleton` takes.
@@ -956,6 +1013,138 @@
 ---@class trellis.strategies.biases.Options
 ---@field planner? trellis.Planner a planner; default rrt { step = 0.5 }: the planner at the root
 
+---What `worlds.maze` takes.
+---@class trellis.worlds.maze.Options
+---@field name? string a string; default "maze": how the report calls it
+---@field cells? number a number in [1, 100] (cells); default 12: cells along each side
+---@field branching? number a number in [0, 1] (share of steps); default 0: steps that go on from a random cell
+---@field seed? number a number in [0, 2.14748e+09]; default 1: of the random numbers that the world is made of
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.false_gaps` takes.
+---@class trellis.worlds.false_gaps.Options
+---@field kind? string "narrow", "bent" or "mixed"; default "mixed": a false gap is 0.15 metres wide (narrow), or 0.3 with two turns too tight for the robot's length, although a disc of its inscribed radius passes (bent); mixed has both
+---@field name? string a string; default "false_gaps": how the report calls it
+---@field rows? number a number in [1, 20] (rows); default 3: walls between start and goal
+---@field gaps? number a number in [1, 20] (gaps); default 4: false gaps in each wall, beside the true one, which is 0.5 metres wide
+---@field seed? number a number in [0, 2.14748e+09]; default 1: of the random numbers that the world is made of
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.rooms` takes.
+---@class trellis.worlds.rooms.Options
+---@field name? string a string; default "rooms": how the report calls it
+---@field rooms? number a number in [1, 20] (rooms); default 4: rooms along each side, each 2.5 metres wide
+---@field narrow? number a number in [0, 1] (share of walls); default 0.6: of the other walls, those that have a door 0.15 metres wide
+---@field seed? number a number in [0, 2.14748e+09]; default 1: of the random numbers that the world is made of
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.boxes` takes.
+---@class trellis.worlds.boxes.Options
+---@field name? string a string; default "boxes": how the report calls it
+---@field boxes? number a number in [1, 1000] (boxes); default 120: boxes in 10 x 10 metres
+---@field seed? number a number in [0, 2.14748e+09]; default 1: of the random numbers that the world is made of
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.slalom` takes.
+---@class trellis.worlds.slalom.Options
+---@field name? string a string; default "slalom": how the report calls it
+---@field gates? number a number in [1, 100] (gates); default 8: walls
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.dead_ends` takes.
+---@class trellis.worlds.dead_ends.Options
+---@field name? string a string; default "dead_ends": how the report calls it
+---@field pockets? number a number in [1, 20] (pockets); default 4: corridors with a slit at their end
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.bug_trap` takes.
+---@class trellis.worlds.bug_trap.Options
+---@field name? string a string; default "bug_trap": how the report calls it
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.open_world` takes.
+---@class trellis.worlds.open_world.Options
+---@field name? string a string; default "open_world": how the report calls it
+---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
+
+---What `worlds.block` takes.
+---@class trellis.worlds.block.Options
+---@field name? string a string; default "block": how the report calls it
+---@field world? trellis.World a world; default a world of 1 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 5, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
+---What `worlds.thin_wall` takes.
+---@class trellis.worlds.thin_wall.Options
+---@field name? string a string; default "thin_wall": how the report calls it
+---@field world? trellis.World a world; default a world of 1 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {1, 3, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 3, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
+---What `worlds.detour` takes.
+---@class trellis.worlds.detour.Options
+---@field name? string a string; default "detour": how the report calls it
+---@field world? trellis.World a world; default a world of 2 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {2, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {8, 5, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
+---What `worlds.alleys` takes.
+---@class trellis.worlds.alleys.Options
+---@field name? string a string; default "alleys": how the report calls it
+---@field world? trellis.World a world; default a world of 4 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {2, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {8, 5, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
+---What `worlds.pickets` takes.
+---@class trellis.worlds.pickets.Options
+---@field name? string a string; default "pickets": how the report calls it
+---@field world? trellis.World a world; default a world of 6 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {2, 6, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {8, 6, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
+---What `worlds.rows` takes.
+---@class trellis.worlds.rows.Options
+---@field name? string a string; default "rows": how the report calls it
+---@field world? trellis.World a world; default a world of 24 obstacles in 0 0 10 10: as world { ... } makes it
+---@field robot? trellis.Robot a robot; default a robot 'rigid': as robot.rectangle(0.6, 0.2) makes it
+---@field start? number[] a list of numbers; default {1, 5, 0}: the start configuration, in metres and radians; with a motion model its velocities follow
+---@field goal? number[]|number[][] a list of numbers, or a list of such lists; default {9, 5, 0}: the goal configuration, in metres and radians, or several of which any will do
+---@field motion? trellis.Motion a motion model, as motion.unicycle1 {}: how the robot is driven; without one it moves straight to any configuration
+---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
+---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
+---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+
 ---What makes a robot.
 ---@class trellis.robot
 robot = {}
@@ -970,6 +1159,15 @@ motion = {}
 ---The methods are those of the module strategies; docs/methods.md tells what was published and what differs.
 ---@class trellis.paper
 paper = {}
+
+---Does guidance pay? Its cost beside the best planner without a guide
+---
+---scripts/pays runs this experiment world by world; docs/pays.md has what comes out. A part of it is a script of two
+---lines:
+---
+---  return pays.experiment { only = {"gaps"}, strategies = {"skeleton >> rrt"}, seeds = 5 }
+---@class trellis.pays
+pays = {}
 
 ---Named problems, and problems from files
 ---
@@ -994,6 +1192,18 @@ scenes = {}
 ---  0.5*strategies.regions() + 0.5*strategies.relaxation { scales = {0.5} } >> prm {}
 ---@class trellis.strategies
 strategies = {}
+
+---Worlds that a seed generates, and small worlds in which guides mislead
+---
+---Each function makes a problem, and takes a table of what shall differ:
+---
+---  worlds.maze { cells = 12, seed = 2 }
+---  worlds.false_gaps { rows = 6, kind = "bent", size = 0.8 }
+---
+---The robot is that of the paper's scenes, 0.6 x 0.2 metres, times `size`. The same options give the same world in
+---every run: they do not use math.random, which follows the run's seed.
+---@class trellis.worlds
+worlds = {}
 
 ---rapidly-exploring random tree: grows from the start towards proposals
 ---
@@ -1102,7 +1312,7 @@ function bridge_test(options) end
 ---@return trellis.Guide
 function obstacle_based(options) end
 
----uniform configurations moved, as they are turned, away from the nearest obstacle until another is as near; invalid ones are moved out first; S = {0}
+---uniform configurations moved and turned away from the nearest obstacle until another is as near; invalid ones are moved out first; S = {0}
 ---
 ---Source: Wilmarth, Amato and Stiller 1999, MAPRM: a probabilistic roadmap planner with sampling on the medial axis
 ---@param options? trellis.medial_axis.Options
@@ -1144,7 +1354,7 @@ function workspace(options) end
 ---@return trellis.Guide
 function skeleton(options) end
 
----the same world for a smaller robot, scaled about its reference point
+---the same world for a smaller robot, scaled about its reference point, or with thinner links where it is fixed to its base
 ---
 ---Source: Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; several paths: Vonasek, Penicka and Kozlikova 2020, Searching multiple approximate solutions
 ---@param options? trellis.shrink.Options
@@ -1176,9 +1386,9 @@ function pca(options) end
 ---@overload fun(distance: number, options?: trellis.widen.Options): trellis.Guide
 function widen(options) end
 
----the world without obstacle checks: everything is presumed valid until C finds it is not; what it finds invalid is taken out of S, and S is solved again
+---the world without obstacle checks: everything is presumed valid; the path found is validated in C, edge by edge, and what is found invalid is taken out of S, whose search continues
 ---
----Source: Bohlin and Kavraki 2000, Path planning using lazy PRM
+---Source: Bohlin and Kavraki 2000, Path planning using lazy PRM; edge selectors: Dellin and Srinivasa 2016, Lazy shortest paths (LazySP); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*
 ---@param options? trellis.lazy.Options
 ---@return trellis.Guide
 function lazy(options) end
@@ -1206,7 +1416,7 @@ function aggregate(options) end
 ---@return trellis.Guide
 function holonomic(options) end
 
----a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in it and weighed anew by how well they were covered
+---a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in it, with costs by how well the tree covers the triangles; the nodes of a lead's triangles are expanded
 ---
 ---Source: Plaku, Kavraki and Vardi 2010, Motion planning with dynamics by a synergistic combination of layers of planning
 ---@param options? trellis.decomposition.Options
@@ -1221,9 +1431,9 @@ function decomposition(options) end
 ---@overload fun(db: string, options?: trellis.experience.Options): trellis.Guide
 function experience(options) end
 
----where ways that are nearly the shortest lead, as a model tells that was trained on other worlds to imitate exact search; S = {0}
+---cells of the workspace by the probability that a near-optimal path leads through them, which a classifier trained on other worlds predicts once, before the search; S = {0}
 ---
----Source: Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation
+---Source: after Ichter, Harrison and Pavone 2018, Learning sampling distributions for robot motion planning
 ---@param options? trellis.learned.Options
 ---@return trellis.Guide
 ---@overload fun(model: string, options?: trellis.learned.Options): trellis.Guide
@@ -1690,6 +1900,40 @@ function paper.parasol(options) end
 ---@return trellis.Publication
 function paper.published() end
 
+---the worlds, in groups as experiment's field 'groups' takes them
+---
+---    pays.groups { only = {"gaps", "maze_12"} }
+---@param options? trellis.pays.groups.Options
+---@return table[]
+function pays.groups(options) end
+
+---the scene files of the group files that are not there
+---
+---    pays.missing()
+---@return string[]
+function pays.missing() end
+
+---hierarchies of guides, after the planners that nothing guides
+---
+---    pays.strategies { budget = 20000 }
+---@param options? trellis.pays.strategies.Options
+---@return { [1]: string, [2]: trellis.Strategy }[]
+function pays.strategies(options) end
+
+---every guide of the catalogue over rrt, after the planners that nothing guides
+---
+---    pays.catalogue { budget = 20000 }
+---@param options? trellis.pays.catalogue.Options
+---@return { [1]: string, [2]: trellis.Strategy }[]
+function pays.catalogue(options) end
+
+---the worlds and the strategies, beside rrt_connect; nothing is measured but costs
+---
+---    pays.experiment { only = {"paper"}, seeds = 5 }
+---@param options? trellis.pays.experiment.Options
+---@return trellis.Experiment
+function pays.experiment(options) end
+
 ---the problems in a scene file made by others
 ---
 ---    scenes.load("ompl_tests/circle_obstacles.txt", { resolution = 0.1 })
@@ -1890,3 +2134,101 @@ function strategies.shrinking(options) end
 ---@param options? trellis.strategies.biases.Options
 ---@return trellis.Strategy
 function strategies.biases(options) end
+
+---a perfect maze: exactly one route joins any two cells, which are 1 metre wide
+---
+---    worlds.maze { cells = 12, seed = 2 }
+---@param options? trellis.worlds.maze.Options
+---@return trellis.Problem
+function worlds.maze(options) end
+
+---rows of gaps of which the robot passes one in each row, and a robot of half the size all
+---
+---    worlds.false_gaps { rows = 6, gaps = 4, kind = "bent" }
+---@param options? trellis.worlds.false_gaps.Options
+---@return trellis.Problem
+function worlds.false_gaps(options) end
+
+---rooms with doors; the doors that the robot passes join any two rooms by one route
+---
+---    worlds.rooms { rooms = 4, narrow = 0.5 }
+---@param options? trellis.worlds.rooms.Options
+---@return trellis.Problem
+function worlds.rooms(options) end
+
+---boxes at random, none near start and goal
+---
+---    worlds.boxes { boxes = 120, seed = 3 }
+---@param options? trellis.worlds.boxes.Options
+---@return trellis.Problem
+function worlds.boxes(options) end
+
+---walls that leave an opening 0.7 wide at the top and at the bottom in turn
+---
+---    worlds.slalom { gates = 8 }
+---@param options? trellis.worlds.slalom.Options
+---@return trellis.Problem
+function worlds.slalom(options) end
+
+---corridors that all lead towards the goal; all but the farthest end in a slit 0.15 wide
+---
+---    worlds.dead_ends { pockets = 4 }
+---@param options? trellis.worlds.dead_ends.Options
+---@return trellis.Problem
+function worlds.dead_ends(options) end
+
+---a box around the start; its only opening, 0.5 wide, leads inwards and faces away from the goal
+---
+---    worlds.bug_trap { size = 0.5 }
+---@param options? trellis.worlds.bug_trap.Options
+---@return trellis.Problem
+function worlds.bug_trap(options) end
+
+---a world without obstacles
+---
+---    worlds.open_world()
+---@param options? trellis.worlds.open_world.Options
+---@return trellis.Problem
+function worlds.open_world(options) end
+
+---one block in the middle of an open world, which needs no guide
+---
+---    worlds.block { resolution = 0.02 }
+---@param options? trellis.worlds.block.Options
+---@return trellis.Problem
+function worlds.block(options) end
+
+---a wall 0.1 thick with room to pass above it, which widen() removes
+---
+---    worlds.thin_wall { resolution = 0.02 }
+---@param options? trellis.worlds.thin_wall.Options
+---@return trellis.Problem
+function worlds.thin_wall(options) end
+
+---a wall with a slit that half the robot passes and the robot does not; below it there is room
+---
+---    worlds.detour { resolution = 0.02 }
+---@param options? trellis.worlds.detour.Options
+---@return trellis.Problem
+function worlds.detour(options) end
+
+---alleys with corners, and a robot that is too long to turn about most of them
+---
+---    worlds.alleys { resolution = 0.02 }
+---@param options? trellis.worlds.alleys.Options
+---@return trellis.Problem
+function worlds.alleys(options) end
+
+---a wall of pickets with slits that only a point passes; below it there is room
+---
+---    worlds.pickets { resolution = 0.02 }
+---@param options? trellis.worlds.pickets.Options
+---@return trellis.Problem
+function worlds.pickets(options) end
+
+---rows of boxes with gaps that the robot passes
+---
+---    worlds.rows { resolution = 0.02 }
+---@param options? trellis.worlds.rows.Options
+---@return trellis.Problem
+function worlds.rows(options) end

@@ -182,7 +182,8 @@ TEST_CASE("a run is planned and looked at") {
   CHECK_THAT(sitting.enter("levels()"), Contains("shrink(0.5)") && Contains("all levels"));
   CHECK_THAT(sitting.enter("plot()"), Contains("┌──") && Contains("G") && Contains("level 0, root"));
   CHECK_THAT(sitting.enter("efficiency()"), Contains("own space, own path") && Contains("expansion"));
-  CHECK_THAT(sitting.enter("run().levels[1].tree.value > 0"), Contains("true"));
+  CHECK_THAT(sitting.enter("type(run().levels[1].tree.value)"), Contains("number"));
+  CHECK_THAT(sitting.enter("run().levels[1].expansion.value > 0"), Contains("true"));
   CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
   CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));

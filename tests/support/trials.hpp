@@ -2,12 +2,20 @@
 // Trials of guides beside the same planner without them, for the scenarios of what each guide is good for.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <trellis/measure/statistics.hpp>
 #include <trellis/testing.hpp>
+#include <trellis/trial/paired_runs.hpp>
 
 #include "support/worlds.hpp"
 
@@ -16,6 +24,50 @@ namespace trellis::test {
 /// A strategy on 30 seeds.
 inline testing::Trial tried(StrategySpec strategy, const Problem& problem) {
   return testing::trial("", std::move(strategy), problem, testing::seeds(30));
+}
+
+/// Of the validity checks of runs beside those of the same seeds without guidance, the median ratio is at most `most`:
+/// a guide may mislead, but its loss is bounded. A run without a path counts as infinitely dear where the other found
+/// one.
+class BoundedLoss final : public trial::Matcher {
+ public:
+  explicit BoundedLoss(testing::Trial plain) : plain_(std::move(plain)) {}
+
+  [[nodiscard]] std::string text() const override {
+    return fmt::format("spends at most {:g} times the validity checks of {} at the median", most, plain_.name());
+  }
+  [[nodiscard]] trial::Verdict judge(const testing::Trial& guided) const override {
+    std::vector<double> ratios;
+    trial::Verdict verdict;
+    double worst = -1.0;
+    std::size_t lost = 0;
+    for (const auto& [mine, others] : trial::pairs_of(guided.runs(), guided, plain_.runs(), plain_)) {
+      const auto here = static_cast<double>(mine->run.validity_checks);
+      const auto there = static_cast<double>(others->run.validity_checks);
+      const bool only_there = others->run.solved && !mine->run.solved;
+      lost += only_there ? 1 : 0;
+      const double ratio = only_there ? std::numeric_limits<double>::infinity() : here / there;
+      ratios.push_back(ratio);
+      if (ratio <= worst) continue;
+      worst = ratio;
+      verdict.worst = mine->seed;
+      verdict.why_worst = fmt::format("spent {:g} validity checks, {:g} without guidance", here, there);
+    }
+    const double middle = median(ratios);
+    verdict.holds = middle <= most;
+    if (verdict.holds) verdict.worst.reset();
+    verdict.finding = fmt::format("{:.2f} times as many at the median, {:.2f} at the worst of {} seeds; {} lost a path",
+                                  middle, worst, ratios.size(), lost);
+    return verdict;
+  }
+
+  static constexpr double most = 2.2;
+
+ private:
+  testing::Trial plain_;
+};
+inline testing::Matches LosesLittle(testing::Trial plain) {  // NOLINT(readability-identifier-naming): as Catch2's are
+  return testing::Matches(std::make_shared<BoundedLoss>(std::move(plain)));
 }
 
 inline GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& given = {}) {
@@ -29,6 +81,14 @@ inline GuideSpec by_two_trees(const std::string& name, const std::vector<Options
 
 inline PlannerSpec tree(double step = 0.5) {
   return PlannerSpec::make("rrt", {{"step", step}, {"proposals", std::int64_t{20000}}});
+}
+/// The planner without the bound on what its guide may spend. The bound holds back about half of the work: a guide that
+/// saves less than half shows what it saves only without.
+inline PlannerSpec trusting(const PlannerSpec& planner) {
+  auto options = planner.options().entries();
+  std::erase_if(options, [](const auto& entry) { return entry.first == "bound"; });
+  options.emplace_back("bound", 0.0);
+  return PlannerSpec::make(planner.name(), options);
 }
 /// A roadmap whose nodes are few enough that a narrow passage is easily missed.
 inline PlannerSpec roadmap() { return PlannerSpec::make("prm", {{"proposals", std::int64_t{4000}}}); }

@@ -36,7 +36,7 @@ TEST_CASE("names of obstacles are a list, with or without the option's name") {
   CHECK(value("drop { 'a', 'b' } == drop { obstacles = { 'a', 'b' } }") == "true");
   CHECK(value("drop('a', 'b') == drop { 'a', 'b' }") == "true");
   CHECK(value("drop {} == drop { obstacles = {} }") == "true");
-  CHECK(value("tostring(drop { 'a', 'b', patience = 5 })") == "drop { \"a\", \"b\", patience = 5 }");
+  CHECK(value("tostring(drop { 'a', 'b', evidence = 5 })") == "drop { \"a\", \"b\", evidence = 5 }");
   CHECK(value("tostring(drop { 'a', 'b' })") == "drop(\"a\", \"b\")");
   CHECK(value("drop { 'a', 3 } == drop { obstacles = { 'a', '3' } }") == "true");
   CHECK_THAT(failure("drop { 'a', 3.5 }"), Catch::Contains("expected a name, got 3.5"));

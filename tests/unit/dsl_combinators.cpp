@@ -24,11 +24,11 @@ bool holds(const std::string& law) {
 TEST_CASE("a schedule of one constructor is that of its guides") {
   CHECK(holds("schedule { shrink, scale = {0.3, 0.6} } == schedule { shrink(0.3), shrink(0.6) }"));
   CHECK(
-      holds("schedule { shrink, scale = {0.3, 0.6}, patience = 50, rounds = 2 } == "
-            "schedule { shrink { 0.3, patience = 50 }, shrink { 0.6, patience = 50 }, rounds = 2 }"));
+      holds("schedule { shrink, scale = {0.3, 0.6}, evidence = 50, rounds = 2 } == "
+            "schedule { shrink { 0.3, evidence = 50 }, shrink { 0.6, evidence = 50 }, rounds = 2 }"));
   CHECK(
-      holds("schedule { shrink, scale = {0.3, 0.6}, patience = {50, 70} } == "
-            "schedule { shrink { 0.3, patience = 50 }, shrink { 0.6, patience = 70 } }"));
+      holds("schedule { shrink, scale = {0.3, 0.6}, evidence = {50, 70} } == "
+            "schedule { shrink { 0.3, evidence = 50 }, shrink { 0.6, evidence = 70 } }"));
   CHECK(
       holds("schedule { shrink, scale = {0.3, 0.6}, planner = prm {} } == "
             "schedule { shrink { 0.3, planner = prm {} }, shrink { 0.6, planner = prm {} } }"));

@@ -74,7 +74,7 @@ TEST_CASE("inside a word's table come the options that are not given yet") {
   CHECK_FALSE(offers("rrt { ", "experiment"));
   CHECK(next("shrink(0.5) >> rrt {\n  step = 0.5,\n  goal") == Words{"goal_bias"});
   CHECK(next("shrink { 0.5, plan") == Words{"planner"});
-  CHECK(next("shrink(0.5, { pat") == Words{"paths", "patience"});
+  CHECK(next("shrink(0.5, { ev") == Words{"evidence"});
   CHECK(next("strategies.irc { sca") == Words{"scales"});
   CHECK(next("scenes.load(\"file.txt\", { col") == Words{"collision"});
   CHECK(next("experiment { strategies = { a = rrt {}, b = lazy { mar") == Words{"margin"});

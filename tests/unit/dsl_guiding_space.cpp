@@ -97,20 +97,42 @@ TEST_CASE("equal definitions are equal, wherever they are loaded, and others are
 }
 
 TEST_CASE("shrink written in Lua does what the built-in does, sample by sample") {
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const RunRecord own = run_of(half, "g >> rrt {}", seed);
-    const RunRecord built_in = run_of("shrink(0.5)", "g >> rrt {}", seed);
-    REQUIRE(own.levels.size() == 2);
-    CHECK(own.solved);
-    CHECK(all(own.path) == all(built_in.path));
-    for (std::size_t i = 0; i < 2; ++i) {
-      CHECK(all(own.levels[i].search.proposals) == all(built_in.levels[i].search.proposals));
-      CHECK(all(own.levels[i].root_nodes) == all(built_in.levels[i].root_nodes));
-      REQUIRE(own.levels[i].root_proposal_density);
-      const View q = own.levels[0].search.proposals[5];
-      CHECK(own.levels[i].root_proposal_density(q) == built_in.levels[i].root_proposal_density(q));
+  // The built-in guide's own are the coarser resolution, and what it takes out of S where a path was refuted.
+  const std::string mine =
+      "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end, resolves = 0, "
+      "heuristic = function(found) return along(found.path, { follow = '";
+  const double resolution = load(script("local g = " + half, "g >> rrt {}")).experiment.problems.front().resolution;
+  const std::string theirs = "shrink { 0.5, resolution = " + std::to_string(resolution) + ", resolves = 0, follow = '";
+  for (const std::string follow : {"tube", "waypoints"}) {
+    for (const std::string strategy : {"g >> rrt { bound = 0 }", "g >> rrt {}", "g >> rrt_connect {}"}) {
+      for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        INFO("follow " << follow << ", " << strategy << ", seed " << seed);
+        const RunRecord own = run_of(mine + follow + "' }) end }", strategy, seed);
+        const RunRecord built_in = run_of(theirs + follow + "' }", strategy, seed);
+        REQUIRE(own.levels.size() == 2);
+        CHECK(own.solved);
+        CHECK((all(own.path) == all(built_in.path)));
+        for (std::size_t i = 0; i < 2; ++i) {
+          CHECK((all(own.levels[i].search.proposals) == all(built_in.levels[i].search.proposals)));
+          CHECK((all(own.levels[i].root_nodes) == all(built_in.levels[i].root_nodes)));
+          REQUIRE(own.levels[i].root_proposal_density);
+          const View q = own.levels[0].search.proposals[5];
+          CHECK(own.levels[i].root_proposal_density(q) == built_in.levels[i].root_proposal_density(q));
+        }
+        CHECK(own.validity_checks == built_in.validity_checks);
+      }
     }
-    CHECK(own.validity_checks == built_in.validity_checks);
+  }
+}
+
+TEST_CASE("by default h is along the path that was found") {
+  const RunRecord plain = run_of(half);
+  const RunRecord written = run_of(
+      "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end,\n"
+      "  heuristic = function(found) return along(found.path) end }");
+  CHECK(plain.solved);
+  for (std::size_t i = 0; i < 2; ++i) {
+    CHECK(all(plain.levels[i].search.proposals) == all(written.levels[i].search.proposals));
   }
 }
 
@@ -192,16 +214,16 @@ TEST_CASE("h may be a function that draws, with its density") {
       "  return function(random, normal) return random() * 10, 5 + random() * 5, (random() - 0.5) end,\n"
       "    function(x, y, t) return (y >= 5 and math.abs(t) <= 0.5) and 1 / (10 * 5 * instance.space.weights[3]) or 0 "
       "end end }";
-  const RunRecord run = run_of(box);
+  const RunRecord run = run_of(box, "g >> rrt { bound = 0 }");
   REQUIRE(run.levels.size() == 1);
   CHECK(run.solved);
   REQUIRE(run.levels[0].proposal_density);
   // Half the volume and more has uniform proposals alone.
   const double inside = run.levels[0].proposal_density(Configuration{5, 8, 0.1});
   const double outside = run.levels[0].proposal_density(Configuration{5, 2, 0.1});
-  const double uniform = 0.95 * 0.1 * std::exp(-run.levels[0].space.log_volume());
+  const double uniform = 0.95 * 0.05 * std::exp(-run.levels[0].space.log_volume());
   CHECK(outside == Approx(uniform));
-  CHECK(inside == Approx(uniform + 0.95 * 0.9 / 50.0 * std::numbers::pi));
+  CHECK(inside == Approx(uniform + 0.95 * 0.95 / 50.0 * std::numbers::pi));
   CHECK_THAT(run_failure("guiding_space { name = 'box', space = {}, heuristic = function() return function(random) "
                          "return random(), 1, 1 end end,\n density = function() return 0 end }"),
              Contains("in box >> rrt (problem 'room', seed 1): density at (") &&
@@ -218,7 +240,7 @@ TEST_CASE("h is told what became of its proposals, may change by that, and asks 
       "    assert(o.fate ~= 'reached' or o.added[1] == o.proposal[1])\n"
       "    if n == 10 then return 0.5 * uniform() + 0.5 * ball({9, 1, 0}, 1) end end,\n"
       "  stale = function() return n == 60 end } end)()",
-      "g >> rrt { uniform = 0, goal_bias = 0, proposals = 1000 }");
+      "g >> rrt { uniform = 0, goal_bias = 0, bound = 0, proposals = 1000 }");
   REQUIRE(run.levels.size() == 2);
   CHECK(run.levels[1].solves == 3);
   const Space& space = run.levels[0].space;
@@ -345,10 +367,11 @@ TEST_CASE("functions that no run called are known, and random draws in its call 
   REQUIRE(uncalled.size() == 1);
   CHECK(uncalled[0].function == "test.lua:4: 'observe' of the guiding space 'unused'");
   CHECK(uncalled[0].guides);
-  CHECK_THAT(
-      run_failure("(function() local kept return guiding_space { name = 'g', heuristic = function() return "
-                  "function(random) kept = random return 1, 1, 0 end end, stale = function() kept() end } end)()"),
-      Contains("random: draws only while the function that it was given to is called"));
+  CHECK_THAT(run_failure("(function() local kept return guiding_space { name = 'g', heuristic = function() return "
+                         "function(random) kept = random return 1, 1, 0 end end, stale = function() if kept then "
+                         "kept() end return false end } "
+                         "end)()"),
+             Contains("random: draws only while the function that it was given to is called"));
 }
 
 TEST_CASE("distributions guide by themselves, and within a guide's own space") {

@@ -14,21 +14,25 @@ using test::values;
 TEST_CASE("the methods of the paper are written in the language from parts") {
   CHECK(value("strategies.rrt() == rrt { step = 0.5, goal_bias = 0.05 }") == "true");
   CHECK(value("strategies.parasol_rrt() == rrt { goal_bias = 0 }") == "true");
-  CHECK(value("strategies.dr_rrt() == skeleton { region = 2, explore = 0.5, decay = 0.9, drop = 1000, resolves = 0 } "
-              ">> rrt { uniform = 0 }") == "true");
-  CHECK(value("strategies.parasol_dr_rrt() == skeleton { penetration = 1, drop = 0, resolves = 0 } >> "
-              "rrt { uniform = 0, goal_bias = 0 }") == "true");
+  CHECK(value("strategies.dr_rrt() == skeleton { follow = 'regions', prune = false, region = 2, explore = 0.5, "
+              "decay = 0.9, drop = 1000, resolves = 0 } >> rrt { uniform = 0, bound = 0 }") == "true");
+  CHECK(value("strategies.parasol_dr_rrt() == skeleton { follow = 'regions', prune = false, penetration = 1, drop = 0, "
+              "resolves = 0 } >> rrt { uniform = 0, goal_bias = 0, bound = 0 }") == "true");
   CHECK(value("strategies.irc { scales = {0.25, 0.5} } == "
-              "shrink { 0.5, follow = 'waypoints', planner = rrt { uniform = 0.5 } } >> "
-              "shrink { 0.5, follow = 'waypoints', planner = rrt { uniform = 0.5 } } >> rrt { uniform = 0.5 }") ==
-        "true");
-  CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', paths = 2, planner = rrt {} } "
-              ">> rrt { uniform = 0.5 }") == "true");
+              "shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, planner = rrt { uniform = 0.5, bound "
+              "= 0 } } "
+              ">> shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
+              "planner = rrt { uniform = 0.5, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
+  CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
+              "paths = 2, planner = rrt { uniform = 0.1, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
   CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, neighbours = 10, proposals = 50000 } == "
               "lazy_prm { remove = 'first' }") == "true");
-  CHECK(value("strategies.hybrid() == 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt {}") == "true");
+  CHECK(
+      value("strategies.hybrid() == 0.5*strategies.regions() + 0.5*strategies.relaxation() >> rrt { uniform = 0.1 }") ==
+      "true");
   CHECK(value("strategies.blend { memory = 0.9 } == "
-              "blend { strategies.regions(), strategies.relaxation(), decay = 0.9 } >> rrt {}") == "true");
+              "blend { strategies.regions(), strategies.relaxation(), decay = 0.9 } >> rrt { uniform = 0.1 }") ==
+        "true");
 }
 
 TEST_CASE("every method takes options, and most another planner") {
@@ -42,17 +46,21 @@ TEST_CASE("every method takes options, and most another planner") {
     CHECK(failure("strategies." + name + "(5)").find("takes a table") != std::string::npos);
   }
   CHECK(value("strategies.dr_rrt { region = 3, step = 0.25 } == "
-              "skeleton { region = 3, drop = 1000, resolves = 0 } >> rrt { uniform = 0, step = 0.25 }") == "true");
+              "skeleton { follow = 'regions', prune = false, region = 3, drop = 1000, resolves = 0 } >> "
+              "rrt { uniform = 0, step = 0.25, bound = 0 }") == "true");
 }
 
 TEST_CASE("the methods' guides serve at any level") {
   CHECK(value("strategies.regions() >> shrink(0.5) >> rrt_connect {} == "
-              "skeleton { drop = 1000, resolves = 0 } >> shrink(0.5) >> rrt_connect {}") == "true");
+              "skeleton { follow = 'regions', prune = false, drop = 1000, resolves = 0 } >> shrink(0.5) >> rrt_connect "
+              "{}") == "true");
   CHECK(value("tostring(blend { strategies.several(), strategies.relaxation { scales = {0.5} } } >> prm {})") ==
-        "blend { shrink { 0.5, follow = \"waypoints\", paths = 3, planner = rrt() }, "
-        "shrink { 0.5, follow = \"waypoints\", planner = rrt { uniform = 0.5 } } } >> prm()");
+        "blend { shrink { 0.5, follow = \"waypoints\", evidence = 100, resolves = 10, paths = 3, "
+        "planner = rrt { uniform = 0.1, bound = 0 } }, shrink { 0.5, follow = \"waypoints\", evidence = 100, "
+        "resolves = 10, planner = rrt { uniform = 0.5, bound = 0 } } } >> prm()");
   CHECK(value("skeleton() >> strategies.irc { scales = {0.5} } == "
-              "(skeleton() >> strategies.relaxation { scales = {0.5} }) >> rrt { uniform = 0.5 }") == "true");
+              "(skeleton() >> strategies.relaxation { scales = {0.5} }) >> rrt { uniform = 0.5, bound = 0 }") ==
+        "true");
 }
 
 TEST_CASE("the paper's experiment lists every method under its name") {

@@ -34,16 +34,13 @@ std::string content(const fs::path& path) {
 }
 
 /// Numbers that have no unit: names and the like.
-bool is_pure(const std::string& word, const std::string& option) {
-  const std::vector<std::pair<std::string, std::string>> pure = {{"experiment", "seed"}, {"when", "seed"}};
-  return std::find(pure.begin(), pure.end(), std::pair(word, option)) != pure.end();
-}
+bool is_pure(const std::string& option) { return option == "seed"; }
 
 void check_option(const dsl::Word& word, const Option& option) {
   INFO(word.name << ": " << option.name);
   CHECK_FALSE(option.doc.empty());
   const bool quantity = option.type == Option::Type::number || option.type == Option::Type::integer;
-  CHECK((!quantity || !option.unit.empty() || is_pure(word.name, option.name)));
+  CHECK((!quantity || !option.unit.empty() || is_pure(option.name)));
   CHECK((option.type != Option::Type::choice || option.choices.size() > 1));
   // The default is one that could be given.
   const Component alone{Component::Kind::guide, word.name, "", "", {option}, {}};

@@ -65,8 +65,10 @@ TEST_CASE("a planner that cannot respect the motion model is refused, and one th
   }
   CHECK_THROWS_WITH(check(strategy({}), test::cup_problem()),
                     Contains("kinodynamic_rrt drives a motion model") && Contains("motion.unicycle1"));
-  // The level that shrink makes keeps the motion model, and says who searches it.
-  CHECK_THROWS_WITH(check(strategy({GuideSpec::make("shrink", {})}), driven),
+  // The level that shrink makes keeps the motion model: what searches it drives by default, and says so where another
+  // planner was chosen.
+  CHECK_NOTHROW(check(strategy({GuideSpec::make("shrink", {})}), driven));
+  CHECK_THROWS_WITH(check(strategy({GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {}))}), driven),
                     Contains("level 1") && Contains("rrt joins configurations by straight motions"));
   GuideSpec driving = GuideSpec::make("shrink", {}, PlannerSpec::make("kinodynamic_rrt", {}));
   CHECK_NOTHROW(check(strategy({driving}), driven));

@@ -75,6 +75,7 @@ Retrieved retrieve(const Problem& problem, std::vector<Options::Entry> options) 
   r.parent = make_instance(problem);
   r.guide = kind.make(Options::validate(*kind.component, options));
   r.sub = r.guide->project(*r.parent);
+  r.guide->attach(*r.sub);
   r.search = std::make_unique<Search>(r.sub->space.dimension());
   r.uniform = std::make_unique<UniformGuidance>(r.sub->space);
   const PlannerKind& searcher = *find_planner(kind.default_planner);

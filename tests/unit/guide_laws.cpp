@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <trellis/guide/guide.hpp>
+#include <trellis/guide/path_steps.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -46,6 +47,7 @@ struct Solved {
   std::unique_ptr<Instance> parent;
   std::unique_ptr<Guide> guide;
   std::unique_ptr<Instance> sub;
+  bool ends_valid = true;  ///< in S, before it was searched
   Solution found;
   std::unique_ptr<Heuristic> h;
 };
@@ -66,6 +68,8 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   Search search;
   search.nodes = Configurations(s.sub->space.dimension());
   search.proposals = Configurations(s.sub->space.dimension());
+  s.ends_valid = s.sub->valid(s.sub->start) && s.sub->valid(s.sub->goal);
+  s.guide->attach(*s.sub);
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
   const auto at_work = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}});
@@ -145,16 +149,40 @@ TEST_CASE("f of a guide that relaxes maps what is valid in C to what is valid in
 
 namespace {
 
-/// The mass of h's density over C, with its standard error.
-std::pair<double, double> mass(const Heuristic& h, const Space& space, std::uint64_t seed) {
-  constexpr int points = 40000;
+/// The mass of h's density over C, with its standard error. Half of the points are uniform on C, half on the box that
+/// holds h's own draws: what is a ball of a few centimetres would be missed by the others.
+std::pair<double, double> mass(Heuristic& h, const Space& space, std::uint64_t seed) {
+  constexpr int points = 60000;
   Stream stream(seed, "0", "mass");
   Configuration q(space.dimension());
+  std::vector<std::pair<double, double>> box(space.dimension(), {1e9, -1e9});
+  for (int i = 0; i < 2000; ++i) {
+    h.sample(stream, q);
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      box[j] = {std::min(box[j].first, q[j]), std::max(box[j].second, q[j])};
+    }
+  }
+  double box_volume = 1.0;
+  for (std::size_t j = 0; j < box.size(); ++j) {
+    const auto& axis = space.axes()[j];
+    const double wider = 0.02 * (box[j].second - box[j].first) + 1e-9;
+    box[j] = {std::max(axis.lo, box[j].first - wider), std::min(axis.hi, box[j].second + wider)};
+    box_volume *= axis.weight * (box[j].second - box[j].first);
+  }
+  const double volume = std::exp(space.log_volume());
   double sum = 0.0;
   double squares = 0.0;
   for (int i = 0; i < points; ++i) {
-    space.sample_uniform(stream, q);
-    const double p = h.density(q) * std::exp(space.log_volume());
+    if (i % 2 == 0) {
+      space.sample_uniform(stream, q);
+    } else {
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] = stream.uniform(box[j].first, box[j].second);
+    }
+    bool in_box = true;
+    for (std::size_t j = 0; j < q.size(); ++j) in_box = in_box && q[j] >= box[j].first && q[j] <= box[j].second;
+    const double density = h.density(q);
+    REQUIRE(density >= 0.0);
+    const double p = density / (0.5 / volume + (in_box ? 0.5 / box_volume : 0.0));
     sum += p;
     squares += p * p;
   }
@@ -208,8 +236,7 @@ TEST_CASE("an end that is invalid in C leaves a guide with a distribution over C
         Configuration s(end.size());
         solved.guide->project(at_goal ? problem.goal : problem.start, s);
         CHECK(s == end);  // f moves nothing
-        if (solved.sub->valid(end)) continue;
-        CHECK_FALSE(solved.found.solved());
+        if (!solved.ends_valid) CHECK_FALSE(solved.found.solved());
       }
       check_distribution(kind, solved, 11);
     }
@@ -225,8 +252,9 @@ TEST_CASE("a guide whose space has no path goes by what it claims to", "[guide][
     check_distribution(kind, solved, 12);
     if (kind.claims.fallback != GuideClaims::Fallback::nearest || solved.found.path.size() < 2) continue;
     const auto path = solved.h->lifted_path();
-    REQUIRE(path.size() == solved.found.path.size());
+    REQUIRE(path.size() >= 2);
     const Space& space = solved.parent->space;
+    CHECK(space.distance(path.front(), solved.parent->start) == 0.0);
     CHECK(space.distance(path.back(), solved.parent->goal) < space.distance(path.front(), solved.parent->goal));
   }
 }
@@ -237,23 +265,9 @@ TEST_CASE("h proposes inside C, and its density integrates to one less its atoms
       CAPTURE(kind.component->name, problem.name);
       const auto solved = solve(kind, problem);
       const auto& space = solved.parent->space;
-      Stream stream(5, "0", "density");
-      Configuration q(space.dimension());
       if (std::isnan(solved.h->density(solved.parent->start))) continue;  // no closed form is claimed
-      // Uniform points: the mean of the density times the volume is the mass.
-      constexpr int points = 60000;
-      double sum = 0.0;
-      double squares = 0.0;
-      for (int i = 0; i < points; ++i) {
-        space.sample_uniform(stream, q);
-        const double p = solved.h->density(q) * std::exp(space.log_volume());
-        REQUIRE(p >= 0.0);
-        sum += p;
-        squares += p * p;
-      }
-      const double mass = sum / points;
-      const double error = std::sqrt((squares / points - mass * mass) / points);
-      CHECK(std::abs(mass - (1.0 - solved.h->atom_mass())) < 4.0 * error + 1e-9);
+      const auto [whole, error] = mass(*solved.h, space, 5);
+      CHECK(std::abs(whole - (1.0 - solved.h->atom_mass())) < 4.0 * error + 1e-9);
     }
   }
 }
@@ -344,6 +358,8 @@ TEST_CASE("what h enters into a record is its density at every step", "[guide][d
       DensityRecord record;
       const bool closed = !std::isnan(solved.h->density(solved.parent->start));
       constexpr int steps = 400;
+      // However many steps there were: what follows a path by steps has balls of so many sizes.
+      const std::size_t most_terms = dynamic_cast<const StepHeuristic*>(solved.h.get()) != nullptr ? 5 : 1;
       for (int t = 0; t < steps; ++t) {
         solved.h->sample(stream, q);
         record.served(*solved.h);
@@ -368,7 +384,7 @@ TEST_CASE("what h enters into a record is its density at every step", "[guide][d
           CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
         }
         record.compact();
-        CHECK(record.terms() <= 1);
+        CHECK(record.terms() <= most_terms);
       }
     }
   }

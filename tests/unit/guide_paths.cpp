@@ -9,6 +9,7 @@
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/path_steps.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -41,6 +42,7 @@ Work work(const std::string& name, const std::vector<Options::Entry>& given, con
   w.search = Search(w.sub->space.dimension());
   const PlannerKind& planner = *find_planner(kind.default_planner);
   const Options options = Options::validate(*planner.component, {});
+  w.guide->attach(*w.sub);
   w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false, {}});
   const auto solve = [&](Budget budget) {
     Solution found = w.planner->solve(budget);
@@ -68,6 +70,7 @@ void tell(Work& w, View added, bool mine) {
   outcome.proposal = added.empty() ? View(w.parent->start) : added;
   outcome.near = w.parent->start;
   outcome.added = added;
+  if (added.empty()) outcome.blocked_at = w.parent->start;
   w.guide->learn(outcome);
   w.h->observe(outcome, mine);
 }
@@ -128,7 +131,7 @@ TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][
 TEST_CASE("a way-point without progress makes h stale, and another path goes on where the planner is",
           "[guide][waypoints]") {
   auto options = waypoints;
-  options.emplace_back("patience", std::int64_t{30});
+  options.emplace_back("evidence", std::int64_t{30});
   auto w = work("shrink", options, test::cup_problem());
   const Configurations path = w.found.path;
   REQUIRE(path.size() > 6);
@@ -190,7 +193,8 @@ TEST_CASE("what h along way-points or several paths enters into a record is its 
         CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
       }
       record.compact();
-      CHECK(record.terms() <= 1);
+      // One for the balls about each way-point's path, five for the sizes of them where paths are followed by steps.
+      CHECK(record.terms() <= (options.front().first == "follow" ? 1 : 5 * w.paths.size()));
     }
   }
 }
@@ -198,7 +202,9 @@ TEST_CASE("what h along way-points or several paths enters into a record is its 
 TEST_CASE("several paths keep apart but near their ends, and what was excluded is valid again", "[guide][paths]") {
   const auto problem = test::cup_problem();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    auto w = work("shrink", {{"paths", std::int64_t{2}}, {"distinct", 0.5}}, problem, seed);
+    auto w = work("shrink",
+                  {{"paths", std::int64_t{2}}, {"distinct", 0.5}, {"follow", std::string("tube")}, {"window", 100.0}},
+                  problem, seed);
     REQUIRE(w.paths.size() == 2);
     const auto& space = w.parent->space;
     const auto far = [&](View q) {
@@ -232,7 +238,7 @@ TEST_CASE("where there is no second path the search for it ends with its budget,
   auto w =
       work("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}}, test::simple_passage_problem());
   REQUIRE(w.paths.size() == 1);
-  CHECK(dynamic_cast<PathHeuristic*>(w.h.get()) != nullptr);
+  CHECK(dynamic_cast<StepHeuristic*>(w.h.get()) != nullptr);
   // Asked again, it looks for as many again.
   CHECK(w.guide->another(&w.found) == 300);
   CHECK(w.guide->another(nullptr) == 0);
@@ -292,7 +298,9 @@ TEST_CASE("a region is dropped after so many failures in a row, and then the who
   };
   for (const std::int64_t drop : {0, 20}) {
     CAPTURE(drop);
-    auto w = work("skeleton", {{"drop", drop}, {"resolves", std::int64_t{0}}}, problem);
+    auto w = work("skeleton",
+                  {{"follow", std::string("regions")}, {"prune", false}, {"drop", drop}, {"resolves", std::int64_t{0}}},
+                  problem);
     CHECK_FALSE(wholly_uniform(w));
     Stream stream(2, "0", "failures");
     Configuration q(3);
@@ -313,7 +321,8 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
   // The same walker, beside the skeleton by one bounding radius and a half: inside a region of two with its reference
   // point, not with its whole circle.
   const auto travelled = [&](double penetration) {
-    auto w = work("skeleton", {{"penetration", penetration}}, problem);
+    auto w =
+        work("skeleton", {{"follow", std::string("regions")}, {"prune", false}, {"penetration", penetration}}, problem);
     const auto before = w.h->epoch();
     const auto path = w.found.path;
     for (std::size_t i = 0; i < path.size(); ++i) {

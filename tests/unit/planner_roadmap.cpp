@@ -44,54 +44,154 @@ double shortest(const LifelongSearch& graph) {
 
 }  // namespace
 
+namespace {
+
+/// A random graph of points in the unit square, that changes.
+class ChangingGraph {
+ public:
+  explicit ChangingGraph(bool both_bounds) : both_bounds_(both_bounds) {
+    add(0, 0);
+    add(1, 1);
+  }
+  /// Edges cost their length; later at least that, so that the bounds stay bounds.
+  void add(double x, double y) {
+    points_.emplace_back(x, y);
+    const auto id = graph.add_vertex(std::hypot(x - 1.0, y - 1.0), both_bounds_ ? std::hypot(x, y) : 0.0);
+    for (std::uint32_t other = 0; other < id; ++other) {
+      const double length = std::hypot(points_[other].first - x, points_[other].second - y);
+      if (length < 0.35 && length > 0.0) {
+        graph.add_edge(other, id, length);
+        lengths.push_back(length);
+      }
+    }
+  }
+
+  LifelongSearch graph;
+  std::vector<double> lengths;  ///< of each edge when it was added
+
+ private:
+  bool both_bounds_;
+  std::vector<std::pair<double, double>> points_;
+};
+
+/// Searches, and compares with Dijkstra's search. Whether there is a path.
+bool check_search(LifelongSearch& graph) {
+  const double expected = shortest(graph);
+  const bool found = graph.search();
+  REQUIRE(found == std::isfinite(expected));
+  REQUIRE(std::isfinite(graph.cost()) == found);
+  std::vector<std::uint32_t> edges;
+  graph.path(LifelongSearch::goal, edges);
+  if (!found) {
+    REQUIRE(edges.empty());
+    return false;
+  }
+  REQUIRE(graph.cost() == Approx(expected).epsilon(1e-12));
+  double length = 0.0;
+  std::uint32_t at = LifelongSearch::start;
+  for (const auto e : edges) {
+    REQUIRE_FALSE(graph.edge(e).removed);
+    length += graph.edge(e).cost;
+    at = graph.other(e, at);
+  }
+  REQUIRE(at == LifelongSearch::goal);
+  REQUIRE(length == graph.cost());
+  return true;
+}
+
+}  // namespace
+
 TEST_CASE("the repaired search always holds the shortest path of the graph as it is", "[roadmap]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(1, 2, 3, 4, 5, 6));
+  const bool both_bounds = GENERATE(false, true);
   Stream stream(seed, "", "roadmap");
-  LifelongSearch graph;
-  std::vector<std::pair<double, double>> points;
-  const auto add = [&](double x, double y) {
-    points.emplace_back(x, y);
-    const auto id = graph.add_vertex(std::hypot(x - 1.0, y - 1.0));
-    for (std::uint32_t other = 0; other < id; ++other) {
-      const double length = std::hypot(points[other].first - x, points[other].second - y);
-      if (length < 0.35 && length > 0.0) graph.add_edge(other, id, length);
-    }
-  };
-  add(0, 0);
-  add(1, 1);
+  ChangingGraph changing(both_bounds);
+  auto& graph = changing.graph;
   int solved = 0;
   for (int round = 0; round < 400; ++round) {
     const double u = stream.uniform();
     if (u < 0.5 || graph.edges() == 0) {
-      add(stream.uniform(), stream.uniform());
+      changing.add(stream.uniform(), stream.uniform());
     } else if (u < 0.9) {
       graph.remove_edge(static_cast<std::uint32_t>(stream.below(graph.edges())));
     } else if (graph.vertices() > 2) {
       graph.isolate(static_cast<std::uint32_t>(2 + stream.below(graph.vertices() - 2)));
     }
-    const double expected = shortest(graph);
-    const bool found = graph.search();
-    REQUIRE(found == std::isfinite(expected));
-    if (!found) continue;
-    ++solved;
-    REQUIRE(graph.cost() == Approx(expected).epsilon(1e-12));
-    std::vector<std::uint32_t> edges;
-    graph.path(LifelongSearch::goal, edges);
-    double length = 0.0;
-    std::uint32_t at = LifelongSearch::start;
-    for (const auto e : edges) {
-      REQUIRE_FALSE(graph.edge(e).removed);
-      length += graph.edge(e).cost;
-      at = graph.other(e, at);
-    }
-    REQUIRE(at == LifelongSearch::goal);
-    REQUIRE(length == Approx(expected).epsilon(1e-12));
+    solved += check_search(graph) ? 1 : 0;
   }
   CHECK(solved > 50);
 }
 
+TEST_CASE("costs may rise and fall, and edges go in batches, between searches", "[roadmap]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 13)));
+  Stream stream(seed, "", "costs");
+  ChangingGraph changing(seed % 2 == 0);
+  auto& graph = changing.graph;
+  for (int i = 0; i < 60; ++i) changing.add(stream.uniform(), stream.uniform());
+  int solved = 0;
+  for (int round = 0; round < 500; ++round) {
+    // Several changes between searches, some of which undo others.
+    for (std::uint64_t i = 0; i < 1 + stream.below(6); ++i) {
+      const double u = stream.uniform();
+      const auto edge = static_cast<std::uint32_t>(stream.below(graph.edges()));
+      if (u < 0.15) {
+        changing.add(stream.uniform(), stream.uniform());
+      } else if (u < 0.75) {
+        graph.set_cost(edge, changing.lengths[edge] * (stream.uniform() < 0.4 ? 1.0 : 1.0 + 3.0 * stream.uniform()));
+      } else if (u < 0.95) {
+        std::vector<std::uint32_t> edges;
+        for (std::uint64_t k = 0; k < stream.below(5); ++k) {
+          edges.push_back(static_cast<std::uint32_t>(stream.below(graph.edges())));
+        }
+        graph.remove_edges(edges);
+      } else {
+        std::vector<std::uint32_t> vertices;
+        for (std::uint64_t k = 0; k < stream.below(3); ++k) {
+          vertices.push_back(static_cast<std::uint32_t>(2 + stream.below(graph.vertices() - 2)));
+        }
+        graph.isolate(vertices);
+      }
+    }
+    solved += check_search(graph) ? 1 : 0;
+  }
+  CHECK(solved > 50);
+}
+
+TEST_CASE("completed, the tree from the start holds all vertices that can be reached, by shortest paths", "[roadmap]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(1, 2, 3));
+  Stream stream(seed, "", "tree");
+  ChangingGraph changing(true);
+  auto& graph = changing.graph;
+  for (int i = 0; i < 80; ++i) changing.add(stream.uniform(), stream.uniform());
+  for (int round = 0; round < 30; ++round) {
+    for (int i = 0; i < 5; ++i) graph.remove_edge(static_cast<std::uint32_t>(stream.below(graph.edges())));
+    const bool found = graph.search();
+    CHECK(graph.search_all() == found);
+    for (std::uint32_t vertex = 2; vertex < graph.vertices(); ++vertex) {
+      // The goal's place is taken by the vertex.
+      LifelongSearch alone;
+      alone.add_vertex(0.0);
+      alone.add_vertex(0.0);
+      std::vector<std::uint32_t> ids(graph.vertices());
+      for (std::uint32_t v = 1; v < graph.vertices(); ++v) ids[v] = v == vertex ? 1 : alone.add_vertex(0.0);
+      for (std::uint32_t e = 0; e < graph.edges(); ++e) {
+        const auto& edge = graph.edge(e);
+        if (!edge.removed) alone.add_edge(ids[edge.a], ids[edge.b], edge.cost);
+      }
+      const double expected = shortest(alone);
+      REQUIRE(graph.reached(vertex) == std::isfinite(expected));
+      if (!graph.reached(vertex)) continue;
+      std::vector<std::uint32_t> edges;
+      graph.path(vertex, edges);
+      double length = 0.0;
+      for (const auto e : edges) length += graph.edge(e).cost;
+      REQUIRE(length == Approx(expected).epsilon(1e-12));
+    }
+  }
+}
+
 TEST_CASE("repairing after one edge is deleted expands a fraction of what a search from scratch does", "[roadmap]") {
-  // A long grid: the deleted edge lies near the goal.
+  // A long grid. The deleted edge lies near the middle, where the trees from both ends meet.
   constexpr std::uint32_t columns = 200;
   constexpr std::uint32_t rows = 10;
   LifelongSearch graph;
@@ -110,7 +210,13 @@ TEST_CASE("repairing after one edge is deleted expands a fraction of what a sear
   const auto first = graph.expanded();
   std::vector<std::uint32_t> edges;
   graph.path(LifelongSearch::goal, edges);
-  graph.remove_edge(edges.back());
+  graph.remove_edge(edges[edges.size() / 2]);
   REQUIRE(graph.search());
   CHECK(graph.expanded() - first < first / 10);
+  // Near an end only the tree from that end changes.
+  graph.path(LifelongSearch::goal, edges);
+  const auto second = graph.expanded();
+  graph.remove_edge(edges.back());
+  REQUIRE(graph.search());
+  CHECK(graph.expanded() - second < first / 2);
 }

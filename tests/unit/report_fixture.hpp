@@ -98,7 +98,7 @@ inline void total(RunResult& run, bool solved) {
 }
 
 inline RunResult plain_run(const std::string& problem_name, std::uint64_t seed, bool solved) {
-  RunResult run{problem_name, "rrt", seed, {}, {}};
+  RunResult run{problem_name, "rrt", seed, {}, {}, {}};
   const Space se2 = Space::se2({0, 10}, {0, 10});
   const std::size_t nodes = 500 + 20 * seed;
   LevelResult root{.record = level(0, "0", "root", se2, "rrt", nodes, solved)};
@@ -113,7 +113,7 @@ inline RunResult plain_run(const std::string& problem_name, std::uint64_t seed, 
 }
 
 inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed, bool solved) {
-  RunResult run{problem_name, "nested", seed, {}, {}};
+  RunResult run{problem_name, "nested", seed, {}, {}, {}};
   const Space se2 = Space::se2({0, 10}, {0, 10});
   const Space plane = Space::euclidean({{0, 10}, {0, 10}});
   const double wobble = 0.1 * std::sin(static_cast<double>(seed));

@@ -48,7 +48,7 @@ Configurations at(const std::vector<Configuration>& rows) {
 /// A run with these samples, made by hand.
 RunResult run_of(const std::string& strategy, std::uint64_t seed, const std::vector<Configuration>& nodes,
                  const std::vector<Configuration>& proposals, const std::vector<Configuration>& path) {
-  RunResult run{"odd", strategy, seed, {}, {}};
+  RunResult run{"odd", strategy, seed, {}, {}, {}};
   run.run.solved = !path.empty();
   run.run.status = run.run.solved ? Status::solved : Status::budget_spent;
   run.run.path = at(path);

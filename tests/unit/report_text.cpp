@@ -115,7 +115,7 @@ TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") 
   experiment.strategies = {{"rrt", fixture::plain()}};
   experiment.seeds = {1};
   experiment.measure.reset();
-  RunResult run{"passage", "rrt", 1, {}, {}};
+  RunResult run{"passage", "rrt", 1, {}, {}, {}};
   const Space plane = Space::euclidean({{0, 1}, {0, 1}});
   for (const auto& [key, name] : std::vector<std::pair<std::string, std::string>>{
            {"0", "root"}, {"0/0", "first"}, {"0/0/0", "deep"}, {"0/1", "second"}, {"0/1/0", "deeper"}}) {

@@ -245,6 +245,70 @@ TEST_CASE("a scaled robot is the same figure about the reference point", "[scene
   CHECK_THROWS_AS(Robot::disc(1).scaled(-inf), Error);
 }
 
+TEST_CASE("a thinned arm keeps its joints and lies within the whole arm", "[scene][robot]") {
+  // Links of every kind: a rectangle, a tapered one, one bent to a side, a hand of two parts beside its axis.
+  Body upper = box_body({{-0.2, -0.3}, {2, 0.3}}, -1, {}, 0);
+  Body taper;
+  taper.parts = {Polygon{{{0, -0.2}, {1.5, -0.05}, {1.5, 0.1}, {0, 0.2}}}};
+  taper.parent = 0;
+  taper.joint = {2, 0};
+  taper.angle_axis = 1;
+  Body bent;
+  bent.parts = {Polygon{{{-0.1, -0.1}, {1, 0.8}, {0.9, 1.1}, {-0.1, 0.1}}}};
+  bent.parent = 1;
+  bent.joint = {1.5, 0};
+  bent.angle_axis = 2;
+  Body hand;
+  hand.parts = {Polygon{{{0, 0.1}, {0.5, 0.1}, {0.4, 0.3}}}, Disc{{0.2, -0.2}, 0.15}};
+  hand.parent = 2;
+  hand.joint = {0.9, 0.9};
+  hand.angle_axis = 3;
+  const Robot whole = Robot("arm", {upper, taper, bent, hand}, false, {1, 2})
+                          .apart({{0, 2}})
+                          .limited({std::nullopt, std::pair(-2.0, 2.0)});
+  for (const double factor : {0.01, 0.3, 0.5, 0.9, 1.0}) {
+    const Robot thin = whole.thinned(factor);
+    CHECK(thin.pairs() == whole.pairs());
+    CHECK(thin.limits() == whole.limits());
+    REQUIRE(thin.bodies().size() == whole.bodies().size());
+    Stream stream(8, "0", "thinned");
+    std::vector<Pose2> poses(4), same(4);
+    const Configuration q{0.3, -0.4, 1.2, 2.5};
+    whole.place(q, poses);
+    thin.place(q, same);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      CHECK(poses[i]({0.7, -0.2}) == same[i]({0.7, -0.2}));
+      for (std::size_t k = 0; k < whole.bodies()[i].parts.size(); ++k) {
+        const ConvexShape& part = whole.bodies()[i].parts[k];
+        const ConvexShape& small = thin.bodies()[i].parts[k];
+        if (const auto* disc = std::get_if<Disc>(&part)) {
+          CHECK(std::get<Disc>(small) == Disc{disc->centre, factor * disc->radius});
+          continue;
+        }
+        const auto& outer = std::get<Polygon>(part).vertices;
+        const auto& inner = std::get<Polygon>(small).vertices;
+        double area = 0.0, thin_area = 0.0;
+        for (std::size_t a = 0; a < outer.size(); ++a) {
+          const std::size_t b = (a + 1) % outer.size();
+          area += 0.5 * cross(outer[a], outer[b]);
+          thin_area += 0.5 * cross(inner[a], inner[b]);
+          for (const Vec2 p : inner) CHECK(cross(outer[b] - outer[a], p - outer[a]) > -1e-12);
+        }
+        CHECK(thin_area == Approx(factor * area));
+      }
+    }
+    const Space space = default_space(whole, World({{0, 0}, {10, 10}}, {}), 1 / pi);
+    Configuration a(4), b(4);
+    space.sample_uniform(stream, a);
+    space.sample_uniform(stream, b);
+    CHECK(thin.displacement_bound(space, a, b) == whole.displacement_bound(space, a, b));
+  }
+  const Robot plain = Robot::arm({.links = {2, 1}, .widths = {0.4, 0.2}}).thinned(0.5);
+  CHECK(std::get<Polygon>(plain.bodies()[0].parts[0]).vertices == rectangle_vertices({{0, -0.1}, {2, 0.1}}));
+  CHECK(std::get<Polygon>(plain.bodies()[1].parts[0]).vertices == rectangle_vertices({{0, -0.05}, {1, 0.05}}));
+  CHECK_THROWS_AS(whole.thinned(0.0), Error);
+}
+
 TEST_CASE("no point moves farther than the displacement bound", "[scene][robot]") {
   const World world({{0, 0}, {10, 10}}, {});
   const auto check = [&](const Robot& robot, std::uint64_t seed) {

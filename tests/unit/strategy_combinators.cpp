@@ -29,9 +29,14 @@ GuideSpec shrink(double scale, const std::vector<Options::Entry>& more = {}) {
   given.insert(given.end(), more.begin(), more.end());
   return guide("shrink", given);
 }
+/// A planner that leaves its guides all proposals that they want.
+PlannerSpec unbounded(std::vector<Options::Entry> given = {}) {
+  given.emplace_back("bound", 0.0);
+  return PlannerSpec::make("rrt", given);
+}
 PlannerSpec rrt(const std::vector<Options::Entry>& given = {}) { return PlannerSpec::make("rrt", given); }
 /// A search that ends before it has found anything.
-GuideSpec hopeless() { return GuideSpec::make("identity", {}, rrt({{"proposals", std::int64_t{2}}})); }
+GuideSpec hopeless() { return GuideSpec::make("identity", {}, unbounded({{"proposals", std::int64_t{2}}})); }
 
 bool same(const Configurations& a, const Configurations& b) {
   return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
@@ -120,17 +125,18 @@ TEST_CASE("every kind prints itself and can be taken apart", "[combinators]") {
         "   │     └─ 0.5 x lazy()  searched by lazy_prm()\n"
         "   └─ 2. sequence, turns of 200 proposals\n"
         "      ├─ 1. shrink(0.5)  searched by rrt()\n"
-        "      └─ 2. lazy()  searched by lazy_prm()\n"
+        "      └─ 2. lazy()  searched by rrt { goal_bias = 0, uniform = 0 }\n"
         "         └─ skeleton()  searched by graph_search()\n");
   CHECK(strategy.json().find(R"("rounds":2,"turn":null)") != std::string::npos);
 }
 
 TEST_CASE("each guide of a schedule serves until it is refuted, and none comes back", "[combinators][schedule]") {
-  const std::vector<Options::Entry> hasty = {{"patience", std::int64_t{20}}, {"resolves", std::int64_t{3}}};
+  const std::vector<Options::Entry> hasty = {
+      {"follow", std::string("tube")}, {"evidence", std::int64_t{20}}, {"resolves", std::int64_t{3}}};
   for (const std::int64_t rounds : {1, 2, 3}) {
     CAPTURE(rounds);
     const auto strategy = schedule({shrink(0.1, hasty), shrink(0.2, hasty), shrink(0.3, hasty)}, {.rounds = rounds}) >>
-                          rrt({{"proposals", std::int64_t{2000}}});
+                          unbounded({{"proposals", std::int64_t{2000}}});
     const auto run = execute(strategy, walled(), 1);
     // The robots are too large for no wall: their spaces have no path, but the last stays.
     CHECK(order(run.levels[0]) == "2");
@@ -141,7 +147,7 @@ TEST_CASE("each guide of a schedule serves until it is refuted, and none comes b
     CAPTURE(rounds);
     const auto strategy =
         schedule({shrink(0.05, hasty), shrink(0.1, hasty), shrink(0.15, hasty)}, {.rounds = rounds}) >>
-        rrt({{"proposals", std::int64_t{3000}}});
+        unbounded({{"proposals", std::int64_t{3000}}});
     const auto run = execute(strategy, problem, 1);
     CHECK(order(run.levels[0]) == "012");
     // Solved as often as it was refuted, but for the last time, which was the next one's turn.
@@ -152,7 +158,7 @@ TEST_CASE("each guide of a schedule serves until it is refuted, and none comes b
 
 TEST_CASE("a schedule with turns passes on after so many proposals", "[combinators][schedule]") {
   const auto strategy = schedule({guide("uniform"), guide("gaussian"), guide("goal_bias")}, {.turn = 30}) >>
-                        rrt({{"proposals", std::int64_t{400}}});
+                        unbounded({{"proposals", std::int64_t{400}}});
   const auto run = execute(strategy, walled(), 1);
   const auto& level = run.levels[0];
   CHECK(order(level) == "012");
@@ -165,7 +171,7 @@ TEST_CASE("a guide that finds nothing has no turn in a schedule, and loses a rac
   for (const auto& combined : {schedule({hopeless(), shrink(0.5)}), race({hopeless(), shrink(0.5)}),
                                race({shrink(0.5), hopeless()}, {.slice = 5})}) {
     CAPTURE(combined.text());
-    const auto run = execute(combined >> rrt(), problem, 2);
+    const auto run = execute(combined >> unbounded(), problem, 2);
     CHECK(run.solved);
     const char winner = combined.terms().front().guide == shrink(0.5) ? '0' : '1';
     CHECK(order(run.levels[0]) == std::string(1, winner));
@@ -179,8 +185,9 @@ TEST_CASE("the searches of a race have slices that double, and rest once one has
   // The passage is too narrow for the second robot; the first is a search that goes on for long.
   const auto problem = test::make_problem("slit", test::rectangle_world({{4, 0, 6, 4.95}, {4, 5.05, 6, 10}}),
                                           test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
-  const auto run = execute(
-      race({guide("identity"), shrink(0.2)}, {.slice = 16}) >> rrt({{"proposals", std::int64_t{50}}}), problem, 1);
+  const auto run = execute(race({guide("identity"), shrink(0.2, {{"follow", std::string("tube")}})}, {.slice = 16}) >>
+                               unbounded({{"proposals", std::int64_t{50}}}),
+                           problem, 1);
   const auto& loser = run.levels[1].search.proposals;
   const auto& winner = run.levels[2].search.proposals;
   CHECK(run.levels[2].solution.solved());
@@ -199,9 +206,10 @@ TEST_CASE("the searches of a race have slices that double, and rest once one has
 TEST_CASE("a race goes on when its winner is refuted", "[combinators][race]") {
   const auto problem = test::make_problem("slit", test::rectangle_world({{4, 0, 6, 4.97}, {4, 5.03, 6, 10}}),
                                           test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
-  const std::vector<Options::Entry> hasty = {{"patience", std::int64_t{20}}, {"resolves", std::int64_t{2}}};
-  const auto run =
-      execute(race({shrink(0.05, hasty), shrink(0.08, hasty)}) >> rrt({{"proposals", std::int64_t{3000}}}), problem, 3);
+  const std::vector<Options::Entry> hasty = {
+      {"follow", std::string("tube")}, {"evidence", std::int64_t{20}}, {"resolves", std::int64_t{2}}};
+  const auto run = execute(
+      race({shrink(0.05, hasty), shrink(0.08, hasty)}) >> unbounded({{"proposals", std::int64_t{3000}}}), problem, 3);
   const std::string parts = order(run.levels[0]);
   CHECK(parts.size() >= 2);
   CHECK(parts.find('0') != std::string::npos);
@@ -212,7 +220,7 @@ TEST_CASE("a blend by exp3 draws by the documented rule, step by step", "[combin
   const auto problem = test::cup_problem();
   const BlendSettings settings = {.floor = 0.3, .rule = "exp3"};
   const auto strategy = blend({guide("uniform"), guide("goal_bias", {{"share", 0.9}})}, settings) >>
-                        rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"connect_goal", false}});
+                        unbounded({{"uniform", 0.0}, {"goal_bias", 0.0}, {"connect_goal", false}});
   const auto first = execute(strategy, problem, 3);
   const auto& search = first.levels[0].search;
   double w[2] = {1.0, 1.0};
@@ -241,8 +249,9 @@ TEST_CASE("credit by efficiency moves the weights to the part that is dense wher
     double guided = 0.0;
     double all = 0.0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const auto run = execute(blend({guide("identity"), guide("uniform")}, {.floor = 0.1, .credit = credit}) >>
-                                   rrt({{"step", 0.1}, {"uniform", 0.0}, {"goal_bias", 0.0}}),
+      const auto run = execute(blend({guide("identity", {{"follow", std::string("tube")}}), guide("uniform")},
+                                     {.floor = 0.1, .credit = credit}) >>
+                                   unbounded({{"step", 0.1}, {"uniform", 0.0}, {"goal_bias", 0.0}}),
                                problem, seed);
       for (const auto source : run.levels[0].search.proposal_sources) {
         guided += source == 3 ? 1.0 : 0.0;
@@ -259,7 +268,7 @@ TEST_CASE("a part without a density in closed form is credited with what it drew
   // bridge_test has none.
   const auto problem = walled();
   const auto run = execute(blend({guide("bridge_test"), guide("uniform")}, {.credit = "efficiency"}) >>
-                               rrt({{"proposals", std::int64_t{1500}}}),
+                               unbounded({{"proposals", std::int64_t{1500}}}),
                            problem, 1);
   CHECK(order(run.levels[0]).size() > 2);
   CHECK_FALSE(static_cast<bool>(run.levels[0].proposal_density));
@@ -306,7 +315,7 @@ TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][
   CHECK(halves == 2);
   // Its budget holds for all of it.
   const auto spent =
-      execute(shrink(0.5) >> split(rrt({{"proposals", std::int64_t{500}}}), {.effort = 100}), walled(), 1);
+      execute(shrink(0.5) >> split(unbounded({{"proposals", std::int64_t{500}}}), {.effort = 100}), walled(), 1);
   CHECK(spent.status == Status::budget_spent);
   CHECK(spent.levels[0].search.proposals.size() == 500);
 }

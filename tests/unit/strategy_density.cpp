@@ -56,7 +56,7 @@ std::vector<StrategySpec> strategies() {
       sequence({skeleton >> with_planner("shrink", "prm"), lazy >> with_planner("shrink", "lazy_prm")}, 25) >>
           planner("rrt"),
       schedule({shrink, skeleton, bias}, {.turn = 40}) >> planner("rrt"),
-      schedule({guide("shrink", {{"scale", 0.2}, {"patience", std::int64_t{30}}}), lazy}) >> planner("rrt"),
+      schedule({guide("shrink", {{"scale", 0.2}, {"evidence", std::int64_t{30}}}), lazy}) >> planner("rrt"),
       race({lazy, 0.5 * shrink + 0.5 * skeleton}, {.slice = 20}) >> planner("rrt_connect"),
       blend({shrink, skeleton, bias}, {.credit = "efficiency"}) >> planner("rrt"),
       blend({shrink, lazy}, {.credit = "reach", .rule = "exp3"}) >> planner("rrt"),
@@ -289,12 +289,13 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
 }
 
 TEST_CASE("a part of h without closed form leaves the level without a density", "[executor][density]") {
-  const auto strategy = (0.9 * guide("shrink") + 0.1 * guide("gaussian")) >> planner("rrt");
+  const auto strategy = (0.9 * guide("shrink") + 0.1 * guide("gaussian")) >>
+                        PlannerSpec::make("rrt", {{"bound", 0.0}, {"proposals", std::int64_t{1200}}});
   const auto run = execute(strategy, walled(), 1);
   CHECK_FALSE(run.levels[0].proposal_density);
   CHECK_FALSE(run.levels[0].root_proposal_density);
   CHECK(std::isnan(run.levels[0].proposal_atoms));
-  CHECK(run.levels[0].search.density.unknown() == Approx(0.95 * 0.9 * 0.1).epsilon(1e-9));
+  CHECK(run.levels[0].search.density.unknown() == Approx(0.95 * 0.95 * 0.1).epsilon(1e-9));
   CHECK(run.levels[1].proposal_density);
 }
 

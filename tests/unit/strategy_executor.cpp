@@ -103,8 +103,9 @@ TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
   }
   CHECK(run.levels[0].solves == 1);
   CHECK(run.levels[3].space.dimension() == 2);
-  // Presuming costs nothing.
-  CHECK(run.levels[1].search.checks.validity == 0);
+  // Presuming costs nothing: what is checked there validates the path that guides it, at a few points.
+  CHECK(run.levels[1].search.checks.motion == 0);
+  CHECK(run.levels[1].search.checks.validity < run.levels[0].search.checks.validity / 4);
 }
 
 TEST_CASE("a guide's way of lifting is part of the run, the same twice", "[executor]") {
@@ -137,12 +138,17 @@ TEST_CASE("levels take turns, which account for all that they did", "[executor]"
       CHECK((turn.solve_ended || turn.proposals + turn.nodes > last[at].proposals + last[at].nodes));
       CHECK((turn.path.empty() || turn.solve_ended));
       solves[at] += turn.solve_ended ? 1 : 0;
-      // Nobody draws from a guide that was not solved.
+      // Nothing is drawn from guides none of which was solved.
       const auto parent = run.levels[at].parent;
       if (parent >= 0 && turn.solve_ended) asked[at] = true;
+      const auto& sources = run.levels[at].search.proposal_sources;
+      bool guided = false;
+      for (std::size_t k = last[at].proposals; k < turn.proposals; ++k) guided = guided || sources[k] >= 3;
+      bool any = false;
       for (std::size_t i = 0; i < run.levels.size(); ++i) {
-        if (run.levels[i].parent == turn.level) CHECK(asked[i]);
+        if (run.levels[i].parent == turn.level && asked[i]) any = true;
       }
+      if (guided) CHECK(any);
       last[at] = turn;
     }
     REQUIRE(!run.turns.empty());
@@ -190,7 +196,7 @@ TEST_CASE("shares of a mixture and of uniform proposals are what the spec says",
   const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                           {1, 5, 0}, {9, 5, 0});
   const auto strategy = (0.7 * guide("uniform") + 0.3 * guide("gaussian")) >>
-                        rrt({{"uniform", 0.2}, {"goal_bias", 0.1}, {"proposals", std::int64_t{20000}}});
+                        rrt({{"uniform", 0.2}, {"goal_bias", 0.1}, {"bound", 0.0}, {"proposals", std::int64_t{20000}}});
   const auto run = execute(strategy, problem, 1);
   const auto& search = run.levels[0].search;
   std::vector<double> share(search.sources.size(), 0.0);
@@ -212,7 +218,7 @@ TEST_CASE("the weights of a blend follow what its parts' proposals achieved", "[
   const auto shares = [&](const BlendSettings& settings) {
     const auto run =
         execute(blend({guide("uniform"), guide("goal_bias", {{"share", 1.0}}), guide("uniform")}, settings) >>
-                    rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"proposals", std::int64_t{6000}}}),
+                    rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"bound", 0.0}, {"proposals", std::int64_t{6000}}}),
                 problem, 1);
     std::vector<double> share(run.levels[0].search.sources.size(), 0.0);
     for (const auto source : run.levels[0].search.proposal_sources) share[source] += 1.0 / 6000.0;
@@ -235,7 +241,7 @@ TEST_CASE("a blend draws by the documented rule, step by step", "[executor][blen
   const auto problem = test::cup_problem();
   const BlendSettings settings = {.floor = 0.25, .decay = 0.9, .credit = "node"};
   const auto strategy = blend({guide("uniform"), guide("goal_bias", {{"share", 0.9}})}, settings) >>
-                        rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"connect_goal", false}});
+                        rrt({{"uniform", 0.0}, {"goal_bias", 0.0}, {"bound", 0.0}, {"connect_goal", false}});
   const auto first = execute(strategy, problem, 3);
   const auto& search = first.levels[0].search;
   // Brute force: the atoms of h at every step are those of the goal bias by the share that the fates so far give it.
@@ -267,9 +273,9 @@ TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {
   const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                           {1, 5, 0}, {9, 5, 0});
-  const auto run = execute(
-      sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >> rrt({{"proposals", std::int64_t{400}}}),
-      problem, 1);
+  const auto run = execute(sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >>
+                               rrt({{"bound", 0.0}, {"proposals", std::int64_t{400}}}),
+                           problem, 1);
   const auto& search = run.levels[0].search;
   std::string order;
   for (const auto source : search.proposal_sources) {

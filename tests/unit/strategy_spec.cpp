@@ -101,7 +101,7 @@ TEST_CASE("options are validated with the nearest right name", "[spec][errors]")
   CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::string("long")}}),
                     Contains("a number") && Contains("\"long\""));
   CHECK_THROWS_WITH(GuideSpec::make("shrink", {{"scale", 1.5}}), Contains("in (0, 1]") && Contains("1.5"));
-  CHECK_THROWS_WITH(GuideSpec::make("lazy", {{"patience", 2.5}}), Contains("an integer"));
+  CHECK_THROWS_WITH(GuideSpec::make("lazy", {{"evidence", 2.5}}), Contains("an integer"));
 }
 
 TEST_CASE("a spec prints as it is written, as a tree, and as JSON with a stable hash", "[spec]") {
@@ -109,7 +109,7 @@ TEST_CASE("a spec prints as it is written, as a tree, and as JSON with a stable 
   CHECK(nested.text() == "skeleton() >> shrink(0.5) >> lazy() >> rrt()");
   CHECK(nested.tree() ==
         "rrt()\n"
-        "└─ lazy()  searched by lazy_prm()\n"
+        "└─ lazy()  searched by rrt { goal_bias = 0, uniform = 0 }\n"
         "   └─ shrink(0.5)  searched by rrt()\n"
         "      └─ skeleton()  searched by graph_search()\n");
   CHECK((guide("skeleton") >> guide("shrink")).tree() ==

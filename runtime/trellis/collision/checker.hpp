@@ -51,6 +51,13 @@ class Checker {
   /// The distance from the robot at q to the nearest obstacle or, from inside, to the boundary, and between bodies that
   /// are to be kept apart; 0 in collision.
   [[nodiscard]] virtual double clearance(View q) const = 0;
+  /// A lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
+  /// configuration nearer than that is invalid too. 0 where q is valid or nothing is known; at most the diameter of the
+  /// space. Decides no validity: a caller asks for it at a configuration found invalid.
+  [[nodiscard]] virtual double invalid_radius(View q) const {
+    static_cast<void>(q);
+    return 0.0;
+  }
   /// What the robot at q touches, the first in order of bodies and obstacles, then of pairs of bodies; none when q is
   /// valid.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;

@@ -63,6 +63,34 @@ double distance(const Polygon& a, const Polygon& b) {
   return std::sqrt(best);
 }
 
+double penetration_depth(const Disc& a, const Disc& b) { return a.radius + b.radius - norm(a.centre - b.centre); }
+
+// How far the centre is from the outline of the polygon, which the disc's radius is added to inside of it.
+double penetration_depth(const Disc& a, const Polygon& b) {
+  const double outline = std::sqrt(squared_distance_to_edges(b, a.centre));
+  return a.radius + (contains(b, a.centre) ? outline : -outline);
+}
+
+double penetration_depth(const Polygon& a, const Disc& b) { return penetration_depth(b, a); }
+
+// The least overlap along the normals of a's edges.
+double overlap_along_normals(const Polygon& a, const Polygon& b) {
+  double least = std::numeric_limits<double>::infinity();
+  each_edge(a, [&](Vec2 from, Vec2 to) {
+    const Vec2 along = to - from;
+    const Vec2 normal = 1.0 / norm(along) * Vec2{along.y, -along.x};
+    double deepest = 0.0;
+    for (const Vec2 p : b.vertices) deepest = std::max(deepest, dot(normal, from - p));
+    least = std::min(least, deepest);
+  });
+  return least;
+}
+
+// The normals of the edges of the two are those of the edges of their Minkowski difference.
+double penetration_depth(const Polygon& a, const Polygon& b) {
+  return std::min(overlap_along_normals(a, b), overlap_along_normals(b, a));
+}
+
 }  // namespace
 
 void move_shape(const ConvexShape& shape, const Pose2& pose, ConvexShape& out) {
@@ -79,6 +107,10 @@ void move_shape(const ConvexShape& shape, const Pose2& pose, ConvexShape& out) {
 
 double distance(const ConvexShape& a, const ConvexShape& b) {
   return std::visit([](const auto& s, const auto& t) { return distance(s, t); }, a, b);
+}
+
+double penetration_depth(const ConvexShape& a, const ConvexShape& b) {
+  return std::max(0.0, std::visit([](const auto& s, const auto& t) { return penetration_depth(s, t); }, a, b));
 }
 
 double box_distance(const Box2& a, const Box2& b) {

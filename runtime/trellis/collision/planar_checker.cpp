@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
@@ -125,6 +126,14 @@ class PlanarChecker final : public Checker {
     const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
     rigid_ = bodies.size() == 1 && !jumps;
     sweepable_ = !jumps;
+    continuous_ = sweepable_;
+    for (const Body& body : bodies) {
+      if (body.angle_axis < 0) continue;
+      const Axis& axis = space_.axes()[static_cast<std::size_t>(body.angle_axis)];
+      if (!axis.periodic) continue;
+      const double turns = axis.period() / (2.0 * std::numbers::pi);
+      if (turns < 0.5 || std::abs(turns - std::round(turns)) > 1e-9) continuous_ = false;
+    }
     set_reach();
     for (double& share : end_.v) share = 1.0;
   }
@@ -196,6 +205,44 @@ class PlanarChecker final : public Checker {
     return std::max(best, 0.0);
   }
 
+  /// The greatest over what overlaps. Of two convex shapes that overlap by a depth p, supports in every direction do,
+  /// so no separating direction comes about before points of the robot have moved by p.
+  [[nodiscard]] double invalid_radius(View q) const override {
+    if (!continuous_ || !is_finite(robot_, q) || valid(q)) return 0.0;
+    robot_.place(q, frames_);
+    const auto& world = scene_->world;
+    double best = 0.0;
+    for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
+      for (const auto& part : robot_.bodies()[i].parts) {
+        move_shape(part, frames_[i], moved_);
+        const double depth = depth_in_world(moved_);
+        if (depth <= 0.0) continue;
+        set_rates(i, -1, moved_);
+        best = std::max(best, radius_of(depth, robot_.translates()));
+      }
+    }
+    // The disc about the reference point inside the robot stays where it is however the robot turns.
+    if (robot_.translates() && robot_.inscribed_radius() > 0.0) {
+      rates_.assign(space_.dimension(), 0.0);
+      best = std::max(best, radius_of(depth_in_world(Disc{{q[0], q[1]}, robot_.inscribed_radius()}), true));
+    }
+    for (const auto& [first, second] : robot_.pairs()) {
+      for (const auto& part : robot_.bodies()[first].parts) {
+        move_shape(part, frames_[first], moved_);
+        for (const auto& other : robot_.bodies()[second].parts) {
+          move_shape(other, frames_[second], other_);
+          const double depth = penetration_depth(moved_, other_);
+          if (depth <= 0.0) continue;
+          const int ancestor = common_ancestor(first, second);
+          set_rates(first, ancestor, moved_);
+          add_rates(second, ancestor, other_);
+          best = std::max(best, radius_of(depth, false));
+        }
+      }
+    }
+    return best;
+  }
+
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
     pose_at(q);
     for (std::size_t first = 0; first < pieces_.size();) {
@@ -229,6 +276,78 @@ class PlanarChecker final : public Checker {
     std::size_t first;
     std::size_t second;
   };
+
+  /// How deep a shape is in an obstacle, or how far it sticks out of the boundary; the greatest of these.
+  [[nodiscard]] double depth_in_world(const ConvexShape& shape) const {
+    const Box2 box = bounding_box(shape);
+    double depth = -margin_inside(box, scene_->world.bounds());
+    const unsigned count = index_.query({box.lo.x, box.hi.x, box.lo.y, box.hi.y}, candidates_.data());
+    for (unsigned k = 0; k < count; ++k) {
+      depth = std::max(depth, penetration_depth(shape, scene_->world.parts()[candidates_[k]].shape));
+    }
+    return depth;
+  }
+
+  /// The radius of the metric's ball in which no point of the robot moves by `depth`, where it moves by at most
+  /// `rates_` of each axis's change, and with the reference point where `translates`: by Cauchy and Schwarz.
+  [[nodiscard]] double radius_of(double depth, bool translates) const {
+    const auto& axes = space_.axes();
+    double squares = 0.0;
+    if (translates) {
+      const double weight = std::min(axes[0].weight, axes[1].weight);
+      squares += 1.0 / (weight * weight);
+    }
+    for (std::size_t j = 0; j < axes.size(); ++j) squares += rates_[j] * rates_[j] / (axes[j].weight * axes[j].weight);
+    const double moved = std::max(0.0, depth - 2.0 * slack_);
+    const double farthest = space_.diameter();
+    return moved < farthest * std::sqrt(squares) ? moved / std::sqrt(squares) : (moved > 0.0 ? farthest : 0.0);
+  }
+
+  /// Sets by how many metres the points of a shape on a body move, at most, per radian of each axis. \param ancestor
+  /// an ancestor of the body that counts as fixed; -1: the world
+  void set_rates(std::size_t body, int ancestor, const ConvexShape& shape) const {
+    rates_.assign(space_.dimension(), 0.0);
+    add_rates(body, ancestor, shape);
+  }
+
+  /// A joint turns all that it carries as one rigid body. Turned from the base outwards, the joints leave the distances
+  /// that later ones turn at as they are at q, whatever the angles become.
+  void add_rates(std::size_t body, int ancestor, const ConvexShape& shape) const {
+    std::optional<Vec2> carried;  // the origin that is all an earlier joint moves, beyond a body with an absolute angle
+    for (int at = static_cast<int>(body); at != ancestor && at >= 0;) {
+      const Body& turned = robot_.bodies()[static_cast<std::size_t>(at)];
+      const Vec2 origin{frames_[static_cast<std::size_t>(at)].x, frames_[static_cast<std::size_t>(at)].y};
+      if (turned.angle_axis >= 0) {
+        const double farthest = carried ? norm(*carried - origin) : farthest_point(shape, origin);
+        rates_[static_cast<std::size_t>(turned.angle_axis)] += farthest;
+        if (turned.absolute) carried = origin;
+      }
+      at = turned.parent;
+    }
+  }
+
+  /// How far the points of a shape that matter lie from a centre that turns it: of a disc, which it leaves a disc, its
+  /// own centre.
+  static double farthest_point(const ConvexShape& shape, Vec2 centre) {
+    if (const auto* disc = std::get_if<Disc>(&shape)) return norm(disc->centre - centre);
+    double farthest = 0.0;
+    for (const Vec2 v : std::get<Polygon>(shape).vertices) farthest = std::max(farthest, norm(v - centre));
+    return farthest;
+  }
+
+  /// The last body that carries both and whose turns leave them as they are to each other; -1: there is none.
+  [[nodiscard]] int common_ancestor(std::size_t first, std::size_t second) const {
+    const auto& bodies = robot_.bodies();
+    int a = static_cast<int>(first), b = static_cast<int>(second);
+    while (a != b) {
+      int& later = a > b ? a : b;
+      // An absolute angle is not carried along.
+      if (bodies[static_cast<std::size_t>(later)].absolute) return -1;
+      later = bodies[static_cast<std::size_t>(later)].parent;
+      if (later < 0) return -1;
+    }
+    return a;
+  }
 
   void add_pairs(std::size_t first, std::size_t second) {
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
@@ -388,9 +507,10 @@ class PlanarChecker final : public Checker {
   Pieces pieces_;  ///< of the robot, body by body
   std::vector<std::size_t> body_of_;
   std::vector<Pair> pairs_;
-  Box reach_{};             ///< holds the robot about its reference point, however it is turned
-  bool rigid_ = false;      ///< one body on a line
-  bool sweepable_ = false;  ///< the reference point stays in the box around a motion's ends
+  Box reach_{};              ///< holds the robot about its reference point, however it is turned
+  bool rigid_ = false;       ///< one body on a line
+  bool sweepable_ = false;   ///< the reference point stays in the box around a motion's ends
+  bool continuous_ = false;  ///< a periodic axis takes the robot to where it was
   kernel::Lanes end_{};
 
   // Scratch.
@@ -405,8 +525,9 @@ class PlanarChecker final : public Checker {
   mutable Configuration way_;
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
-  mutable std::vector<Box> hulls_;  ///< of the pieces, where there are pairs
-  mutable kernel::Poses seen_{};    ///< a body from another
+  mutable std::vector<Box> hulls_;     ///< of the pieces, where there are pairs
+  mutable kernel::Poses seen_{};       ///< a body from another
+  mutable std::vector<double> rates_;  ///< metres that points move per radian of each axis
 };
 
 }  // namespace

@@ -8,11 +8,13 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <numeric>
 #include <set>
 #include <thread>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
+#include <trellis/base/random.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/strategy/ablation.hpp>
@@ -66,6 +68,24 @@ struct Cell {
         strategy(experiment.strategies[index / experiment.seeds.size() % experiment.strategies.size()]),
         seed(experiment.seeds[index % experiment.seeds.size()]) {}
 };
+
+/// The cells in the order in which they run: by problem, then by seed, the strategies of each seed shuffled.
+std::vector<std::size_t> order_of_cells(const Experiment& experiment) {
+  const std::size_t strategies = experiment.strategies.size();
+  const std::size_t seeds = experiment.seeds.size();
+  std::vector<std::size_t> order;
+  order.reserve(experiment.problems.size() * strategies * seeds);
+  std::vector<std::size_t> shuffled(strategies);
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    for (std::size_t s = 0; s < seeds; ++s) {
+      std::iota(shuffled.begin(), shuffled.end(), std::size_t{0});
+      Stream stream(experiment.seeds[s], experiment.problems[p].name, "order of strategies");
+      for (std::size_t i = strategies; i > 1; --i) std::swap(shuffled[i - 1], shuffled[stream.below(i)]);
+      for (const std::size_t k : shuffled) order.push_back((p * strategies + k) * seeds + s);
+    }
+  }
+  return order;
+}
 
 }  // namespace
 
@@ -180,7 +200,9 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   };
 
   const auto begin = std::chrono::steady_clock::now();
-  in_parallel(cells, options.jobs, [&](std::size_t index) {
+  const std::vector<std::size_t> order = order_of_cells(experiment);
+  in_parallel(cells, options.jobs, [&](std::size_t turn) {
+    const std::size_t index = order[turn];
     try {
       if (interrupted()) throw Interrupted();
       // Each cell has its own place: nothing is shared, and the order does not depend on who is quicker.

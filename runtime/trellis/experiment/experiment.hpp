@@ -91,6 +91,13 @@ struct Publication {
   std::vector<Claim> claims;
 };
 
+/// Problems that reports of costs list together.
+struct ProblemGroup {
+  std::string name;
+  std::vector<std::string> problems;  ///< names
+  bool tuned = false;                 ///< the strategies were tuned on these; else they are held out
+};
+
 /// Problems x strategies x seeds, and how to score them.
 struct Experiment {
   std::vector<Problem> problems;                                 ///< names are unique
@@ -101,6 +108,7 @@ struct Experiment {
   std::string baseline;                        ///< the strategy that the others are compared with; "": the first
   std::vector<AblationLink> ablations;         ///< of the strategies, those made by ablate()
   std::optional<Publication> published;        ///< what to set the results beside
+  std::vector<ProblemGroup> groups;            ///< of some of the problems; no problem is in two
 };
 
 /// Adds, after the strategies, those of `names` with each guide taken out in turn; each is compared with the whole one.
@@ -136,6 +144,7 @@ struct RunResult {
   std::string strategy;
   std::uint64_t seed = 0;
   RunRecord run;                    ///< its `levels` have moved into the ones below
+  double cpu_seconds = 0.0;         ///< CPU time of the thread that planned: set-up included, scoring excluded
   std::vector<LevelResult> levels;  ///< the validity closures are released once the run is scored
   /// Points of the target that the root was scored on, spread as it is; none without a path, or where the target does
   /// not lie in the root's space.
@@ -173,8 +182,10 @@ std::size_t steps(const Experiment& experiment);
 /// checked where specs are made.)
 void check(const Experiment& experiment);
 
-/// Checks, runs every cell, then scores them; scoring changes no run and is not in the run's time. The result does not
-/// depend on the number of threads, times apart. An exception in a cell stops the others and is rethrown here.
+/// Checks, runs every cell, then scores them; scoring changes no run and is not in the run's time. Cells run problem by
+/// problem and seed by seed, the strategies of a seed in a random order, so that a machine that slows down affects all
+/// strategies alike. The result does not depend on this order or on the number of threads, times apart. An exception in
+/// a cell stops the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

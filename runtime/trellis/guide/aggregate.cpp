@@ -57,6 +57,10 @@ class Aggregate final : public PathGuide {
     return instance;
   }
 
+  void attach(Instance& sub) override {
+    PathGuide::attach(sub);
+    sub_ = &sub;
+  }
   [[nodiscard]] double effort() const override { return static_cast<double>(settings_.effort); }
 
   /// Where S has no path its hulls become finer.
@@ -65,6 +69,10 @@ class Aggregate final : public PathGuide {
     return settings_.effort;
   }
 
+ protected:
+  /// A path among hulls is valid among the obstacles.
+  [[nodiscard]] bool relaxes() const override { return false; }
+
  private:
   /// To the half of the error, at the end to none; whether it was not none before.
   bool refine() {
@@ -72,11 +80,13 @@ class Aggregate final : public PathGuide {
     error_ = left_ > 0 ? 0.5 * error_ : 0.0;
     --left_;
     validity_->set(aggregated(world_, error_));
+    if (sub_ != nullptr) sub_->scene = validity_->scene();
     return true;
   }
 
   AggregateSettings settings_;
   World world_;  ///< of the parent
+  Instance* sub_ = nullptr;
   double error_ = 0.0;
   std::int64_t left_;  ///< refinements
   std::shared_ptr<ChangingWorld> validity_;

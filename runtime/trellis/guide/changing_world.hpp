@@ -28,6 +28,7 @@ class ChangingWorld final : public Validity {
   [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
   /// What the robot touches in this world.
   [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }
+  [[nodiscard]] double invalid_radius(View q) override { return validity_->invalid_radius(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
 
  private:

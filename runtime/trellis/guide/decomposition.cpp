@@ -2,8 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -21,16 +26,19 @@ struct DecompositionSettings {
   double size = 0.0;
   double explore = 0.2;
   std::int64_t ahead = 2;
-  std::int64_t patience = 50;
-  std::int64_t resolves = 1000;
+  double random_leads = 0.05;
+  std::int64_t expansions = 100;
+  double abandon = 0.05;
+  std::int64_t resolves = 10000;
 };
 
 const Settings<DecompositionSettings>& decomposition_settings() {
   static const Settings<DecompositionSettings> settings =
       Settings<DecompositionSettings>(
           Component::Kind::guide, "decomposition",
-          "a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in it "
-          "and weighed anew by how well they were covered",
+          "a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in "
+          "it, "
+          "with costs by how well the tree covers the triangles; the nodes of a lead's triangles are expanded",
           "Plaku, Kavraki and Vardi 2010, Motion planning with dynamics by a synergistic combination of layers of "
           "planning")
           .number("size", &DecompositionSettings::size, "m", Range::non_negative(),
@@ -39,9 +47,14 @@ const Settings<DecompositionSettings>& decomposition_settings() {
           .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
                   "share that is spread evenly over all triangles; the rest keeps to the lead")
           .integer("ahead", &DecompositionSettings::ahead, "triangles", Range::at_least(1),
-                   "how far along the lead beyond what the planner has reached proposals are drawn")
-          .integer("patience", &DecompositionSettings::patience, "proposals", Range::at_least(1),
-                   "proposals on the lead without reaching a triangle farther along it before another lead is searched")
+                   "how many triangles of the lead, beyond the one whose node is expanded, proposals are drawn from")
+          .number("random_leads", &DecompositionSettings::random_leads, "share of leads", Range::share(),
+                  "share of leads that are found by a random depth-first search; the rest are shortest paths")
+          .integer("expansions", &DecompositionSettings::expansions, "proposals", Range::at_least(1),
+                   "proposals on one lead before another one is searched")
+          .number("abandon", &DecompositionSettings::abandon, "probability", Range::share(),
+                  "with which a lead is abandoned after a proposal on it that improved neither the coverage of a "
+                  "triangle nor that of a connection between two")
           .integer("resolves", &DecompositionSettings::resolves, "re-solves", Range::non_negative(),
                    "how often another lead may be searched");
   return settings;
@@ -105,105 +118,317 @@ class TriangleDensity final : public Density {
   std::vector<Mass> masses_;
 };
 
-/// What became of the proposals of each triangle, over all leads.
-struct Coverage {
-  std::vector<double> drawn;  ///< proposals on a lead
-  std::vector<double> nodes;  ///< of the planner
-
-  /// How many proposals a node costs here; 1 before anything is known.
-  [[nodiscard]] double difficulty(std::uint32_t triangle) const {
-    return (1.0 + drawn[triangle]) / (1.0 + nodes[triangle]);
+/// The densities that h of every lead is a mixture of, each made once.
+class TriangleDensities {
+ public:
+  explicit TriangleDensities(std::shared_ptr<const Decomposition> decomposition)
+      : decomposition_(std::move(decomposition)), alone_(decomposition_->triangulation.triangles().size()) {
+    const auto& triangles = decomposition_->triangulation.triangles();
+    std::vector<TriangleDensity::Mass> masses;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      masses.emplace_back(t, triangles[t].area / decomposition_->triangulation.area());
+    }
+    everywhere_ = std::make_shared<TriangleDensity>(decomposition_, std::move(masses));
   }
+
+  /// Uniform over all triangles.
+  [[nodiscard]] const std::shared_ptr<const Density>& everywhere() const { return everywhere_; }
+  /// Uniform in one.
+  [[nodiscard]] const std::shared_ptr<const Density>& in(std::uint32_t triangle) {
+    auto& density = alone_[triangle];
+    if (!density) {
+      density = std::make_shared<TriangleDensity>(decomposition_, std::vector<TriangleDensity::Mass>{{triangle, 1.0}});
+    }
+    return density;
+  }
+
+ private:
+  std::shared_ptr<const Decomposition> decomposition_;
+  std::shared_ptr<const Density> everywhere_;
+  std::vector<std::shared_ptr<const Density>> alone_;
 };
 
-/// h: along a lead, the triangles up to a few beyond the farthest that a node lies in, those with fewer nodes more.
+/// What the tree explored, over all leads: the estimates that SyCLoP keeps of regions, here triangles, and of the
+/// connections between neighbours.
+class Exploration {
+ public:
+  /// \param cell  side length in metres of the grid cells that coverage is counted in
+  Exploration(std::shared_ptr<const Decomposition> decomposition, double cell)
+      : decomposition_(std::move(decomposition)), cell_(cell) {
+    const auto& triangles = decomposition_->triangulation.triangles();
+    regions_.resize(triangles.size());
+    const double mean = decomposition_->triangulation.area() / static_cast<double>(triangles.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      regions_[t].volume = triangles[t].area / mean;
+      for (const auto& across : triangles[t].neighbours) {
+        if (!across || *across < t) continue;
+        const auto owner = static_cast<std::uint32_t>(triangles.size() + connections_.size());
+        connections_.emplace(key(t, *across), Connection{.owner = owner});
+      }
+    }
+  }
+
+  /// The node that a tree starts from.
+  void plant(View start) {
+    const auto region = decomposition_->find(start);
+    if (!region) return;
+    regions_[*region].nodes.push_back({0, 0.0});
+    regions_[*region].reached = true;
+    cover(*region, regions_[*region].covered, start);
+  }
+
+  /// Whether the outcome improved the coverage of a triangle or of a connection.
+  bool note(const Outcome& outcome) {
+    if (!outcome.blocked_at.empty()) {
+      if (const auto region = decomposition_->find(outcome.blocked_at)) regions_[*region].invalid += 1.0;
+    }
+    if (outcome.added.empty()) return false;
+    const auto region = decomposition_->find(outcome.added);
+    if (!region) return false;
+    Region& to = regions_[*region];
+    to.valid += 1.0;
+    if (!outcome.connected) return false;
+    to.reached = true;
+    // The rows of a tree that grows from the goal are not expanded along a lead from the start.
+    if (outcome.added_row != no_node && !outcome.from_goal) to.nodes.push_back({outcome.added_row, 0.0});
+    bool improved = cover(*region, to.covered, outcome.added);
+    if (!outcome.near.empty()) {
+      const auto from = decomposition_->find(outcome.near);
+      const auto found = from ? connections_.find(key(*from, *region)) : connections_.end();
+      if (from != region && found != connections_.end()) {
+        Connection& connection = found->second;
+        connection.crossed += 1.0;
+        improved = cover(connection.owner, connection.covered, outcome.added) || improved;
+      }
+    }
+    return improved;
+  }
+
+  /// Counts that a lead leads through these triangles.
+  void include(const std::vector<std::uint32_t>& lead) {
+    for (std::size_t i = 1; i < lead.size(); ++i) {
+      const auto found = connections_.find(key(lead[i - 1], lead[i]));
+      if (found != connections_.end() && found->second.crossed == 0.0) found->second.leads += 1.0;
+    }
+  }
+
+  [[nodiscard]] bool reached(std::uint32_t region) const { return regions_[region].reached; }
+
+  /// How likely a triangle of the lead is expanded: those with much free volume, little covered, seldom selected.
+  [[nodiscard]] double weight(std::uint32_t region) const {
+    const Region& r = regions_[region];
+    return fourth(free_volume(r)) / ((1.0 + r.covered) * (1.0 + r.selections * r.selections));
+  }
+
+  [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b) const {
+    const auto alpha = [&](const Region& r) { return 1.0 / ((1.0 + r.covered) * fourth(free_volume(r))); };
+    const Connection& c = connections_.at(key(a, b));
+    const double selections = c.crossed > 0.0 ? c.crossed : c.leads;
+    return (1.0 + selections * selections) / (1.0 + c.covered * c.covered) * alpha(regions_[a]) * alpha(regions_[b]);
+  }
+
+  /// A node of the triangle, as a place in it, those seldom selected more likely; none where no row is known.
+  [[nodiscard]] std::optional<std::size_t> pick_node(std::uint32_t region, Stream& stream) const {
+    const auto& nodes = regions_[region].nodes;
+    if (nodes.empty()) return std::nullopt;
+    constexpr int tries = 16;
+    std::size_t node = 0;
+    for (int i = 0; i < tries; ++i) {
+      node = stream.below(nodes.size());
+      if (stream.uniform() * (1.0 + nodes[node].selections) < 1.0) break;
+    }
+    return node;
+  }
+  [[nodiscard]] std::uint32_t row(std::uint32_t region, std::size_t node) const {
+    return regions_[region].nodes[node].row;
+  }
+  void select(std::uint32_t region, std::optional<std::size_t> node) {
+    regions_[region].selections += 1.0;
+    if (node) regions_[region].nodes[*node].selections += 1.0;
+  }
+  /// Forgets the rows of nodes, as those of another tree.
+  void forget_rows() {
+    for (Region& r : regions_) r.nodes.clear();
+  }
+
+ private:
+  struct Node {
+    std::uint32_t row;
+    double selections;
+  };
+  struct Region {
+    double volume = 1.0;  ///< of the mean triangle's
+    double valid = 0.0;   ///< configurations found valid
+    double invalid = 0.0;
+    double covered = 0.0;     ///< cells with a node
+    double selections = 0.0;  ///< how often one of its nodes was to be expanded
+    bool reached = false;     ///< a node lies in it
+    std::vector<Node> nodes;
+  };
+  struct Connection {
+    std::uint32_t owner = 0;  ///< of its cells
+    double crossed = 0.0;     ///< extensions from the one triangle to the other
+    double leads = 0.0;       ///< leads through it before it was crossed
+    double covered = 0.0;     ///< cells in which extensions across it ended
+  };
+
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    return (std::uint64_t{std::min(a, b)} << 32U) | std::max(a, b);
+  }
+  static double fourth(double x) { return x * x * x * x; }
+  [[nodiscard]] static double free_volume(const Region& r) {
+    return (1.0 + r.valid) / (1.0 + r.valid + r.invalid) * r.volume;
+  }
+
+  /// Counts the cell of q for `owner`; whether it is new to it.
+  bool cover(std::uint32_t owner, double& covered, View q) {
+    std::array<double, 2> s{};
+    decomposition_->projection.project(q, s);
+    const auto coordinate = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
+    if (!cells_.insert({owner, coordinate(s[0]), coordinate(s[1])}).second) return false;
+    covered += 1.0;
+    return true;
+  }
+
+  std::shared_ptr<const Decomposition> decomposition_;
+  double cell_;
+  std::vector<Region> regions_;
+  std::unordered_map<std::uint64_t, Connection> connections_;
+  std::set<std::tuple<std::uint32_t, std::int64_t, std::int64_t>>
+      cells_;  ///< with a node, of triangles and connections
+};
+
+/// h along a lead: a triangle that the tree has reached is selected, then one of its nodes, and the proposal is drawn
+/// from it or the next triangles of the lead.
 class LeadHeuristic final : public Heuristic {
  public:
+  /// \param stream  decides which of the triangles reached are expanded
   LeadHeuristic(std::shared_ptr<const Decomposition> decomposition, const DecompositionSettings& settings,
-                Coverage& coverage, std::vector<std::uint32_t> lead, Configurations lifted)
+                std::shared_ptr<Exploration> exploration, Instance& parent,
+                std::shared_ptr<TriangleDensities> densities, std::vector<std::uint32_t> lead, Configurations lifted,
+                Stream stream, std::uint64_t& luck)
       : decomposition_(std::move(decomposition)),
         settings_(settings),
-        coverage_(coverage),
+        exploration_(std::move(exploration)),
+        parent_(parent),
+        densities_(std::move(densities)),
         lead_(std::move(lead)),
         lifted_(std::move(lifted)),
+        next_luck_(luck),
+        parent_epoch_(parent.epoch()),
         position_(2) {
-    const auto& triangles = decomposition_->triangulation.triangles();
-    std::vector<TriangleDensity::Mass> everywhere;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      everywhere.emplace_back(t, triangles[t].area / decomposition_->triangulation.area());
+    // From the end of the lead: the farthest that the tree has reached, then each further one with this probability.
+    constexpr double keep_adding = 0.5;
+    available_.assign(lead_.size(), 0);
+    for (std::size_t i = lead_.size(); i-- > 0;) {
+      if (!exploration_->reached(lead_[i])) continue;
+      available_[i] = 1;
+      if (stream.uniform() >= keep_adding) break;
     }
-    everywhere_ = std::make_shared<TriangleDensity>(decomposition_, std::move(everywhere));
-    for (const std::uint32_t t : lead_) {
-      alone_.push_back(std::make_shared<TriangleDensity>(decomposition_, std::vector<TriangleDensity::Mass>{{t, 1.0}}));
-    }
-    advance();
+    if (std::count(available_.begin(), available_.end(), 1) == 0) available_[0] = 1;
+    weigh();
   }
 
   Source sample(Stream& stream, MutableView out) override {
     on_lead_ = stream.uniform() >= settings_.explore;
-    drawn_ = on_lead_ ? lead_[pick(stream)] : pick_anywhere(stream);
-    const Vec2 p = decomposition_->triangulation.sample(drawn_, stream);
+    node_.reset();
+    std::uint32_t drawn = 0;
+    if (on_lead_) {
+      region_ = pick_region(stream);
+      const std::size_t last = std::min(lead_.size() - 1, region_ + static_cast<std::size_t>(settings_.ahead));
+      drawn = lead_[region_ + stream.below(last - region_ + 1)];
+      node_ = exploration_->pick_node(lead_[region_], stream);
+      luck_ = stream.uniform();
+    } else {
+      drawn = pick_anywhere(stream);
+    }
+    next_luck_ = stream.below(std::uint64_t{1} << 32U);
+    const Vec2 p = decomposition_->triangulation.sample(drawn, stream);
     position_[0] = p.x;
     position_[1] = p.y;
     decomposition_->projection.lift(position_, stream, out);
     return 0;
   }
 
+  void select_tree(TreeSide side) override { side_ = side; }
+  [[nodiscard]] std::uint32_t vertex() const override {
+    return node_ && side_ == TreeSide::start ? exploration_->row(lead_[region_], *node_) : no_node;
+  }
+
   [[nodiscard]] double density(View q) const override {
     const auto triangle = decomposition_->find(q);
     if (!triangle) return 0.0;
-    double sum = settings_.explore * everywhere_->at(q);
-    const double total = total_weight();
-    for (std::size_t i = 0; i < available_; ++i) {
+    double sum = settings_.explore * densities_->everywhere()->at(q);
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
       if (lead_[i] != *triangle) continue;
-      sum += (1.0 - settings_.explore) * weight(i) / total * decomposition_->density(*triangle);
+      sum += (1.0 - settings_.explore) * masses_[i] * decomposition_->density(*triangle);
     }
     return sum;
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
-    record.add(everywhere_, share * settings_.explore);
-    const double total = total_weight();
-    for (std::size_t i = 0; i < available_; ++i) {
-      record.add(alone_[i], share * (1.0 - settings_.explore) * weight(i) / total);
+    record.add(densities_->everywhere(), share * settings_.explore);
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
+      record.add(densities_->in(lead_[i]), share * (1.0 - settings_.explore) * masses_[i]);
     }
   }
 
   void observe(const Outcome& outcome, bool mine) override {
-    if (mine && on_lead_) {
-      coverage_.drawn[drawn_] += 1.0;
-      ++idle_;
+    if (parent_.epoch() != parent_epoch_) {
+      // The planner grows another tree, or less of this one.
+      exploration_->forget_rows();
+      parent_epoch_ = parent_.epoch();
+      node_.reset();
     }
-    if (outcome.added.empty()) return;
-    if (const auto triangle = decomposition_->find(outcome.added)) {
-      coverage_.nodes[*triangle] += 1.0;
-      ++epoch_;
-      if (std::find(lead_.begin() + static_cast<std::ptrdiff_t>(reached_), lead_.end(), *triangle) != lead_.end()) {
-        advance();
+    const bool expanded = mine && on_lead_;
+    if (expanded) exploration_->select(lead_[region_], node_);
+    node_.reset();
+    const bool improved = exploration_->note(outcome);
+    if (!outcome.added.empty() && outcome.connected) {
+      if (const auto triangle = decomposition_->find(outcome.added)) {
+        const auto place = std::find(lead_.begin(), lead_.end(), *triangle);
+        if (place != lead_.end()) available_[static_cast<std::size_t>(place - lead_.begin())] = 1;
       }
     }
+    if (expanded) {
+      ++expansions_;
+      if (expansions_ >= settings_.expansions || (!improved && luck_ < settings_.abandon)) stale_ = true;
+    }
+    weigh();
   }
 
-  [[nodiscard]] bool stale() const override { return idle_ >= settings_.patience; }
+  [[nodiscard]] bool stale() const override { return stale_; }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"decomposition"}; }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
  private:
-  /// Triangles with fewer nodes draw more.
-  [[nodiscard]] double weight(std::size_t i) const { return 1.0 / (1.0 + coverage_.nodes[lead_[i]]); }
-  [[nodiscard]] double total_weight() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < available_; ++i) sum += weight(i);
-    return sum;
+  /// Of each triangle of the lead: how likely it is selected, and how likely a proposal on the lead lies in it.
+  void weigh() {
+    weights_.assign(lead_.size(), 0.0);
+    masses_.assign(lead_.size(), 0.0);
+    double total = 0.0;
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
+      if (available_[i] != 0) total += weights_[i] = exploration_->weight(lead_[i]);
+    }
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
+      if (available_[i] == 0) continue;
+      weights_[i] /= total;
+      const std::size_t last = std::min(lead_.size() - 1, i + static_cast<std::size_t>(settings_.ahead));
+      for (std::size_t k = i; k <= last; ++k) masses_[k] += weights_[i] / static_cast<double>(last - i + 1);
+    }
+    ++epoch_;
   }
 
-  std::size_t pick(Stream& stream) const {
-    double u = stream.uniform() * total_weight();
-    for (std::size_t i = 0; i + 1 < available_; ++i) {
-      u -= weight(i);
-      if (u < 0.0) return i;
+  std::size_t pick_region(Stream& stream) const {
+    double u = stream.uniform();
+    std::size_t picked = 0;
+    for (std::size_t i = 0; i < lead_.size(); ++i) {
+      if (available_[i] == 0) continue;
+      picked = i;
+      u -= weights_[i];
+      if (u < 0.0) break;
     }
-    return available_ - 1;
+    return picked;
   }
   std::uint32_t pick_anywhere(Stream& stream) const {
     const auto& triangles = decomposition_->triangulation.triangles();
@@ -215,31 +440,27 @@ class LeadHeuristic final : public Heuristic {
     return static_cast<std::uint32_t>(triangles.size() - 1);
   }
 
-  /// Makes available what lies up to `ahead` triangles beyond the farthest with a node.
-  void advance() {
-    std::size_t farthest = 0;
-    for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (coverage_.nodes[lead_[i]] > 0.0) farthest = i + 1;
-    }
-    if (farthest > reached_) idle_ = 0;
-    reached_ = farthest;
-    available_ = std::min(lead_.size(), std::max<std::size_t>(reached_, 1) + static_cast<std::size_t>(settings_.ahead));
-    ++epoch_;
-  }
-
   std::shared_ptr<const Decomposition> decomposition_;
   DecompositionSettings settings_;
-  Coverage& coverage_;
+  std::shared_ptr<Exploration> exploration_;
+  Instance& parent_;
+  std::shared_ptr<TriangleDensities> densities_;
   std::vector<std::uint32_t> lead_;
   Configurations lifted_;
-  std::shared_ptr<const Density> everywhere_;
-  std::vector<std::shared_ptr<const Density>> alone_;  ///< of each triangle of the lead
-  std::size_t reached_ = 0;                            ///< triangles of the lead up to the farthest with a node
-  std::size_t available_ = 0;                          ///< that draw
-  std::int64_t idle_ = 0;                              ///< own proposals on the lead since it went on
+  std::uint64_t& next_luck_;  ///< what the next lead's chances are drawn with
+  std::uint64_t parent_epoch_;
+  std::vector<char> available_;  ///< of each: its nodes may be expanded
+  std::vector<double> weights_;
+  std::vector<double> masses_;
+  std::int64_t expansions_ = 0;
   std::uint64_t epoch_ = 0;
-  std::uint32_t drawn_ = 0;
+  TreeSide side_ = TreeSide::start;
+  // Of the last proposal:
+  std::size_t region_ = 0;           ///< whose node is expanded, a place on the lead
+  std::optional<std::size_t> node_;  ///< of that triangle
+  double luck_ = 1.0;
   bool on_lead_ = false;
+  bool stale_ = false;
   Configuration position_;
 };
 
@@ -253,14 +474,17 @@ class DecompositionGuide final : public Guide {
     decomposition_ = std::make_shared<const Decomposition>(
         Decomposition{Triangulation(world, side_length(parent)), PositionProjection("decomposition", parent),
                       axes[parent.position_axes[0]].weight * axes[parent.position_axes[1]].weight});
-    const std::size_t count = decomposition_->triangulation.triangles().size();
-    if (count == 0) throw Error("decomposition: the world leaves no free space");
-    coverage_ = {std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+    const auto& triangles = decomposition_->triangulation.triangles();
+    if (triangles.empty()) throw Error("decomposition: the world leaves no free space");
+    constexpr double cells = 4.0;  // of the coverage grid, along a triangle's side
+    exploration_ = std::make_shared<Exploration>(decomposition_, side_length(parent) / cells);
+    exploration_->plant(parent.start);
+    densities_ = std::make_shared<TriangleDensities>(decomposition_);
 
     auto instance = decomposition_->projection.point_instance(parent);
     make_graph(*instance);
+    before_resolve();
     instance->graph = graph_;
-    if (const auto triangle = decomposition_->find(parent.start)) coverage_.nodes[*triangle] = 1.0;
     return instance;
   }
 
@@ -269,21 +493,34 @@ class DecompositionGuide final : public Guide {
   [[nodiscard]] double log_fibre_density(View) const override { return -decomposition_->projection.log_fibre_volume(); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+    Stream stream(luck_, "decomposition", "lead");
     std::vector<std::uint32_t> lead;
-    for (std::size_t i = 0; i < found->path.size(); ++i) {
-      const auto triangle = decomposition_->triangulation.find({found->path[i][0], found->path[i][1]});
-      if (triangle && std::find(lead.begin(), lead.end(), *triangle) == lead.end()) lead.push_back(*triangle);
+    // Before anything was drawn the first lead is a shortest path.
+    if (luck_ != 0 && stream.uniform() < settings_.random_leads) lead = random_lead(stream);
+    Configurations path(2);
+    if (!lead.empty()) {
+      path.push(graph_->vertices[graph_->start]);
+      for (const std::uint32_t t : lead) path.push(graph_->vertices[t]);
+      path.push(graph_->vertices[graph_->goal]);
+    } else {
+      path = found->path;
+      for (std::size_t i = 0; i < path.size(); ++i) {
+        const auto triangle = decomposition_->triangulation.find({path[i][0], path[i][1]});
+        if (triangle && std::find(lead.begin(), lead.end(), *triangle) == lead.end()) lead.push_back(*triangle);
+      }
     }
     if (lead.empty()) return std::make_unique<UniformHeuristic>("decomposition (found nothing)", parent.space);
-    return std::make_unique<LeadHeuristic>(decomposition_, settings_, coverage_, std::move(lead),
-                                           decomposition_->projection.lifted(found->path, parent.start, parent.goal));
+    exploration_->include(lead);
+    Configurations lifted = decomposition_->projection.lifted(path, parent.start, parent.goal);
+    return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, std::move(lead),
+                                           std::move(lifted), stream, luck_);
   }
 
-  /// The longer it takes to get nodes into triangles, the dearer are the ways through them.
   void before_resolve() override {
     for (std::size_t e = 0; e < graph_->edges.size(); ++e) {
       const auto& [a, b] = sides_[e];
-      graph_->edges[e].cost = lengths_[e] * 0.5 * (coverage_.difficulty(a) + coverage_.difficulty(b));
+      // Those of start and goal are on every lead.
+      if (a != b) graph_->edges[e].cost = exploration_->cost(a, b);
     }
   }
 
@@ -299,6 +536,7 @@ class DecompositionGuide final : public Guide {
   /// are joined to the triangles that they lie in.
   void make_graph(const Instance& instance) {
     graph_ = std::make_shared<Graph>();
+    sides_.clear();
     graph_->vertices = Configurations(2);
     const auto& triangles = decomposition_->triangulation.triangles();
     for (const auto& triangle : triangles)
@@ -319,6 +557,35 @@ class DecompositionGuide final : public Guide {
     graph_->goal = join(instance.goal, instance.space);
   }
 
+  /// The triangles of a random depth-first search from start to goal; empty where it finds none.
+  [[nodiscard]] std::vector<std::uint32_t> random_lead(Stream& stream) const {
+    const auto at = [&](std::uint32_t vertex) {
+      const View p = std::as_const(graph_->vertices)[vertex];
+      return decomposition_->triangulation.find({p[0], p[1]});
+    };
+    const auto start = at(graph_->start);
+    const auto goal = at(graph_->goal);
+    if (!start || !goal) return {};
+    const auto& triangles = decomposition_->triangulation.triangles();
+    std::vector<char> seen(triangles.size(), 0);
+    std::vector<std::uint32_t> lead = {*start};
+    seen[*start] = 1;
+    while (!lead.empty() && lead.back() != *goal) {
+      std::array<std::uint32_t, 3> next{};
+      std::size_t count = 0;
+      for (const auto& across : triangles[lead.back()].neighbours) {
+        if (across && seen[*across] == 0) next[count++] = *across;
+      }
+      if (count == 0) {
+        lead.pop_back();
+        continue;
+      }
+      lead.push_back(next[stream.below(count)]);
+      seen[lead.back()] = 1;
+    }
+    return lead;
+  }
+
   std::uint32_t join(const Configuration& position, const Space& space) {
     const std::uint32_t vertex = graph_->vertices.push(position);
     if (const auto triangle = decomposition_->triangulation.find({position[0], position[1]})) {
@@ -335,15 +602,15 @@ class DecompositionGuide final : public Guide {
     const double length = path_length(space, points);
     graph_->edges.push_back({from, to, length, std::move(points)});
     sides_.push_back(sides);
-    lengths_.push_back(length);
   }
 
   DecompositionSettings settings_;
   std::shared_ptr<const Decomposition> decomposition_;
   std::shared_ptr<Graph> graph_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;  ///< of each edge: the triangles that it joins
-  std::vector<double> lengths_;                                 ///< of each edge
-  Coverage coverage_;
+  std::shared_ptr<TriangleDensities> densities_;
+  std::shared_ptr<Exploration> exploration_;
+  std::uint64_t luck_ = 0;  ///< the last number drawn by h, which the chances of the next lead are drawn with
 };
 
 }  // namespace
@@ -357,12 +624,14 @@ GuideKind decomposition_kind() {
           [](const Options& o) { return decomposition_settings().read(o).resolves; },
           {.category = GuideClaims::Category::robot,
            .f = "q -> the position of the reference point, in a triangle of the free workspace",
-           .h = "a triangle of the lead, no more than `ahead` beyond what the tree has reached, those with fewer nodes "
-                "more often; uniform in it, all else uniform; any triangle with a share of `explore`",
+           .h = "a triangle of the lead that the tree has reached, by free volume, coverage and how often it was "
+                "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
+                "triangles, all else uniform; any triangle with a share of `explore`",
            .closed_form = true,
            .density = "of the mixture of triangles",
-           .feedback = "nodes and proposals are counted by triangle; `patience` proposals without progress, and the "
-                       "edges are weighed by proposals per node and another lead is searched",
+           .feedback = "nodes, invalid configurations and crossings are counted by triangle; a lead is abandoned after "
+                       "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
+                       "another one searched, its costs by what was counted",
            .relaxes = true,
            .invalid_ends = "an end whose position is in no triangle is joined to none, so S has no path",
            .fallback = GuideClaims::Fallback::own,

@@ -68,27 +68,41 @@ class Drop final : public PathGuide {
     if (outcome.blocked_at.empty() || dropped_.empty() || path_heuristic() == nullptr) return;
     const std::vector<std::size_t> legs = legs_beside(outcome.blocked_at);
     if (legs.empty()) return;
-    // The obstacles in the way, one after another. Each look is a check in C.
+    if (bring_back(outcome.blocked_at) && runs_into_what_is_back(legs)) path_heuristic()->refute();
+  }
+
+  void before_resolve() override {
+    if (const auto place = take_refuted()) bring_back(*place);
+    if (back_.empty()) return;
+    back_.clear();
+    validity_->set(world(*parent_, kept(*parent_)));
+    // What guides the search of S sees the obstacle too.
+    sub_->scene = validity_->scene();
+  }
+  void attach(Instance& sub) override {
+    PathGuide::attach(sub);
+    sub_ = &sub;
+  }
+
+ protected:
+  [[nodiscard]] bool excludes() const override { return false; }
+
+ private:
+  /// The dropped obstacles at q come back, one after another; whether there was one. Each look is a check in C.
+  bool bring_back(View q) {
     bool found = false;
     while (!dropped_.empty()) {
       ++parent_->checks.validity;
-      const auto hit = left_out_->contact(outcome.blocked_at);
+      const auto hit = left_out_->contact(q);
       if (!hit || !hit->obstacle) break;
       back_.push_back(dropped_[*hit->obstacle]);
       dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(*hit->obstacle));
       left_out_->set(world(*parent_, dropped_));
       found = true;
     }
-    if (found && runs_into_what_is_back(legs)) path_heuristic()->refute();
+    return found;
   }
 
-  void before_resolve() override {
-    if (back_.empty()) return;
-    back_.clear();
-    validity_->set(world(*parent_, kept(*parent_)));
-  }
-
- private:
   /// "left door" of "obstacle 3 (left door)": what it was called where the world was made.
   static std::string given_name(const Obstacle& obstacle) {
     const std::size_t open = obstacle.name.find(" (");
@@ -152,6 +166,7 @@ class Drop final : public PathGuide {
   std::vector<std::size_t> dropped_;  ///< obstacles of the parent's world that S is without, or soon will not be
   std::vector<std::size_t> back_;     ///< found in the way since S was solved last
   Instance* parent_ = nullptr;
+  Instance* sub_ = nullptr;
   Configurations path_;                      ///< found in S
   std::shared_ptr<ChangingWorld> validity_;  ///< of S
   std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among the dropped obstacles alone

@@ -8,6 +8,17 @@
 
 namespace trellis {
 
+namespace {
+
+Space positions_of(const Space& space, const std::vector<std::size_t>& axes) {
+  std::vector<Axis> chosen;
+  chosen.reserve(axes.size());
+  for (const std::size_t axis : axes) chosen.push_back(space.axes()[axis]);
+  return {"positions", std::move(chosen)};
+}
+
+}  // namespace
+
 ExcludedBalls::ExcludedBalls(Space space, double radius)
     : space_(std::move(space)), radius_(radius), index_(space_), centres_(space_.dimension()) {}
 
@@ -25,6 +36,11 @@ bool ExcludedBalls::contains(View q) const {
   return index_.size() > 0 && index_.nearest(q).squared_distance <= radius_ * radius_;
 }
 
+double ExcludedBalls::depth(View q) const {
+  if (index_.size() == 0) return 0.0;
+  return std::max(0.0, radius_ - std::sqrt(index_.nearest(q).squared_distance));
+}
+
 std::optional<double> ExcludedBalls::entered(View a, View b) {
   if (index_.size() == 0) return std::nullopt;
   const double length = space_.distance(a, b);
@@ -37,6 +53,17 @@ std::optional<double> ExcludedBalls::entered(View a, View b) {
   }
   return std::nullopt;
 }
+
+ExcludingValidity::ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
+                                     std::vector<std::size_t> position_axes, double place_radius)
+    : inner_(std::move(inner)),
+      space_(space),
+      balls_(space, radius),
+      position_axes_(std::move(position_axes)),
+      position_space_(position_axes_.empty() ? space : positions_of(space, position_axes_)),
+      places_(position_space_, place_radius),
+      excluded_places_(space.dimension()),
+      inner_epoch_(inner_->epoch()) {}
 
 void ExcludingValidity::exclude(const Configurations& path) {
   const double r = balls_.radius();
@@ -55,14 +82,59 @@ void ExcludingValidity::exclude(const Configurations& path) {
   ++epoch_;
 }
 
-void ExcludingValidity::include_all() {
+void ExcludingValidity::include_paths() {
   balls_.clear();
   ++epoch_;
 }
 
+bool ExcludingValidity::exclude_place(View q, const std::vector<Configuration>& keep) {
+  project(q, a_);
+  for (const auto& kept : keep) {
+    project(kept, b_);
+    if (position_space_.distance(a_, b_) <= places_.radius()) return false;
+  }
+  places_.add(a_);
+  excluded_places_.push(q);
+  ++epoch_;
+  return true;
+}
+
+void ExcludingValidity::exclude_places_of(const ExcludingValidity& other) {
+  for (std::size_t i = 0; i < other.excluded_places_.size(); ++i) exclude_place(other.excluded_places_[i], {});
+}
+
+void ExcludingValidity::project(View q, Configuration& position) const {
+  if (position_axes_.empty()) {
+    position.assign(q.begin(), q.end());
+    return;
+  }
+  position.resize(position_axes_.size());
+  for (std::size_t j = 0; j < position_axes_.size(); ++j) position[j] = q[position_axes_[j]];
+}
+
+bool ExcludingValidity::in_place(View q) {
+  if (excluded_places_.empty()) return false;
+  project(q, a_);
+  return places_.contains(a_);
+}
+
+std::optional<double> ExcludingValidity::entered(View a, View b) {
+  if (const auto t = balls_.entered(a, b)) return t;
+  if (excluded_places_.empty()) return std::nullopt;
+  project(a, a_);
+  project(b, b_);
+  return places_.entered(a_, b_);
+}
+
 MotionReport ExcludingValidity::motion(View a, View b) {
-  if (const auto t = balls_.entered(a, b)) return {false, 0, *t};
+  if (const auto t = entered(a, b)) return {false, 0, *t};
   return inner_->motion(a, b);
+}
+
+MotionReport ExcludingValidity::motion_still_valid(View a, View b) {
+  if (const auto t = entered(a, b)) return {false, 0, *t};
+  if (inner_->epoch() != inner_epoch_) return inner_->motion_still_valid(a, b);
+  return {true, 0, std::numeric_limits<double>::quiet_NaN()};
 }
 
 }  // namespace trellis

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,6 +23,8 @@ class ExcludedBalls {
   void add(View centre);
   void clear();
   [[nodiscard]] bool contains(View q) const;
+  /// How far q lies inside the ball whose centre is nearest to it; 0 outside of all balls.
+  [[nodiscard]] double depth(View q) const;
   /// Where on the motion from a to b, in [0, 1], it comes nearest to the first ball that it enters; none where it
   /// enters none.
   [[nodiscard]] std::optional<double> entered(View a, View b);
@@ -35,26 +38,51 @@ class ExcludedBalls {
   std::vector<NearestIndex::Neighbour> found_;
 };
 
-/// A validity without some balls for a while: what a search for a path distinct from others is kept out of.
+/// A validity without some balls: paths that a search for another one is kept out of for a while, and places that were
+/// refuted.
 class ExcludingValidity final : public Validity {
  public:
-  ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius)
-      : inner_(std::move(inner)), space_(space), balls_(space, radius) {}
+  /// \param radius          metres in the metric, of the balls about a path
+  /// \param position_axes   the axes of the reference point's position; none: places are configurations
+  /// \param place_radius    metres in the metric, of the balls about a place's position, or about the place
+  ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
+                    std::vector<std::size_t> position_axes = {}, double place_radius = 0.0);
 
   /// Excludes what is within the radius of the path, but for what is within twice the radius of its ends.
   void exclude(const Configurations& path);
-  void include_all();
+  /// Ends the exclusion of all paths.
+  void include_paths();
+  /// Excludes a place: every configuration whose position is near that of q, or without a position what is near q.
+  /// \return false, and nothing is excluded, where it would hold one of the configurations to keep
+  bool exclude_place(View q, const std::vector<Configuration>& keep);
+  /// Excludes the places that another one excludes.
+  void exclude_places_of(const ExcludingValidity& other);
 
-  [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && inner_->state(q); }
+  [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
+  /// Only what was excluded can have become invalid, unless the validity inside changes too.
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
+  [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
+  [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + inner_->epoch(); }
 
  private:
+  [[nodiscard]] bool in_place(View q);
+  [[nodiscard]] std::optional<double> entered(View a, View b);
+  void project(View q, Configuration& position) const;
+
   std::shared_ptr<Validity> inner_;
   Space space_;
   ExcludedBalls balls_;
+  std::vector<std::size_t> position_axes_;
+  Space position_space_;
+  ExcludedBalls places_;
+  Configurations excluded_places_;  ///< as they were given
+  Configuration a_;                 ///< scratch
+  Configuration b_;
+  std::uint64_t inner_epoch_;  ///< when this was made
   std::uint64_t epoch_ = 0;
 };
 

@@ -20,7 +20,11 @@ namespace trellis {
 namespace {
 
 struct ExperienceSettings : PathGuideSettings {
-  ExperienceSettings() { follow = "waypoints"; }
+  ExperienceSettings() {
+    follow = "waypoints";
+    evidence = 100;
+    resolves = 10;
+  }
   std::string db = "experience.db";
   std::int64_t candidates = 10;
   double join = 0.0;
@@ -160,8 +164,11 @@ class Experience final : public PathGuide {
     places_.emplace(parent.space);
     for (std::size_t v = 0; v < graph_->vertices.size(); ++v) places_->add(std::as_const(graph_->vertices)[v]);
     instance->graph = graph_;
-    sub_ = instance.get();
     return instance;
+  }
+  void attach(Instance& sub) override {
+    PathGuide::attach(sub);
+    sub_ = &sub;
   }
 
   /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
@@ -207,6 +214,9 @@ class Experience final : public PathGuide {
       }
     }
   }
+
+ protected:
+  [[nodiscard]] bool excludes() const override { return false; }
 
  private:
   enum class Seen : std::uint8_t { no, valid, invalid };
@@ -323,7 +333,7 @@ GuideKind experience_kind() {
       "times, "
       "and what is near those that are blocked; or a tube about the way";
   claims.feedback =
-      "a node near a point moves h on to the next; after `patience` proposals without progress the first place not "
+      "a node near a point moves h on to the next; after `evidence` blocked proposals at one place the first place not "
       "reached is made dearer and the graph is searched again";
   claims.fallback = GuideClaims::Fallback::own;
   claims.no_path = "nothing was stored of this space and robot: h is uniform";

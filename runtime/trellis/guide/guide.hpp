@@ -29,8 +29,11 @@ class Guide {
  public:
   virtual ~Guide() = default;
 
-  /// f of the whole instance: the instance in S. Called once per run. nullptr where S = {0}.
+  /// f of the whole instance: the instance in S. Called again where the parent's world changed; what was learnt since
+  /// stays. nullptr where S = {0}.
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
+  /// Where the instance that `project` made lives from now on.
+  virtual void attach(Instance& sub) { static_cast<void>(sub); }
   /// f of one configuration. Not called where S = {0}.
   virtual void project(View q, MutableView s) const = 0;
   /// A configuration of C drawn from the fibre of s (uniform on it): project(lift(s)) = s.
@@ -47,6 +50,8 @@ class Guide {
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
   /// How many proposals a search of S for its first path may spend, within its own budget.
   [[nodiscard]] virtual double effort() const { return Budget::unlimited; }
+  /// The same where S is searched again because h was refuted.
+  [[nodiscard]] virtual double effort_again() const { return effort(); }
   /// Asked after each solve of the instance in S whether another path is wanted before h is made: how many proposals
   /// may be spent on finding it; 0: none is wanted. S may have been changed so that it will be another. \param found
   /// the path just found; nullptr where there was none
@@ -56,6 +61,8 @@ class Guide {
   }
   /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
+  /// Called when the planner in C removed nodes: those that are left are learnt again.
+  virtual void restart() {}
   /// Called when h was stale, before the instance in S is solved again: the time to change it.
   virtual void before_resolve() {}
 };
@@ -71,6 +78,13 @@ struct GuideKind {
   GuideClaims claims = {};
   /// Its space comes with an explicit graph that a sampling planner may do without.
   bool graph_optional = false;
+  /// The planner of its own search, unless a script names another, where a guide guides that search; no name: the
+  /// default one.
+  struct Planned {
+    std::string name;
+    std::vector<Options::Entry> options;
+  };
+  Planned guided_planner = {};
 };
 
 /// All guides, in the order of the reference.

@@ -19,10 +19,7 @@ namespace trellis {
 namespace {
 
 struct HolonomicSettings : PathGuideSettings {
-  HolonomicSettings() {
-    patience = 500;
-    resolves = 3;
-  }
+  HolonomicSettings() { follow = "tube"; }
   std::string heading = "along";
   std::string speed = "forwards";
 };
@@ -59,11 +56,14 @@ class FibredHeuristic final : public Heuristic {
         added_(proposal_.size()),
         blocked_(proposal_.size()) {}
 
+  void select_tree(TreeSide side) override { h_->select_tree(side); }
   Source sample(Stream& stream, MutableView out) override {
     h_->sample(stream, proposal_);
     projection_->lift(proposal_, stream, out);
     return 0;
   }
+  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
+  [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double density(View q) const override {
     if (!projection_->parent().contains(q)) return 0.0;
     Configuration s(proposal_.size());
@@ -80,6 +80,8 @@ class FibredHeuristic final : public Heuristic {
     Outcome below;
     below.fate = outcome.fate;
     below.from_goal = outcome.from_goal;
+    below.connected = outcome.connected;
+    below.added_row = outcome.added_row;
     below.proposal = projected(outcome.proposal, proposal_);
     below.near = projected(outcome.near, near_);
     below.added = projected(outcome.added, added_);
@@ -154,8 +156,11 @@ class Holonomic final : public PathGuide {
       instance->validity = make_validity(parent.collision, parent.scene, instance->space, parent.resolution, nullptr);
     }
     turns_ = along_ && parent.motion_model != nullptr;
-    sub_ = instance.get();
     return instance;
+  }
+  void attach(Instance& sub) override {
+    PathGuide::attach(sub);
+    sub_ = &sub;
   }
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
@@ -177,10 +182,14 @@ class Holonomic final : public PathGuide {
     projection_->project(outcome.added, s);
     Outcome below;
     below.added = s;
+    below.connected = outcome.connected;
+    below.from_goal = outcome.from_goal;
     PathGuide::learn(below);
   }
 
  protected:
+  /// What S lacks bounds velocities: its paths are free of collision in C too, and nothing found blocked refutes them.
+  [[nodiscard]] bool relaxes() const override { return false; }
   /// Turns the path into the direction of travel: each leg is passed with the heading of its direction, the ends keep
   /// theirs. A trailer follows behind.
   Configurations followed(Configurations path) const override {

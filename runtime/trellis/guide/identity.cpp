@@ -18,6 +18,9 @@ class Identity final : public PathGuide {
  public:
   explicit Identity(const PathGuideSettings& settings) : PathGuide("identity", settings) {}
   std::unique_ptr<Instance> reduced(const Instance& parent) override { return same_instance(parent); }
+
+ protected:
+  [[nodiscard]] bool relaxes() const override { return false; }
 };
 
 }  // namespace

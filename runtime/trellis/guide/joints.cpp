@@ -185,6 +185,7 @@ class JointsHeuristic final : public Heuristic {
   }
   [[nodiscard]] std::vector<std::string> sources() const override { return below_->sources(); }
   [[nodiscard]] bool stale() const override { return below_->stale(); }
+  [[nodiscard]] double progress() const override { return below_->progress(); }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
  private:
@@ -247,15 +248,17 @@ class Joints final : public Guide {
   [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
 
   void learn(const Outcome& outcome) override {
-    if (outcome.added.empty()) return;
+    if (outcome.added.empty() || !outcome.connected) return;
     projection_->project(outcome.added, added_);
     reached_->add(added_);
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
+    const double step = parent.step > 0.0 ? parent.step : natural_distance(*sub);
+    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
-                                                 settings_.window, settings_.patience, &*reached_);
+                                                 window, settings_.evidence, &*reached_);
     return std::make_unique<JointsHeuristic>(projection_, std::move(below),
                                              projection_->lifted(found->path, parent.start, parent.goal));
   }

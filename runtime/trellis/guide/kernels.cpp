@@ -156,7 +156,9 @@ TubeDensity::TubeDensity(std::vector<Part> parts)
     : parts_(std::move(parts)),
       space_(parts_.front().tube->ball().space()),
       radius_(parts_.front().tube->ball().radius()),
-      height_(std::exp(-parts_.front().tube->ball().log_volume())) {
+      height_(std::exp(-parts_.front().tube->ball().log_volume())) {}
+
+void TubeDensity::index() const {
   for (const auto& part : parts_) add_legs(part);
   if (legs_.empty()) return;
   std::vector<std::uint32_t> order(legs_.size());
@@ -177,7 +179,7 @@ TubeDensity::TubeDensity(std::vector<Part> parts)
   numbers_ = std::move(numbers);
 }
 
-void TubeDensity::add_legs(const Part& part) {
+void TubeDensity::add_legs(const Part& part) const {
   const auto& tube = *part.tube;
   const auto& axes = space_.axes();
   const auto& at = tube.at();
@@ -209,7 +211,7 @@ void TubeDensity::add_legs(const Part& part) {
   }
 }
 
-std::uint32_t TubeDensity::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) {
+std::uint32_t TubeDensity::build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) const {
   constexpr std::uint32_t leaf = 4;
   const std::size_t d = space_.dimension();
   const std::size_t width = 2 * d;
@@ -290,6 +292,7 @@ double TubeDensity::mass_near(const double* y) const {
 }
 
 double TubeDensity::at(View q) const {
+  std::call_once(indexed_, [this] { index(); });
   if (legs_.empty()) return 0.0;
   double mass = 0.0;
   for_each_image(space_, q, boxes_.data(), boxes_.data() + space_.dimension(), radius_,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -93,8 +94,10 @@ class TubeDensity final : public Density {
     std::uint32_t right = 0;  ///< the second child, the first comes next; 0: a leaf
   };
 
-  void add_legs(const Part& part);
-  std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
+  /// Makes what `at` looks up. Most densities of a run are never evaluated, only summed.
+  void index() const;
+  void add_legs(const Part& part) const;
+  std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) const;
   /// The mass of ball centres within the radius of y, an image of a configuration in metric coordinates.
   [[nodiscard]] double mass_near(const double* y) const;
   [[nodiscard]] double mass_near(const Leg& leg, const double* numbers, const double* y) const;
@@ -103,10 +106,11 @@ class TubeDensity final : public Density {
   const Space& space_;
   double radius_;
   double height_;  ///< of the density of one ball
-  std::vector<Leg> legs_;
-  std::vector<double> numbers_;
-  std::vector<Node> nodes_;
-  std::vector<double> boxes_;  ///< per node: the lower corner, then the upper
+  mutable std::once_flag indexed_;
+  mutable std::vector<Leg> legs_;
+  mutable std::vector<double> numbers_;
+  mutable std::vector<Node> nodes_;
+  mutable std::vector<double> boxes_;  ///< per node: the lower corner, then the upper
 };
 
 /// The tube about a path: a point of the path uniform in arc length over the active stretches, then uniform on the ball

@@ -27,10 +27,10 @@ const Settings<LearnedSettings>& learned_settings() {
   static const Settings<LearnedSettings> settings =
       Settings<LearnedSettings>(
           Component::Kind::guide, "learned",
-          "where ways that are nearly the shortest lead, as a model tells that was trained on other worlds to imitate "
-          "exact search; S = {0}",
-          "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation")
-          .file("model", &LearnedSettings::model, "the model, as trellis train makes it")
+          "cells of the workspace by the probability that a near-optimal path leads through them, which a classifier "
+          "trained on other worlds predicts once, before the search; S = {0}",
+          "after Ichter, Harrison and Pavone 2018, Learning sampling distributions for robot motion planning")
+          .file("model", &LearnedSettings::model, "the classifier, as trellis train makes it")
           .number("sharpness", &LearnedSettings::sharpness, "exponent", Range::non_negative(),
                   "power of the probabilities that cells are drawn by; 0: free cells evenly, above 1: the likely ones "
                   "more often than the model says")
@@ -140,9 +140,9 @@ GuideKind learned_kind() {
       "",
       [](const Options&) { return std::int64_t{0}; },
       {.category = GuideClaims::Category::experience,
-       .f = "S = {0}; the model looks at the workspace as a grid",
-       .h = "a free cell of the workspace by the probability that a way that is nearly the shortest leads through it, "
-            "then uniform within the cell and in all that is not position",
+       .f = "S = {0}; the classifier reads the workspace as a grid",
+       .h = "a free cell of the workspace by the probability that a near-optimal path leads through it, then "
+            "uniform within the cell and in all that is not position",
        .closed_form = true,
        .density = "of the mixture of cells",
        .feedback = "none",

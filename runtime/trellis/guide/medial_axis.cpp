@@ -15,6 +15,7 @@ namespace {
 
 struct MedialAxisSettings {
   std::int64_t rays = 8;
+  std::int64_t climbs = 3;
   std::int64_t tries = 100;
 };
 
@@ -22,18 +23,22 @@ const Settings<MedialAxisSettings>& medial_axis_settings() {
   static const Settings<MedialAxisSettings> settings =
       Settings<MedialAxisSettings>(
           Component::Kind::guide, "medial_axis",
-          "uniform configurations moved, as they are turned, away from the nearest obstacle until another is as near; "
-          "invalid ones are moved out first; S = {0}",
+          "uniform configurations moved and turned away from the nearest obstacle until another is as near; invalid "
+          "ones are moved out first; S = {0}",
           "Wilmarth, Amato and Stiller 1999, MAPRM: a probabilistic roadmap planner with sampling on the medial axis")
           .integer("rays", &MedialAxisSettings::rays, "rays", {.lo = 2, .hi = 1024},
-                   "directions in which the nearest way out is looked for where a configuration is invalid")
+                   "directions of C in which the nearest surface is searched where a configuration is invalid")
+          .integer("climbs", &MedialAxisSettings::climbs, "steps", {.lo = 0, .hi = 1000},
+                   "steps of the ascent of clearance in which all coordinates change; 0: the position alone")
           .integer("tries", &MedialAxisSettings::tries, "configurations", Range::at_least(1),
                    "configurations tried, where none can be moved out, before a uniform proposal is made instead");
   return settings;
 }
 
-/// Retraction by clearance. A robot that does not turn as it moves is an obstacle's distance away from a point's, so
-/// away from the nearest point of an obstacle clearance grows by a metre a metre, up to the medial axis.
+/// Retraction by clearance. At first all coordinates ascend the gradient of clearance, until the direction in which
+/// clearance grows with the position turns round: then another point of the obstacles is nearest. At last the position
+/// alone is moved onto the medial axis: a robot that keeps its angles is as far from an obstacle as a point from a
+/// grown obstacle, so away from the nearest point clearance grows by a metre a metre, up to the axis.
 class MedialAxis final : public Heuristic {
  public:
   MedialAxis(Instance& parent, const MedialAxisSettings& settings)
@@ -41,13 +46,16 @@ class MedialAxis final : public Heuristic {
         settings_(settings),
         ray_(parent),
         from_(parent.space.dimension()),
-        probe_(parent.space.dimension()) {}
+        probe_(parent.space.dimension()),
+        slope_(parent.space.dimension()),
+        last_slope_(parent.space.dimension()) {}
 
   Source sample(Stream& stream, MutableView out) override {
     for (std::int64_t i = 0; i < settings_.tries; ++i) {
       parent_.space.sample_uniform(stream, out);
       if (!parent_.valid(out) && !move_out(stream, out)) continue;
-      retract(out);
+      climb(out);
+      if (positioned()) retract(out);
       return 0;
     }
     parent_.space.sample_uniform(stream, out);
@@ -57,14 +65,22 @@ class MedialAxis final : public Heuristic {
   [[nodiscard]] std::vector<std::string> sources() const override { return {"medial_axis", "medial_axis: uniform"}; }
 
  private:
-  /// To the nearest surface that one of the rays meets.
+  /// Whether the axes of the position are known.
+  [[nodiscard]] bool positioned() const { return parent_.position_axes.size() == 2; }
+
+  /// To the nearest surface that one of the rays meets; evenly spread in a plane, else in random directions.
   bool move_out(Stream& stream, MutableView q) {
     std::copy(q.begin(), q.end(), from_.begin());
+    const bool planar = positioned() && q.size() == 2;
     const double turn = 2.0 * std::numbers::pi / static_cast<double>(settings_.rays);
     const double first = stream.uniform() * turn;
     double nearest = std::numeric_limits<double>::infinity();
     for (std::int64_t i = 0; i < settings_.rays; ++i) {
-      ray_.set_direction(first + static_cast<double>(i) * turn);
+      if (planar) {
+        ray_.set_direction(first + static_cast<double>(i) * turn);
+      } else {
+        ray_.draw_direction(stream);
+      }
       const double distance = ray_.walk(from_, probe_);
       if (distance >= nearest) continue;
       nearest = distance;
@@ -77,30 +93,96 @@ class MedialAxis final : public Heuristic {
     return ray_.at(from_, distance, probe_) ? parent_.clearance(probe_) : 0.0;
   }
 
+  /// Clearance after a step of the axis from q, metres of the metric.
+  [[nodiscard]] double clearance_beside(View q, std::size_t axis, double step) {
+    std::copy(q.begin(), q.end(), probe_.begin());
+    probe_[axis] += step / parent_.space.axes()[axis].weight;
+    parent_.space.reflect(probe_);
+    return parent_.clearance(probe_);
+  }
+
+  /// The gradient of clearance at q in metric coordinates, into slope_; its length.
+  double measure_slope(View q) {
+    const double step = difference_step();
+    double squares = 0.0;
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      slope_[j] = (clearance_beside(q, j, step) - clearance_beside(q, j, -step)) / (2.0 * step);
+      squares += slope_[j] * slope_[j];
+    }
+    return std::sqrt(squares);
+  }
+
+  /// Whether another point of the obstacles has become the nearest: the direction turned by more than 60 degrees, of
+  /// the position where there is one.
+  [[nodiscard]] bool turned_round() const {
+    double product = 0.0, squares = 0.0, last_squares = 0.0;
+    for (std::size_t j = 0; j < slope_.size(); ++j) {
+      if (positioned() && j != parent_.position_axes[0] && j != parent_.position_axes[1]) continue;
+      product += slope_[j] * last_slope_[j];
+      squares += slope_[j] * slope_[j];
+      last_squares += last_slope_[j] * last_slope_[j];
+    }
+    return product < 0.5 * std::sqrt(squares * last_squares);
+  }
+
+  void climb(MutableView q) {
+    constexpr double flat = 0.1;      // metres of clearance per metre
+    constexpr double straight = 0.9;  // of the growth foretold by the gradient
+    for (std::int64_t i = 0; i < settings_.climbs; ++i) {
+      const double here = parent_.clearance(q);
+      if (!std::isfinite(here)) return;
+      const double steepness = measure_slope(q);
+      if (steepness < flat || (i > 0 && turned_round())) return;
+      std::copy(q.begin(), q.end(), from_.begin());
+      last_slope_ = slope_;
+      const auto rises = [&](double t) {
+        for (std::size_t j = 0; j < q.size(); ++j) {
+          probe_[j] = from_[j] + t * slope_[j] / steepness / parent_.space.axes()[j].weight;
+        }
+        parent_.space.normalise(probe_);
+        return parent_.space.contains(probe_) &&
+               parent_.clearance(probe_) >= here + straight * steepness * t - difference_step();
+      };
+      const double t = farthest(rises, std::max(here, parent_.resolution));
+      if (t <= 0.0) return;
+      for (std::size_t j = 0; j < q.size(); ++j) {
+        q[j] = from_[j] + t * slope_[j] / steepness / parent_.space.axes()[j].weight;
+      }
+      parent_.space.normalise(q);
+    }
+  }
+
+  /// How far a condition holds that holds at 0, to within the resolution. It fails somewhere.
+  template <class Holds>
+  double farthest(Holds&& holds, double far) const {
+    double near = 0.0;
+    while (holds(far)) {
+      near = far;
+      far *= 2.0;
+    }
+    while (far - near > parent_.resolution) {
+      const double middle = 0.5 * (near + far);
+      (holds(middle) ? near : far) = middle;
+    }
+    return near;
+  }
+
+  /// Step of the differences that approximate the gradient: small, so as to stay on one side of the axis.
+  [[nodiscard]] double difference_step() const { return 0.1 * parent_.resolution; }
+
   void retract(MutableView q) {
     std::copy(q.begin(), q.end(), from_.begin());
     const double here = parent_.clearance(from_);
     if (!std::isfinite(here)) return;
-    // The direction in which clearance grows, from differences over a step that stays on this side.
-    const double step = 0.1 * parent_.resolution;
+    const double step = difference_step();
     ray_.set_direction(0.0);
     const double x = clearance_at(step) - clearance_at(-step);
     ray_.set_direction(0.5 * std::numbers::pi);
     const double y = clearance_at(step) - clearance_at(-step);
     if (std::hypot(x, y) < step) return;  // on the axis: it grows nowhere
     ray_.set_direction(std::atan2(y, x));
-    const double slack = 0.1 * parent_.resolution;
-    const auto still_nearest = [&](double t) { return clearance_at(t) >= here + t - slack - 0.02 * t; };
-    double near = 0.0;
-    double far = std::max(here, parent_.resolution);
-    while (still_nearest(far)) {
-      near = far;
-      far *= 2.0;
-    }
-    while (far - near > parent_.resolution) {
-      const double middle = 0.5 * (near + far);
-      (still_nearest(middle) ? near : far) = middle;
-    }
+    const auto still_nearest = [&](double t) { return clearance_at(t) >= here + t - step - 0.02 * t; };
+    const double near = farthest(still_nearest, std::max(here, parent_.resolution));
     if (near > 0.0) ray_.at(from_, near, q);
   }
 
@@ -109,29 +191,23 @@ class MedialAxis final : public Heuristic {
   WayOut ray_;
   Configuration from_;
   Configuration probe_;
+  Configuration slope_;  ///< metres of clearance per metre of the metric
+  Configuration last_slope_;
 };
 
 }  // namespace
 
 GuideKind medial_axis_kind() {
-  GuideKind kind = sampling_kind(
+  return sampling_kind(
       medial_axis_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> {
-        return bias(
-            [settings = medial_axis_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
-              return std::make_unique<MedialAxis>(parent, settings);
-            },
-            [](const Instance& parent) {
-              if (parent.position_axes.size() == 2) return;
-              throw Error("medial_axis: needs a robot whose reference point moves in the plane; this space (" +
-                          parent.space.name() + ") has no position");
-            });
+        return bias([settings = medial_axis_settings().read(o)](Instance& parent) -> std::unique_ptr<Heuristic> {
+          return std::make_unique<MedialAxis>(parent, settings);
+        });
       },
-      "a uniform configuration retracted, at its angles, to the medial axis of what is free; each clearance that it "
-      "looks at counts as a check of C",
+      "a uniform configuration retracted by ascent of clearance to where another point of the obstacles is as near, "
+      "about the medial axis of the free part of C; each clearance that it measures counts as a check of C",
       "it lies on surfaces that depend on the obstacles", false);
-  kind.claims.needs = GuideClaims::Needs::position;
-  return kind;
 }
 
 }  // namespace trellis

@@ -3,17 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/path_steps.hpp>
 
 namespace trellis {
 
 namespace {
 
 constexpr std::size_t most_bins = 256;
-constexpr std::int64_t patience_when_covered = 10;
+
+/// Attempts to lift a point of a path in S to a valid configuration of C.
+constexpr int lift_attempts = 24;
+
+/// How far a step of the planner goes; of one that has none, a distance of the instance's size.
+double step_of(const Instance& instance) { return instance.step > 0.0 ? instance.step : natural_distance(instance); }
 
 }  // namespace
 
@@ -25,7 +32,9 @@ GuideClaims path_claims(GuideClaims::Category category, std::string f, std::stri
            "ball about it; or the path's points in turn",
       .closed_form = true,
       .density = "of the tube about the stretch; points that are proposed themselves are atoms",
-      .feedback = "new nodes move the stretch on; `patience` proposals without progress, and S is solved again",
+      .feedback =
+          "new nodes move the stretch on; a point of the path that is invalid in C, or `evidence` proposals at "
+          "one place that were found blocked, refute it: S loses that place and its search continues",
       .relaxes = true,
       .invalid_ends = std::move(invalid_ends),
       .fallback = GuideClaims::Fallback::nearest,
@@ -41,17 +50,22 @@ double natural_distance(const Instance& instance) {
   return robot.bounding_radius() > 0.0 ? robot.bounding_radius() : 0.02 * instance.space.diameter();
 }
 
+double sparse_spacing(const Instance& instance) {
+  constexpr double share_of_step = 0.8;
+  return std::max(natural_distance(instance), share_of_step * instance.step);
+}
+
 double tube_radius(const PathGuideSettings& settings, const Instance& instance) {
   return settings.radius > 0.0 ? settings.radius : 0.5 * natural_distance(instance);
 }
 
 PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
-                             std::int64_t patience, const NearestIndex* reached)
+                             std::int64_t evidence, const NearestIndex* reached)
     : source_(std::move(source)),
       space_(space),
       tube_(space, std::move(path), radius),
       window_(window),
-      patience_(patience),
+      evidence_(evidence),
       centres_(space.dimension()) {
   const double length = tube_.length();
   const auto bins =
@@ -77,13 +91,12 @@ Guidance::Source PathHeuristic::sample(Stream& stream, MutableView out) {
 }
 
 void PathHeuristic::observe(const Outcome& outcome, bool mine) {
-  if (!outcome.added.empty() && cover(outcome.added)) {
-    failures_ = 0;
+  if (!outcome.added.empty() && outcome.connected && cover(outcome.added)) {
+    blocked_ = 0;
     choose_stretches();
-  } else if (mine) {
-    // Once the whole path is reached there is no progress left to make along it; it may still serve.
-    const std::int64_t patience = uncovered_ > 0 ? patience_ : patience_when_covered * patience_;
-    if (++failures_ >= patience) refute();
+  } else if (mine && uncovered_ > 0 && outcome.fate == Fate::rejected && !outcome.blocked_at.empty()) {
+    // A path that is reached as a whole is not refuted: it may still serve.
+    if (++blocked_ >= evidence_) refute();
   }
 }
 
@@ -94,6 +107,7 @@ bool PathHeuristic::cover(View q) {
     if (covered_[i] == 0 && space_.squared_distance(std::as_const(centres_)[i], q) <= reach * reach) {
       covered_[i] = 1;
       --uncovered_;
+      progress_ += bin_;
       fresh = true;
     }
   }
@@ -101,9 +115,10 @@ bool PathHeuristic::cover(View q) {
 }
 
 void PathHeuristic::choose_stretches() {
-  // Uncovered bins within `window` of a covered one or of an end of the path that the planner starts from.
+  // Uncovered bins within the window of a covered one or of an end of the path that the planner starts from.
   const std::size_t n = covered_.size();
-  const auto ahead = static_cast<std::size_t>(std::max(1.0, std::round(window_ * static_cast<double>(n))));
+  const auto ahead = static_cast<std::size_t>(
+      std::max(1.0, bin_ > 0.0 ? std::round(std::min(window_ / bin_, static_cast<double>(n))) : 1.0));
   std::vector<char> active(n, 0);
   bool any_covered = false;
   for (std::size_t i = 0; i < n; ++i) {
@@ -130,13 +145,15 @@ void PathHeuristic::choose_stretches() {
 }
 
 WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius,
-                                     std::int64_t patience, const NearestIndex& reached)
+                                     std::int64_t evidence, const NearestIndex& reached)
     : source_(std::move(source)),
       parent_(parent),
       tube_(parent.space, std::move(path), radius),
-      patience_(patience),
+      evidence_(evidence),
       reached_(reached) {
   const auto& points = tube_.path();
+  exact_ = points.size() > 1 && parent.verified && parent.verified->cover(points[0], points[1]);
+  back_ = points.size() - 1;
   lengths_.reserve(points.size());
   lengths_.push_back(0.0);
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -148,7 +165,7 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
 Guidance::Source WaypointHeuristic::sample(Stream& stream, MutableView out) {
   drew_itself_ = draw_ == Draw::itself || (draw_ == Draw::both && stream.uniform() < 0.5);
   if (drew_itself_) {
-    const View point = tube_.path()[at_];
+    const View point = tube_.path()[backwards_ ? back_ - 1 : at_];
     std::copy(point.begin(), point.end(), out.begin());
   } else {
     tube_.sample(stream, out);
@@ -173,12 +190,23 @@ void WaypointHeuristic::record(DensityRecord& record, double share) const {
 
 void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
   const std::size_t before = at_;
-  if (!outcome.added.empty() && at_ < tube_.path().size()) {
-    const double reach = at_ + 1 == tube_.path().size() ? parent_.goal_tolerance : tube_.radius();
+  // A node on the way to a waypoint of a verified path is what the next extension goes on from.
+  if (exact_ && mine && drew_itself_ && !outcome.added.empty()) (backwards_ ? back_row_ : row_) = outcome.added_row;
+  if (exact_ && outcome.from_goal && !outcome.added.empty()) {
+    if (back_ > 0 && parent_.space.distance(tube_.path()[back_ - 1], outcome.added) <= parent_.goal_tolerance) {
+      --back_;
+      back_row_ = outcome.added_row;
+    }
+    return;
+  }
+  if (!outcome.added.empty() && outcome.connected && at_ < tube_.path().size()) {
+    const double reach = exact_ || at_ + 1 == tube_.path().size() ? parent_.goal_tolerance : tube_.radius();
     if (parent_.space.distance(tube_.path()[at_], outcome.added) <= reach) go_on();
   }
   if (at_ != before) {
-    failures_ = 0;
+    row_ = outcome.added_row;
+    progress_ += lengths_[std::min(at_, lengths_.size() - 1)] - lengths_[before];
+    blocked_ = 0;
     return;
   }
   if (!mine) return;
@@ -186,14 +214,14 @@ void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
     draw_ = Draw::both;
     ++epoch_;
   }
-  const std::int64_t patience = at_ < tube_.path().size() ? patience_ : patience_when_covered * patience_;
-  if (++failures_ >= patience) refute();
+  if (at_ == tube_.path().size() || outcome.fate != Fate::rejected || outcome.blocked_at.empty()) return;
+  if (++blocked_ >= evidence_) refute();
 }
 
 void WaypointHeuristic::go_on() {
   const auto& path = tube_.path();
   const auto is_reached = [&](std::size_t i) {
-    const double reach = i + 1 == path.size() ? parent_.goal_tolerance : tube_.radius();
+    const double reach = exact_ || i + 1 == path.size() ? parent_.goal_tolerance : tube_.radius();
     return reached_.nearest(path[i]).squared_distance <= reach * reach;
   };
   while (at_ < path.size() && is_reached(at_)) ++at_;
@@ -203,7 +231,8 @@ void WaypointHeuristic::go_on() {
     tube_.activate({{0.0, tube_.length()}});
     return;
   }
-  draw_ = parent_.valid(path[at_]) ? Draw::itself : Draw::near;
+  const bool known = parent_.verified && parent_.verified->cover(path[at_], path[at_]);
+  draw_ = known || parent_.valid(path[at_]) ? Draw::itself : Draw::near;
   tube_.activate({{lengths_[at_], lengths_[at_]}});
 }
 
@@ -254,40 +283,77 @@ void SeveralPaths::observe(const Outcome& outcome, bool mine) {
   }
 }
 
+double SeveralPaths::progress() const {
+  double sum = 0.0;
+  for (const auto& part : parts_) sum += part->progress();
+  return sum;
+}
+
+std::optional<Configuration> SeveralPaths::refuted_place() const {
+  for (const auto& part : parts_) {
+    if (auto place = part->refuted_place()) return place;
+  }
+  return std::nullopt;
+}
+
 std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
-                                          Instance& parent, const Configurations& path, const NearestIndex& reached) {
+                                          Instance& parent, const Configurations& path,
+                                          const std::array<const NearestIndex*, 2>& reached) {
   const double radius = tube_radius(settings, parent);
   if (settings.follow == "waypoints") {
-    return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.patience, reached);
+    return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.evidence, *reached[0]);
   }
-  return std::make_unique<PathHeuristic>(source, parent.space, path, radius, settings.window, settings.patience,
-                                         &reached);
+  if (settings.follow == "tube") {
+    const double window = settings.window > 0.0 ? settings.window : 2.0 * step_of(parent);
+    return std::make_unique<PathHeuristic>(source, parent.space, path, radius, window, settings.evidence, reached[0]);
+  }
+  const StepHeuristic::Settings steps = {.radius = radius, .step = step_of(parent), .evidence = settings.evidence};
+  return std::make_unique<StepHeuristic>(source, parent.space, path, steps, reached);
+}
+
+void ReachedNodes::begin(const Space& space, View start, View goal) {
+  // The arguments may be views of what is assigned to here.
+  Configuration from(start.begin(), start.end());
+  Configuration to(goal.begin(), goal.end());
+  space_ = space;
+  start_ = std::move(from);
+  goal_ = std::move(to);
+  trees_.clear();
+  trees_.emplace_back(space_);
+  trees_.emplace_back(space_);
+  trees_[0].add(start_);
+  trees_[1].add(goal_);
 }
 
 std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   auto instance = std::make_unique<Instance>(parent);
   instance->checks = {};
+  instance->revision = 0;
+  instance->verified = nullptr;
   // An explicit graph is a way of searching the parent's space, not part of what is projected.
   instance->graph = nullptr;
   return instance;
 }
 
 void PathGuide::learn(const Outcome& outcome) {
-  if (!outcome.added.empty() && reached_) reached_->add(outcome.added);
+  if (!outcome.added.empty() && outcome.connected) reached_.add(outcome.added, outcome.from_goal);
 }
 
 std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   auto instance = reduced(parent);
-  if (path_settings_.paths > 1) {
+  if (path_settings_.paths > 1 || excludes()) {
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
-    excluding_ = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct);
+    auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
+                                                         instance->position_axes, 0.5 * natural_distance(parent));
+    if (excluding_) excluding->exclude_places_of(*excluding_);
+    excluding_ = std::move(excluding);
     instance->validity = excluding_;
   }
   return instance;
 }
 
 std::int64_t PathGuide::another(const Solution* found) {
-  if (!excluding_) return 0;
+  if (path_settings_.paths <= 1) return 0;
   if (std::exchange(complete_, false)) paths_.clear();
   if (found != nullptr) {
     paths_.push_back(found->path);
@@ -296,31 +362,84 @@ std::int64_t PathGuide::another(const Solution* found) {
       return path_settings_.effort;
     }
   }
-  // What was excluded is valid all the same.
-  if (!paths_.empty()) excluding_->include_all();
+  // What was excluded to keep paths apart is valid all the same.
+  if (!paths_.empty()) excluding_->include_paths();
   complete_ = true;
   return 0;
 }
 
-std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Configurations& path) const {
+std::optional<Configuration> PathGuide::take_refuted() {
+  if (refuted_) return std::exchange(refuted_, std::nullopt);
+  return current_ != nullptr ? current_->refuted_place() : std::nullopt;
+}
+
+void PathGuide::before_resolve() {
+  if (!excludes() || current_ == nullptr) return;
+  const std::optional<Configuration> place = take_refuted();
+  // What holds the start or the goal cannot be excluded: the path is followed for all that.
+  last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal});
+}
+
+std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path, bool whole) {
+  const Configurations chosen = followed(path);
+  PathGuideSettings settings = path_settings_;
+  if (!relaxes()) settings.evidence = std::numeric_limits<std::int64_t>::max();
+  if (settings.follow != "steps" || !relaxes()) {
+    return follow_path(name_, settings, parent, chosen, reached_.both());
+  }
+  if (!sparse_) {
+    const double spacing = path_settings_.spacing > 0.0 ? path_settings_.spacing : sparse_spacing(parent);
+    sparse_ = std::make_shared<SparseValidation>(parent.space, spacing);
+  }
+  // The point itself; with the coordinates beside the position that the waypoint before it has; points ever farther
+  // from it; then anything at its position and near it.
+  const BallKernel ball(parent.space, natural_distance(parent));
+  Configuration drawn(parent.space.dimension());
+  const auto& positions = parent.position_axes;
+  const PointLift lift = [&](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
+    if (attempt >= lift_attempts) return false;
+    std::copy(s.begin(), s.end(), q.begin());
+    if (attempt == 0) return true;
+    constexpr int near = lift_attempts / 2;
+    if (!positions.empty() && (attempt == 1 || (attempt > near && attempt % 2 == 0))) {
+      if (attempt == 1) {
+        drawn.assign(previous.begin(), previous.end());
+      } else {
+        parent.space.sample_uniform(stream, drawn);
+      }
+      for (const std::size_t axis : positions) drawn[axis] = s[axis];
+      std::copy(drawn.begin(), drawn.end(), q.begin());
+      return true;
+    }
+    ball.sample(s, stream, drawn);
+    parent.space.interpolate(s, drawn, std::min(1.0, static_cast<double>(attempt) / near), q);
+    return true;
+  };
+  SparsePath sparse = sparse_->validate(parent, chosen, whole, lift);
+  auto follower = follow_path(name_, path_settings_, parent, sparse.waypoints, reached_.both());
+  if (sparse.refuted && !std::exchange(last_, false)) {
+    refuted_ = std::move(sparse.refuted);
+    follower->refute();
+  }
+  return follower;
+}
+
+std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Configurations& path, bool whole) {
   if (paths_.size() > 1) {
     std::vector<std::unique_ptr<PathFollower>> parts;
     parts.reserve(paths_.size());
-    for (const auto& one : paths_)
-      parts.push_back(follow_path(name_, path_settings_, parent, followed(one), *reached_));
+    for (const auto& one : paths_) parts.push_back(follower_of_one(parent, one, true));
     return std::make_unique<SeveralPaths>(std::move(parts));
   }
-  return follow_path(name_, path_settings_, parent, followed(path), *reached_);
+  return follower_of_one(parent, path, whole);
 }
 
 std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {
-  if (!reached_) {
-    reached_.emplace(parent.space);
-    reached_->add(parent.start);
-  }
+  if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goal);
   current_ = nullptr;
+  refuted_.reset();
   if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
-  auto h = follower(parent, found->path);
+  auto h = follower(parent, found->path, found->solved());
   current_ = h.get();
   return h;
 }

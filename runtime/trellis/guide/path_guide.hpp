@@ -2,7 +2,9 @@
 // What guides have in common whose space S has the coordinates of C and whose h is a tube about the path found in S.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,12 +17,15 @@
 
 namespace trellis {
 
+class SparseValidation;
+
 struct PathGuideSettings {
   double radius = 0.0;
-  std::string follow = "tube";
-  double window = 0.2;
-  std::int64_t patience = 100;
-  std::int64_t resolves = 10;
+  std::string follow = "steps";
+  double window = 0.0;
+  double spacing = 0.0;
+  std::int64_t evidence = 60;
+  std::int64_t resolves = 1000;
   std::int64_t paths = 1;
   double distinct = 0.0;
   std::int64_t effort = 2000;
@@ -38,10 +43,12 @@ Settings<S> with_radius(Settings<S> settings) {
 template <class S>
 Settings<S> with_progress(Settings<S> settings) {
   return settings
-      .number("window", &S::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
-              "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
-      .integer("patience", &S::patience, "proposals", Range::at_least(1),
-               "guided proposals without progress along the path before its space is solved again");
+      .number(
+          "window", &S::window, "m in the metric", Range::non_negative(),
+          "how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, "
+          "or two bounding radii where it has none")
+      .integer("evidence", &S::evidence, "proposals", Range::at_least(1),
+               "guided proposals at one place of the path that C found blocked, after which the path is refuted");
 }
 
 /// The options of what follows a path.
@@ -50,10 +57,16 @@ Settings<S> with_following_options(Settings<S> settings) {
   return with_progress(
       with_radius(std::move(settings))
           .choice(
-              "follow", &S::follow, {"tube", "waypoints"},
-              "how the path is followed: \"tube\", from the stretch of it just beyond what the planner has reached; "
-              "\"waypoints\", its points in turn: one that is valid in C is proposed itself, and where that was "
-              "blocked half the time what is near it; one that is not, what is near it"));
+              "follow", &S::follow, {"steps", "tube", "waypoints"},
+              "how the path is followed: \"steps\", its points are validated in C `spacing` apart, and proposals are a "
+              "step of the planner ahead of the node that came farthest along it; \"tube\", from the stretch of it "
+              "just beyond what the planner has reached; \"waypoints\", its points in turn: one that is valid in C is "
+              "proposed itself, and where that was blocked half the time what is near it; one that is not, what is "
+              "near it")
+          .number("spacing", &S::spacing, "m in the metric", Range::non_negative(),
+                  "distance between the points of the path in S that are validated in C before it guides by "
+                  "\"steps\"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the "
+                  "space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)"));
 }
 
 template <class S>
@@ -87,6 +100,10 @@ GuideClaims path_claims(GuideClaims::Category category, std::string f, std::stri
 /// a point, and 10 % for a robot that is fixed to its base, whose radius says nothing of its angles.
 double natural_distance(const Instance& instance);
 
+/// The distance between points of a path that are validated in an instance, where no other one is asked for: the
+/// natural distance, or 0.8 of the planner's step where that is more.
+double sparse_spacing(const Instance& instance);
+
 /// The radius that the option `radius` stands for in an instance.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 
@@ -96,6 +113,8 @@ class PathFollower : public Heuristic {
   [[nodiscard]] bool stale() const final { return stale_; }
   /// The path was found not to hold: it is stale at once.
   void refute() { stale_ = true; }
+  /// Where on the path evidence refuted it, if it did.
+  [[nodiscard]] virtual std::optional<Configuration> refuted_place() const { return std::nullopt; }
   /// Of the tube about the path, metres.
   [[nodiscard]] virtual double radius() const = 0;
 
@@ -107,8 +126,10 @@ class PathFollower : public Heuristic {
 class PathHeuristic final : public PathFollower {
  public:
   /// \param reached  the planner's nodes so far, for the stretches already covered; nullptr: none
+  /// \param window    metres in the metric
+  /// \param evidence  blocked proposals that refute the path
   PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
-                std::int64_t patience, const NearestIndex* reached);
+                std::int64_t evidence, const NearestIndex* reached);
 
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] double density(View q) const override { return tube_.density(q); }
@@ -118,6 +139,7 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
+  [[nodiscard]] double progress() const override { return progress_; }
   /// Of what is drawn now.
   [[nodiscard]] const std::shared_ptr<const Density>& tube_density() const { return tube_.density(); }
 
@@ -130,8 +152,9 @@ class PathHeuristic final : public PathFollower {
   Space space_;
   TubeKernel tube_;
   double window_;
-  std::int64_t patience_;
-  std::int64_t failures_ = 0;
+  std::int64_t evidence_;
+  std::int64_t blocked_ = 0;  ///< guided proposals since the last progress
+  double progress_ = 0.0;
   std::uint64_t epoch_ = 0;    ///< how often stretches were chosen
   double bin_ = 0.0;           ///< arc length of one bin
   Configurations centres_;     ///< of the bins
@@ -146,7 +169,7 @@ class PathHeuristic final : public PathFollower {
 class WaypointHeuristic final : public PathFollower {
  public:
   /// \param reached  the planner's nodes, the start at least; outlives this and is kept up to date
-  WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius, std::int64_t patience,
+  WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius, std::int64_t evidence,
                     const NearestIndex& reached);
 
   Source sample(Stream& stream, MutableView out) override;
@@ -158,6 +181,21 @@ class WaypointHeuristic final : public PathFollower {
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
+  [[nodiscard]] double progress() const override { return progress_; }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override {
+    if (!stale() || at_ >= tube_.path().size()) return std::nullopt;
+    const View place = tube_.path()[at_];
+    return Configuration(place.begin(), place.end());
+  }
+  /// Of a path that was verified, a tree from the goal gets the waypoints from its end.
+  void select_tree(TreeSide side) override { backwards_ = exact_ && side == TreeSide::goal && back_ > at_; }
+  /// A waypoint is proposed for the node at the one before it.
+  [[nodiscard]] std::uint32_t vertex() const override {
+    if (!drew_itself_ || draw_ != Draw::itself) return no_node;
+    return backwards_ ? back_row_ : row_;
+  }
+  /// Trees along a verified path meet where both have come.
+  [[nodiscard]] bool worth_connecting(View, View) const override { return !exact_ || back_ <= at_; }
   /// The way-point that is proposed now, a row of the path; its size after the last one.
   [[nodiscard]] std::size_t waypoint() const { return at_; }
 
@@ -171,12 +209,18 @@ class WaypointHeuristic final : public PathFollower {
   Instance& parent_;
   TubeKernel tube_;
   std::vector<double> lengths_;  ///< of the path up to each way-point
-  std::int64_t patience_;
+  std::int64_t evidence_;
   const NearestIndex& reached_;
   std::size_t at_ = 0;
   Draw draw_ = Draw::near;
   bool drew_itself_ = false;
-  std::int64_t failures_ = 0;
+  bool exact_ = false;           ///< the path was verified: only its own points are on it
+  std::uint32_t row_ = no_node;  ///< of the node that reached the last waypoint
+  bool backwards_ = false;       ///< the next proposal is for the tree from the goal
+  std::size_t back_ = 0;         ///< that tree has reached the waypoints from here on
+  std::uint32_t back_row_ = no_node;
+  std::int64_t blocked_ = 0;  ///< guided proposals at this way-point
+  double progress_ = 0.0;
   std::uint64_t epoch_ = 0;
 };
 
@@ -186,7 +230,16 @@ class SeveralPaths final : public PathFollower {
   /// \param parts  at least one
   explicit SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts);
 
+  void select_tree(TreeSide side) override {
+    for (auto& part : parts_) part->select_tree(side);
+  }
   Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return parts_[drawn_]->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override;
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override;
   [[nodiscard]] double density(View q) const override;
   [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override;
@@ -204,9 +257,11 @@ class SeveralPaths final : public PathFollower {
 };
 
 /// h along a path in C as the settings say.
-/// \param reached  the planner's nodes, the start at least; outlives what is made and is kept up to date
+/// \param reached  the nodes of the planner's trees, the start at least; they outlive what is made and are kept up to
+///                 date
 std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
-                                          Instance& parent, const Configurations& path, const NearestIndex& reached);
+                                          Instance& parent, const Configurations& path,
+                                          const std::array<const NearestIndex*, 2>& reached);
 
 /// A uniform h for a space whose search found nothing to go by.
 class UniformHeuristic final : public Heuristic {
@@ -222,47 +277,89 @@ class UniformHeuristic final : public Heuristic {
   UniformGuidance uniform_;
 };
 
+/// The nodes of a planner's trees.
+class ReachedNodes {
+ public:
+  /// \param space  of the nodes
+  void begin(const Space& space, View start, View goal);
+  /// A node that is connected to its tree's root.
+  void add(View q, bool from_goal) {
+    if (!trees_.empty()) trees_[from_goal ? 1 : 0].add(q);
+  }
+  /// No nodes but the roots.
+  void clear() { begin(space_, start_, goal_); }
+  [[nodiscard]] bool begun() const { return !trees_.empty(); }
+  [[nodiscard]] const NearestIndex& from_start() const { return trees_[0]; }
+  [[nodiscard]] std::array<const NearestIndex*, 2> both() const { return {&trees_.front(), &trees_.back()}; }
+
+ private:
+  Space space_;
+  Configuration start_;
+  Configuration goal_;
+  std::vector<NearestIndex> trees_;  ///< from the start and from the goal
+};
+
 /// A guide with S = C as metric spaces: f is the identity on configurations.
 class PathGuide : public Guide {
  public:
   PathGuide(std::string name, const PathGuideSettings& settings) : name_(std::move(name)), path_settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) final;
+  void attach(Instance& sub) override { sub_ = &sub; }
   void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
   void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
   [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
+  void restart() override {
+    if (reached_.begun()) reached_.clear();
+  }
   std::int64_t another(const Solution* found) override;
+  [[nodiscard]] double effort_again() const override { return static_cast<double>(path_settings_.effort); }
+  /// Keeps the next path in S out of what was refuted.
+  void before_resolve() override;
 
  protected:
   /// f of the instance.
   virtual std::unique_ptr<Instance> reduced(const Instance& parent) = 0;
+  /// Whether a path in S may be invalid in C. Where not, nothing refutes it.
+  [[nodiscard]] virtual bool relaxes() const { return true; }
+  /// Whether S loses what was refuted by `before_resolve` of this class, rather than in a way of the guide's own.
+  [[nodiscard]] virtual bool excludes() const { return relaxes(); }
   /// The path of the space that is followed where `path` was found.
   virtual Configurations followed(Configurations path) const { return path; }
   /// A copy of the instance with everything but its validity's own state: what f starts from.
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
   /// The heuristic in use; nullptr where nothing was found to go by.
   [[nodiscard]] PathFollower* path_heuristic() const { return current_; }
+  /// The place of the path in S that was refuted last, if any; none when asked again.
+  [[nodiscard]] std::optional<Configuration> take_refuted();
   /// Whether a node of the planner's lies within a distance of q.
   [[nodiscard]] bool reached(View q, double within) const {
-    return reached_ && reached_->size() > 0 && reached_->nearest(q).squared_distance <= within * within;
+    return reached_.begun() && reached_.from_start().nearest(q).squared_distance <= within * within;
   }
   /// The paths that the next h follows where they are several, of a guide that looks for them by itself.
   void follow(std::vector<Configurations> paths) { paths_ = std::move(paths); }
+  [[nodiscard]] const PathGuideSettings& path_settings() const { return path_settings_; }
 
  private:
   /// Follows the paths found where there are several, else the path.
-  [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path) const;
+  /// \param whole  whether the path ends at the goal
+  [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
+  [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
 
   std::string name_;
   PathGuideSettings path_settings_;
-  PathFollower* current_ = nullptr;      ///< the last one made, owned by whoever asked for it
-  std::optional<NearestIndex> reached_;  ///< the planner's nodes, made when the space is known
+  PathFollower* current_ = nullptr;  ///< the last one made, owned by whoever asked for it
+  Instance* sub_ = nullptr;
+  bool last_ = false;     ///< the next path is followed as it is: no other one can be had
+  ReachedNodes reached_;  ///< made when the space is known
+  std::shared_ptr<SparseValidation> sparse_;
+  std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
+  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
   // Where several paths are wanted:
-  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S
-  std::vector<Configurations> paths_;             ///< found since h was made last
-  bool complete_ = false;                         ///< all that were wanted or found are there
+  std::vector<Configurations> paths_;  ///< found since h was made last
+  bool complete_ = false;              ///< all that were wanted or found are there
 };
 
 }  // namespace trellis

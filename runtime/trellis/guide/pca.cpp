@@ -344,6 +344,10 @@ class Pca final : public PathGuide {
     return PathGuide::heuristic(parent, sub, &lifted);
   }
 
+ protected:
+  /// Its paths lie in C on the subspace, and are valid there.
+  [[nodiscard]] bool relaxes() const override { return false; }
+
  private:
   /// Valid configurations in the chart, drawn uniformly: the same in every run, as f of an instance is.
   [[nodiscard]] std::vector<double> samples(const Chart& chart, Validity& validity, Checks& checks) const {

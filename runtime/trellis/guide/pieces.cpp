@@ -42,7 +42,7 @@ class PieceGuide final : public Guide {
     return piece_.over(parent, *reached_);
   }
   void learn(const Outcome& outcome) override {
-    if (reached_ && !outcome.added.empty()) reached_->add(outcome.added);
+    if (reached_ && !outcome.added.empty() && outcome.connected) reached_->add(outcome.added);
   }
 
  private:
@@ -64,7 +64,7 @@ class Along final : public Piece {
       require_in(instance.space, path_[i], fmt::format("along: point {} of the path", i + 1));
     }
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("along (no path)", instance.space);
-    return follow_path("along", settings_, instance, path_, reached);
+    return follow_path("along", settings_, instance, path_, {&reached, nullptr});
   }
 
  private:

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 #include <trellis/guide/kinds.hpp>
@@ -10,50 +12,65 @@ namespace {
 
 struct ShrinkSettings : PathGuideSettings {
   double scale = 0.5;
+  double resolution = 0.0;
 };
 
 const Settings<ShrinkSettings>& shrink_settings() {
   static const Settings<ShrinkSettings> settings = with_several_paths(with_path_options(
       Settings<ShrinkSettings>(
-          Component::Kind::guide, "shrink", "the same world for a smaller robot, scaled about its reference point",
+          Component::Kind::guide, "shrink",
+          "the same world for a smaller robot, scaled about its reference point, or with thinner links where it is "
+          "fixed to its base",
           "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; several paths: Vonasek, "
           "Penicka and Kozlikova 2020, Searching multiple approximate solutions")
           .number("scale", &ShrinkSettings::scale, "share of its size", Range{.lo = 0, .hi = 1, .open_lo = true},
-                  "size of the robot in S relative to that in C")
+                  "size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its "
+                  "links, whose lengths stay")
+          .number("resolution", &ShrinkSettings::resolution, "m", Range::non_negative(),
+                  "checking resolution in S; 0: the diameter of the largest disc about the reference point inside the "
+                  "smaller robot, as no wall fits between two of its places so near to each other, but not below that "
+                  "of C nor above four times that")
           .positional({"scale"})));
   return settings;
 }
 
 class Shrink final : public PathGuide {
  public:
-  explicit Shrink(const ShrinkSettings& settings) : PathGuide("shrink", settings), scale_(settings.scale) {}
+  explicit Shrink(const ShrinkSettings& settings)
+      : PathGuide("shrink", settings), scale_(settings.scale), resolution_(settings.resolution) {}
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, parent.scene->robot.scaled(scale_)});
+    const Robot& robot = parent.scene->robot;
+    // A shorter arm would reach other places than the whole one, and collide where that does not.
+    instance->scene = std::make_shared<Scene>(
+        Scene{parent.scene->world, robot.translates() ? robot.scaled(scale_) : robot.thinned(scale_)});
+    const double widest = 2.0 * instance->scene->robot.inscribed_radius();
+    instance->resolution =
+        resolution_ > 0.0 ? resolution_ : std::clamp(widest, parent.resolution, 4.0 * parent.resolution);
     // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
-    instance->validity = parent.validity_in(instance->scene);
+    instance->validity = instance->validity_in(instance->scene);
     return instance;
   }
 
  private:
   double scale_;
+  double resolution_;
 };
 
 }  // namespace
 
 GuideKind shrink_kind() {
-  GuideClaims claims =
-      path_claims(GuideClaims::Category::robot, "q -> q, for the robot scaled about its reference point",
-                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
-                  "reference point. A robot fixed to its base is another matter: a shorter arm may touch what the long "
-                  "one reaches past",
-                  "examples/nested.lua");
-  claims.relaxes_arms = false;
   return {
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
-      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; }, std::move(claims)};
+      "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
+      path_claims(GuideClaims::Category::robot,
+                  "q -> q, for the robot scaled about its reference point; where it is fixed to its base, with links "
+                  "scaled across their axes",
+                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
+                  "reference point or fixed to its base",
+                  "examples/nested.lua")};
 }
 
 }  // namespace trellis

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <queue>
@@ -11,6 +12,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
+#include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/skeleton.hpp>
@@ -20,6 +22,11 @@ namespace trellis {
 namespace {
 
 struct SkeletonSettings {
+  std::string follow = "path";
+  bool prune = true;
+  double spacing = 0.0;
+  double radius = 0.0;
+  std::int64_t evidence = 60;
   double region = 2.0;
   double explore = 0.5;
   double decay = 0.9;
@@ -27,7 +34,7 @@ struct SkeletonSettings {
   double penetration = 0.5;
   std::int64_t drop = 0;
   std::int64_t patience = 200;
-  std::int64_t resolves = 5;
+  std::int64_t resolves = 1000;
 };
 
 const Settings<SkeletonSettings>& skeleton_settings() {
@@ -37,6 +44,25 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           "the medial axis of the free workspace as a graph; dynamic regions travel along it, directed from start to "
           "goal, and proposals come from them",
           "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT")
+          .choice("follow", &SkeletonSettings::follow, {"path", "regions"},
+                  "\"path\": the path found on the axis is validated in C at points `spacing` apart, with the angles "
+                  "that are nearest to those before, and proposals are a step of the planner ahead of the node that "
+                  "came farthest along it; \"regions\", as published: dynamic regions along the whole axis, those on "
+                  "the path found weighing twice. Where there is a motion model, always regions")
+          .boolean(
+              "prune", &SkeletonSettings::prune,
+              "leave out edges that are narrower than the largest disc about the reference point inside the robot, "
+              "which it cannot pass")
+          .number(
+              "spacing", &SkeletonSettings::spacing, "m", Range::non_negative(),
+              "distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the "
+              "robot's bounding radius where that is more (2 % of the space's diameter for a point)")
+          .number("radius", &SkeletonSettings::radius, "m in the metric", Range::non_negative(),
+                  "radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding "
+                  "radius, or 1 % of the space's diameter for a point")
+          .integer("evidence", &SkeletonSettings::evidence, "proposals", Range::at_least(1),
+                   "guided proposals at one place of the path that C found blocked, after which the path is refuted "
+                   "there and the graph searched again")
           .number(
               "region", &SkeletonSettings::region, "bounding radii", Range::positive(),
               "radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal")
@@ -53,14 +79,16 @@ const Settings<SkeletonSettings>& skeleton_settings() {
                   "edges of the skeleton with less clearance than this are left out")
           .integer("patience", &SkeletonSettings::patience, "proposals", Range::at_least(1),
                    "proposals of a region without progress after which it is stuck; when all are, the edges they are "
-                   "stuck on are made dearer and the graph is searched again")
+                   "stuck on cost more and the graph is searched again")
           .integer("resolves", &SkeletonSettings::resolves, "re-solves", Range::non_negative(),
                    "how often the graph may be searched again");
   return settings;
 }
 
-/// How much dearer an edge becomes on which every region is stuck.
+/// Factor on the cost of an edge on which every region is stuck.
 constexpr double stuck_penalty = 4.0;
+/// Factor on the cost of an edge that was refuted.
+constexpr double refuted_penalty = 1000.0;
 /// Points of the skeleton, nearest first, that start and goal try to see.
 constexpr std::size_t most_sights = 100;
 
@@ -75,17 +103,20 @@ class GraphBuilder {
       if (least < clearance) continue;
       Configurations points(2);
       for (const Vec2 p : edge.points) points.push(std::array{p.x, p.y});
-      add_edge(edge.from, edge.to, std::move(points));
+      add_edge(edge.from, edge.to, std::move(points), edge.clearance);
     }
     graph_.start = join(instance.start);
     graph_.goal = join(instance.goal);
   }
   [[nodiscard]] Graph take() { return std::move(graph_); }
+  /// Of each edge its points' clearance, metres; 0 where it is not known.
+  [[nodiscard]] std::vector<std::vector<double>> take_clearances() { return std::move(clearances_); }
 
  private:
-  void add_edge(std::uint32_t from, std::uint32_t to, Configurations points) {
+  void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, std::vector<double> clearance) {
     const double length = path_length(instance_.space, points);
     graph_.edges.push_back({from, to, length, std::move(points)});
+    clearances_.push_back(std::move(clearance));
   }
 
   std::uint32_t join(const Configuration& q) {
@@ -112,7 +143,7 @@ class GraphBuilder {
       way.push(q);
       way.push(p);
       const std::uint32_t foot = split(sight.edge, sight.point);
-      add_edge(vertex, foot, std::move(way));
+      add_edge(vertex, foot, std::move(way), {0.0, 0.0});
       break;
     }
     return vertex;
@@ -129,12 +160,74 @@ class GraphBuilder {
     for (std::size_t k = i; k < edge.points.size(); ++k) second.push(std::as_const(edge.points)[k]);
     const std::uint32_t middle = graph_.vertices.push(std::as_const(edge.points)[i]);
     graph_.edges[e] = {edge.from, middle, path_length(instance_.space, first), std::move(first)};
-    add_edge(middle, edge.to, std::move(second));
+    const auto cut = clearances_[e].begin() + static_cast<std::ptrdiff_t>(i);
+    std::vector<double> rest(cut, clearances_[e].end());
+    clearances_[e].resize(i + 1);
+    add_edge(middle, edge.to, std::move(second), std::move(rest));
     return middle;
   }
 
   Instance& instance_;
   Graph graph_;
+  std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
+};
+
+/// The edges of a graph that a path found in it runs along: those of which a point in their middle is a point of it.
+std::vector<char> edges_along(const Graph& graph, const Configurations& path) {
+  std::vector<std::pair<double, double>> points;
+  points.reserve(path.size());
+  for (std::size_t i = 0; i < path.size(); ++i) points.emplace_back(path[i][0], path[i][1]);
+  std::sort(points.begin(), points.end());
+  std::vector<char> along(graph.edges.size(), 0);
+  for (std::size_t e = 0; e < along.size(); ++e) {
+    const auto& of = graph.edges[e].points;
+    // Of an edge of two points both must be.
+    const View a = of[of.size() / 2];
+    const View b = of[(of.size() - 1) / 2];
+    along[e] = std::binary_search(points.begin(), points.end(), std::pair(a[0], a[1])) &&
+                       std::binary_search(points.begin(), points.end(), std::pair(b[0], b[1]))
+                   ? 1
+                   : 0;
+  }
+  return along;
+}
+
+/// Lower bounds on the clearance along a path found in the graph.
+class PathClearance {
+ public:
+  /// \param clearances  of each edge, along its points
+  /// \param along       of each edge, whether the path runs along it
+  PathClearance(const Graph& graph, const std::vector<std::vector<double>>& clearances, const std::vector<char>& along,
+                const Configurations& path) {
+    std::vector<std::array<double, 3>> known;  // x, y, clearance
+    for (std::size_t e = 0; e < along.size(); ++e) {
+      if (along[e] == 0) continue;
+      const auto& points = graph.edges[e].points;
+      for (std::size_t i = 0; i < points.size(); ++i) known.push_back({points[i][0], points[i][1], clearances[e][i]});
+    }
+    std::sort(known.begin(), known.end());
+    double at = 0.0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      if (i > 0) at += std::hypot(path[i][0] - path[i - 1][0], path[i][1] - path[i - 1][1]);
+      // Of several entries for a point the last has the most clearance.
+      const std::array<double, 3> beyond = {path[i][0], path[i][1], std::numeric_limits<double>::infinity()};
+      const auto it = std::upper_bound(known.begin(), known.end(), beyond);
+      const bool found = it != known.begin() && (*(it - 1))[0] == beyond[0] && (*(it - 1))[1] == beyond[1];
+      points_.emplace_back(at, found ? (*(it - 1))[2] : 0.0);
+    }
+  }
+
+  /// At an arc length: clearance changes by no more than one goes.
+  [[nodiscard]] double at(double s) const {
+    const auto next = std::lower_bound(points_.begin(), points_.end(), std::pair(s, 0.0));
+    double most = 0.0;
+    if (next != points_.end()) most = next->second - (next->first - s);
+    if (next != points_.begin()) most = std::max(most, (next - 1)->second - (s - (next - 1)->first));
+    return most;
+  }
+
+ private:
+  std::vector<std::pair<double, double>> points_;  ///< arc length, clearance
 };
 
 /// The graph directed away from the start by the cost of getting there, without what does not lead to the goal (where
@@ -209,11 +302,12 @@ DirectedGraph directed(const Graph& graph) {
 class DynamicRegions final : public Heuristic {
  public:
   DynamicRegions(std::shared_ptr<const AxisProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
-                 Configurations lifted, const SkeletonSettings& settings, double radius, double robot,
-                 const NearestIndex& reached)
+                 const Configurations& path, Configurations lifted, const SkeletonSettings& settings, double radius,
+                 double robot, const NearestIndex& reached)
       : projection_(std::move(projection)),
         parent_(std::move(parent)),
         graph_(std::move(graph)),
+        on_path_(edges_along(*graph_, path)),
         directed_(directed(*graph_)),
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
@@ -270,7 +364,7 @@ class DynamicRegions final : public Heuristic {
         regions_.erase(regions_.begin() + static_cast<std::ptrdiff_t>(drawn_));
       }
     }
-    if (!outcome.added.empty()) {
+    if (!outcome.added.empty() && outcome.connected) {
       projection_->project(outcome.added, position_);
       advance([&](View c) { return projection_->space().squared_distance(c, position_) <= reach_ * reach_; });
     }
@@ -306,7 +400,8 @@ class DynamicRegions final : public Heuristic {
     std::int64_t idle = 0;                             ///< own proposals since it last moved
     std::int64_t failures = 0;                         ///< own proposals in a row that led to no node
     std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
-    [[nodiscard]] double weight() const { return successes / attempts; }
+    double share = 1.0;                                ///< twice as much for what the search of S found
+    [[nodiscard]] double weight() const { return share * successes / attempts; }
   };
 
   [[nodiscard]] View centre(const Region& region) const {
@@ -349,7 +444,7 @@ class DynamicRegions final : public Heuristic {
     if (spawned_[vertex] != 0) return;
     spawned_[vertex] = 1;
     for (const auto& edge : directed_.out[vertex]) {
-      regions_.push_back({.edge = edge});
+      regions_.push_back({.edge = edge, .share = on_path_[edge.edge] != 0 ? 2.0 : 1.0});
       place(regions_.back());
     }
     ++epoch_;
@@ -389,6 +484,7 @@ class DynamicRegions final : public Heuristic {
   std::shared_ptr<const AxisProjection> projection_;
   Space parent_;
   std::shared_ptr<const Graph> graph_;
+  std::vector<char> on_path_;  ///< per edge
   DirectedGraph directed_;
   SkeletonSettings settings_;
   double uniform_density_;
@@ -408,12 +504,23 @@ class SkeletonGuide final : public Guide {
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
     projection_ = std::make_shared<PositionProjection>("skeleton", parent);
-    reached_.emplace(projection_->space());
     auto instance = projection_->point_instance(parent);
-    graph_ = std::make_shared<Graph>(
-        GraphBuilder(*cached_medial_axis(parent.scene->world), settings_.clearance, *instance).take());
+    double clearance = settings_.clearance;
+    // The axis is made of points: at those its clearance is right to within rounding.
+    if (settings_.prune) clearance = std::max(clearance, (1.0 - 1e-6) * parent.scene->robot.inscribed_radius());
+    GraphBuilder builder(*cached_medial_axis(parent.scene->world), clearance, *instance);
+    graph_ = std::make_shared<Graph>(builder.take());
+    clearances_ = builder.take_clearances();
+    refuted_edges_.assign(graph_->edges.size(), 0);
     instance->graph = graph_;
-    reached_->add(instance->start);
+    along_path_ = settings_.follow == "path" && !parent.motion_model;
+    if (!reached_) {
+      reached_.emplace(projection_->space());
+      reached_->add(instance->start);
+      nodes_.begin(parent.space, parent.start, parent.goal);
+      start_ = parent.start;
+    }
+    sparse_.emplace(projection_->space(), settings_.spacing > 0.0 ? settings_.spacing : sparse_spacing(parent));
     return instance;
   }
 
@@ -422,33 +529,150 @@ class SkeletonGuide final : public Guide {
   [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
 
   void learn(const Outcome& outcome) override {
-    if (outcome.added.empty()) return;
+    if (outcome.added.empty() || !outcome.connected) return;
+    if (along_path_) {
+      nodes_.add(outcome.added, outcome.from_goal);
+      return;
+    }
     std::array<double, 2> position{};
     projection_->project(outcome.added, position);
     reached_->add(position);
   }
 
+  void restart() override {
+    nodes_.clear();
+    reached_.emplace(projection_->space());
+    Configuration s(2);
+    projection_->project(start_, s);
+    reached_->add(s);
+  }
+
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
+    regions_ = nullptr;
+    steps_ = nullptr;
+    refuted_.reset();
+    path_ = found->path;
+    if (along_path_ && found->solved()) return along(parent, *found);
     // A region is as large as the robot needs; a point has no size, so the world gives one.
     const double robot = parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_,
+    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, path_,
                                               projection_->lifted(found->path, parent.start, parent.goal), settings_,
                                               settings_.region * unit, robot, *reached_);
-    current_ = h.get();
+    regions_ = h.get();
     return h;
   }
 
   void before_resolve() override {
-    for (const std::uint32_t e : current_->stuck_edges()) graph_->edges[e].cost *= stuck_penalty;
+    if (regions_ != nullptr) {
+      for (const std::uint32_t e : regions_->stuck_edges()) graph_->edges[e].cost *= stuck_penalty;
+      return;
+    }
+    if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
+      refuted_.emplace(2);
+      projection_->project(*steps_->refuted_place(), *refuted_);
+    }
+    if (!refuted_) return;
+    const std::uint32_t edge = nearest_edge_of_path(*refuted_);
+    graph_->edges[edge].cost *= refuted_penalty;
+    refuted_edges_[edge] = 1;
   }
 
  private:
+  /// h along the path found, lifted to valid configurations of C.
+  std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found) {
+    along_ = edges_along(*graph_, path_);
+    std::vector<std::size_t> headings;
+    for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
+      const bool kept =
+          std::find(parent.position_axes.begin(), parent.position_axes.end(), j) != parent.position_axes.end();
+      if (!kept && parent.space.axes()[j].periodic) headings.push_back(j);
+    }
+    const double wander = natural_distance(parent);
+    const PointLift lift = [&](int attempt, View s, View previous, View ahead, Stream& stream, MutableView q) {
+      // As before; along the path, either way round; anything at the place; anything near it.
+      constexpr int here = 14;
+      constexpr int most = 26;
+      if (attempt >= most) return false;
+      if (attempt > 2) {
+        projection_->lift(s, stream, q);
+      } else {
+        std::copy(previous.begin(), previous.end(), q.begin());
+        for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] = s[k];
+        if (attempt > 0) {
+          const double turn = attempt == 1 ? 0.0 : std::numbers::pi;
+          for (const std::size_t axis : headings) q[axis] = std::atan2(ahead[1] - s[1], ahead[0] - s[0]) + turn;
+          parent.space.normalise(q);
+        }
+      }
+      if (attempt >= here) {
+        const double r = wander * static_cast<double>(attempt - here + 1) / (most - here);
+        for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] += r * stream.uniform(-1.0, 1.0);
+        parent.space.reflect(q);
+      }
+      return true;
+    };
+    // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
+    const double reach = parent.scene->robot.bounding_radius();
+    const PathClearance clearance(*graph_, clearances_, along_, path_);
+    const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
+    SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
+    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
+    const StepHeuristic::Settings steps = {.radius = radius,
+                                           .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
+                                           .evidence = settings_.evidence};
+    auto h =
+        std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps, nodes_.both());
+    steps_ = h.get();
+    if (path_is_refuted()) return h;
+    if (sparse.refuted) {
+      refuted_ = std::move(sparse.refuted);
+      h->refute();
+    }
+    return h;
+  }
+
+  /// Of the edges that the path found runs along, the one nearest to s.
+  [[nodiscard]] std::uint32_t nearest_edge_of_path(View s) const {
+    std::uint32_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
+      if (along_[e] == 0) continue;
+      const auto& points = std::as_const(graph_->edges[e].points);
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const double distance = nearest_on_motion(projection_->space(), points[i], points[i + 1], s).squared_distance;
+        if (distance < least) {
+          least = distance;
+          best = e;
+        }
+      }
+    }
+    return best;
+  }
+
+  /// Whether an edge of the path found was refuted before: then there is no other path.
+  [[nodiscard]] bool path_is_refuted() const {
+    for (std::size_t e = 0; e < along_.size(); ++e) {
+      if (along_[e] != 0 && refuted_edges_[e] != 0) return true;
+    }
+    return false;
+  }
+
   SkeletonSettings settings_;
   std::shared_ptr<const PositionProjection> projection_;
-  std::optional<NearestIndex> reached_;
   std::shared_ptr<Graph> graph_;
-  DynamicRegions* current_ = nullptr;
+  std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
+  std::vector<char> along_;                      ///< of each edge, whether the path found runs along it
+  std::vector<char> refuted_edges_;
+  bool along_path_ = true;
+  Configuration start_;
+  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, for regions
+  ReachedNodes nodes_;                   ///< the planner's nodes, for a path
+  std::optional<SparseValidation> sparse_;
+  Configurations path_;                   ///< found in S
+  std::optional<Configuration> refuted_;  ///< a point of it
+  DynamicRegions* regions_ = nullptr;     ///< in use, if any
+  StepHeuristic* steps_ = nullptr;
 };
 
 }  // namespace
@@ -463,12 +687,15 @@ GuideKind skeleton_kind() {
       [](const Options& o) { return skeleton_settings().read(o).resolves; },
       {.category = GuideClaims::Category::robot,
        .f = "q -> the position of the reference point, on the medial axis of the free workspace",
-       .h = "a ball that travels along the directed axis ahead of the tree, with uniform angles; the whole space "
-            "with a share of `explore`",
+       .h = "a ball about a point of the path found on the axis, a step ahead of the tree, with angles that are valid "
+            "there; or balls that travel along the directed axis with uniform angles, and the whole space with a share "
+            "of `explore`",
        .closed_form = true,
        .density = "of the mixture of balls and the whole space",
-       .feedback = "a node in a ball moves it on; successes and attempts weigh the balls; where all are stuck their "
-                   "edges are made dearer and the graph is searched again",
+       .feedback =
+           "nodes move it on; a point of the path of which no lift is valid, or `evidence` blocked proposals at "
+           "one place, refute an edge, and the graph is searched again without it. Of regions, successes and "
+           "attempts weigh them, and edges on which all are stuck cost more",
        .relaxes = true,
        .invalid_ends = "an end whose position is inside an obstacle is not joined to the axis, so S has no path",
        .fallback = GuideClaims::Fallback::own,

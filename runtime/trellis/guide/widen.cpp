@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -15,6 +20,7 @@ namespace {
 
 struct WidenSettings : PathGuideSettings {
   double distance = 0.0;
+  std::int64_t repair = 10;
 };
 
 const Settings<WidenSettings>& widen_settings() {
@@ -28,6 +34,10 @@ const Settings<WidenSettings>& widen_settings() {
               "distance", &WidenSettings::distance, "m", Range::non_negative(),
               "how far the sides of obstacles move inwards; what is not twice as thick vanishes; 0: a quarter of the "
               "robot's bounding radius, or half a percent of the world's diagonal for a point")
+          .integer("repair", &WidenSettings::repair, "configurations", Range::non_negative(),
+                   "how many configurations about a point of the path that is invalid in C are tried in its place, "
+                   "farther and farther from it; 0: the point stays. Without effect where the path is followed by "
+                   "\"steps\", which lifts every point to a valid one")
           .positional({"distance"})));
   return settings;
 }
@@ -51,14 +61,13 @@ std::vector<Shape> eroded(const Shape& shape, double d) {
 
 class Widen final : public PathGuide {
  public:
-  explicit Widen(const WidenSettings& settings) : PathGuide("widen", settings), distance_(settings.distance) {}
+  explicit Widen(const WidenSettings& settings)
+      : PathGuide("widen", settings), distance_(settings.distance), repair_(settings.repair) {}
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     const World& world = parent.scene->world;
-    const double robot = parent.scene->robot.bounding_radius();
-    const double plain = robot > 0.0 ? 0.25 * robot : 0.005 * norm(world.bounds().hi - world.bounds().lo);
-    const double d = distance_ > 0.0 ? distance_ : plain;
+    const double d = erosion(parent);
     std::vector<Obstacle> obstacles;
     for (const Obstacle& obstacle : world.obstacles()) {
       const auto rest = eroded(obstacle.shape, d);
@@ -73,18 +82,72 @@ class Widen final : public PathGuide {
     return instance;
   }
 
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
+    parent_ = &parent;
+    return PathGuide::heuristic(parent, sub, found);
+  }
+
+ protected:
+  /// The path with its points retracted into the free part of C. Their checks are C's.
+  [[nodiscard]] Configurations followed(Configurations path) const override {
+    // Following by steps lifts each point to a valid one in any case.
+    if (repair_ == 0 || path_settings().follow == "steps") return path;
+    Stream stream(paths_repaired_++, "widen", "repair");
+    for (std::size_t i = 0; i < path.size(); ++i) retract(path[i], stream);
+    return path;
+  }
+
  private:
+  [[nodiscard]] double erosion(const Instance& parent) const {
+    if (distance_ > 0.0) return distance_;
+    const World& world = parent.scene->world;
+    const double robot = parent.scene->robot.bounding_radius();
+    return robot > 0.0 ? 0.25 * robot : 0.005 * norm(world.bounds().hi - world.bounds().lo);
+  }
+
+  /// Moves a point that is invalid in C to a valid configuration about it: beyond what is known to be invalid, in
+  /// shells that grow to four times what the obstacles lost. Leaves it where it is when none of them is valid.
+  void retract(MutableView point, Stream& stream) const {
+    if (parent_->valid(point)) return;
+    const Space& space = parent_->space;
+    const double inner = parent_->validity->invalid_radius(point);
+    const double shell = 4.0 * erosion(*parent_) / static_cast<double>(repair_);
+    Configuration q(point.size());
+    std::vector<double> direction(point.size());
+    for (std::int64_t k = 0; k < repair_; ++k) {
+      double squares = 0.0;
+      for (double& x : direction) {
+        x = stream.normal();
+        squares += x * x;
+      }
+      const double distance = inner + shell * (static_cast<double>(k) + stream.uniform());
+      for (std::size_t j = 0; j < q.size(); ++j) {
+        q[j] = point[j] + distance * direction[j] / std::sqrt(squares) / space.axes()[j].weight;
+      }
+      space.reflect(q);
+      if (!parent_->valid(q)) continue;
+      std::copy(q.begin(), q.end(), point.begin());
+      return;
+    }
+  }
+
   double distance_;
+  std::int64_t repair_;
+  Instance* parent_ = nullptr;
+  mutable std::uint64_t paths_repaired_ = 0;
 };
 
 }  // namespace
 
 GuideKind widen_kind() {
+  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, among obstacles eroded by `distance`",
+                                   "S has no path; no end that is valid in C becomes invalid", "examples/widen.lua");
+  claims.h +=
+      "; points of the path that are invalid in C are retracted first, to valid ones near them where `repair` "
+      "tries find one";
   return {&widen_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Widen>(widen_settings().read(o)); },
-          "rrt_connect", [](const Options& o) { return widen_settings().read(o).resolves; },
-          path_claims(GuideClaims::Category::environment, "q -> q, among obstacles eroded by `distance`",
-                      "S has no path; no end that is valid in C becomes invalid", "examples/widen.lua")};
+          "rrt_connect", [](const Options& o) { return widen_settings().read(o).resolves; }, std::move(claims)};
 }
 
 }  // namespace trellis

@@ -22,9 +22,9 @@ struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
   std::string lift = "uniform";
-  double window = 0.2;
-  std::int64_t patience = 100;
-  std::int64_t resolves = 10;
+  double window = 0.0;
+  std::int64_t evidence = 60;
+  std::int64_t resolves = 1000;
 };
 
 const Settings<WorkspaceSettings>& workspace_settings() {
@@ -49,11 +49,11 @@ const Settings<WorkspaceSettings>& workspace_settings() {
               "what a position is completed with: \"uniform\", uniform angles; \"handles\", angles that lay both ends "
               "of each body, its handle points, near the medial axis of the workspace, to which the path is moved "
               "too; other coordinates stay uniform")
-          .number(
-              "window", &WorkspaceSettings::window, "share of the path", {.lo = 0, .hi = 1, .open_lo = true},
-              "how far beyond what the planner has reached proposals are drawn; 1: the whole rest of the path at once")
-          .integer("patience", &WorkspaceSettings::patience, "proposals", Range::at_least(1),
-                   "guided proposals without progress along the path before its space is solved again")
+          .number("window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
+                  "how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or "
+                  "two bounding radii where it has none")
+          .integer("evidence", &WorkspaceSettings::evidence, "proposals", Range::at_least(1),
+                   "guided proposals at one place of the path that C found blocked, after which the path is refuted")
           .integer("resolves", &WorkspaceSettings::resolves, "re-solves", Range::non_negative(),
                    "how often its space may be solved again")
           .positional({"cell"});
@@ -133,9 +133,9 @@ Graph grid(const Instance& instance, double cell) {
 class LiftedPath final : public Heuristic {
  public:
   LiftedPath(std::shared_ptr<const Projection> projection, const Space& plane, const Configurations& path,
-             double radius, const WorkspaceSettings& settings, const NearestIndex& reached, Configurations lifted)
+             double radius, double window, std::int64_t evidence, const NearestIndex& reached, Configurations lifted)
       : projection_(std::move(projection)),
-        positions_("workspace", plane, path, radius, settings.window, settings.patience, &reached),
+        positions_("workspace", plane, path, radius, window, evidence, &reached),
         lifted_(std::move(lifted)) {
     renew();
   }
@@ -159,6 +159,7 @@ class LiftedPath final : public Heuristic {
     if (positions_.epoch() != before) renew();
   }
   [[nodiscard]] bool stale() const override { return positions_.stale(); }
+  [[nodiscard]] double progress() const override { return positions_.progress(); }
   [[nodiscard]] std::vector<std::string> sources() const override { return positions_.sources(); }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
@@ -186,16 +187,16 @@ class Workspace final : public Guide {
     reached_.emplace(projection_->space());
     reached_->add(instance->start);
     if (settings_.lift == "handles") handles_ = std::make_shared<HandleLift>(projection_, parent);
-    point_ = instance.get();
     return instance;
   }
+  void attach(Instance& sub) override { point_ = &sub; }
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
   [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
 
   void learn(const Outcome& outcome) override {
-    if (outcome.added.empty()) return;
+    if (outcome.added.empty() || !outcome.connected) return;
     std::array<double, 2> position{};
     projection_->project(outcome.added, position);
     reached_->add(position);
@@ -207,15 +208,17 @@ class Workspace final : public Guide {
     const double robot = parent.scene->robot.bounding_radius();
     const double plain = robot > 0.0 ? robot : 0.01 * parent.space.diameter();
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
+    const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
+    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     if (!handles_) {
-      return std::make_unique<LiftedPath>(projection_, projection_->space(), path_, radius_, settings_, *reached_,
-                                          projection_->lifted(path_, parent.start, parent.goal));
+      return std::make_unique<LiftedPath>(projection_, projection_->space(), path_, radius_, window, settings_.evidence,
+                                          *reached_, projection_->lifted(path_, parent.start, parent.goal));
     }
     const Configurations moved = handles_->on_axis(path_, *point_);
     Configurations lifted = projection_->lifted(moved, parent.start, parent.goal);
     for (std::size_t i = 1; i + 1 < lifted.size(); ++i) handles_->settle(lifted[i]);
-    return std::make_unique<LiftedPath>(handles_, projection_->space(), moved, radius_, settings_, *reached_,
-                                        std::move(lifted));
+    return std::make_unique<LiftedPath>(handles_, projection_->space(), moved, radius_, window, settings_.evidence,
+                                        *reached_, std::move(lifted));
   }
 
   /// Ways along the part of the path that the planner did not reach become dearer.
@@ -264,8 +267,9 @@ GuideKind workspace_kind() {
            "or with those that lay the robot's handle points near the medial axis",
        .closed_form = true,
        .density = "of the tube of positions times that of the angles",
-       .feedback = "new nodes move the stretch on; after `patience` proposals without progress ways not yet reached "
-                   "are made dearer and S is solved again",
+       .feedback =
+           "new nodes move the stretch on; after `evidence` blocked proposals at one place edges not yet reached "
+           "cost more and S is solved again",
        .relaxes = true,
        .invalid_ends = "S has no path; the point of a robot that covers it is valid wherever the robot is",
        .fallback = GuideClaims::Fallback::nearest,

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/instance/verified_motions.hpp>
 #include <trellis/scene/scene.hpp>
 #include <trellis/space/space.hpp>
 
@@ -32,6 +34,21 @@ class Validity {
   }
   /// Grows each time what is valid may have changed, so that planners look again at what they had checked.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
+  /// Whether the motion, valid at an earlier epoch, still is. Costs no validity check where what became invalid is
+  /// known by itself; by default the motion is checked anew (`motion`).
+  [[nodiscard]] virtual MotionReport motion_still_valid(View a, View b) { return motion(a, b); }
+  /// Factor on the cost of an edge for searches of roadmaps, >= 1: more where validating it would cost checks still.
+  [[nodiscard]] virtual double effort_factor(View a, View b) const {
+    static_cast<void>(a);
+    static_cast<void>(b);
+    return 1.0;
+  }
+  /// A lower bound on the distance in the metric from q, invalid, to the nearest valid configuration; 0 where it is not
+  /// known.
+  [[nodiscard]] virtual double invalid_radius(View q) {
+    static_cast<void>(q);
+    return 0.0;
+  }
 };
 
 /// Validity by a collision checker.
@@ -42,6 +59,7 @@ class CollisionValidity final : public Validity {
   [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
   [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
+  [[nodiscard]] double invalid_radius(View q) override { return checker_->invalid_radius(q); }
   [[nodiscard]] const Checker& checker() const { return *checker_; }
 
  private:
@@ -82,6 +100,7 @@ class Instance {
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
   std::string collision = "planar";
+  double step = 0.0;  ///< longest extension of the planner that searches it, metres in the metric; 0: it has none
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states
   std::vector<std::size_t> position_axes;           ///< axes that hold the reference point's position; empty: none
   /// Makes validity for a scene where the axes are not the robot's; empty where they are.
@@ -103,7 +122,9 @@ class Instance {
     if (validity->spends_checks()) ++checks.validity;
     return validity->state(q);
   }
+  /// Counted, unless it is part of a motion that was verified before.
   [[nodiscard]] MotionReport motion(View a, View b) {
+    if (verified && verified->cover(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     const MotionReport report = validity->motion(a, b);
     if (validity->spends_checks()) {
       checks.validity += report.checks;
@@ -111,6 +132,16 @@ class Instance {
     }
     return report;
   }
+  /// Counted: whether a motion that was valid at an earlier epoch still is.
+  [[nodiscard]] MotionReport recheck_motion(View a, View b) {
+    const MotionReport report = validity->motion_still_valid(a, b);
+    if (validity->spends_checks() && report.checks > 0) {
+      checks.validity += report.checks;
+      ++checks.motion;
+    }
+    return report;
+  }
+  [[nodiscard]] bool motion_still_valid(View a, View b) { return recheck_motion(a, b).valid; }
   /// Drives from a valid state under a control for so many steps, as far as that is valid: appends the state after each
   /// valid step. Each step counts as a motion. \param blocked  if not null: receives the first state found invalid
   /// \return the steps driven. Needs a motion model.
@@ -126,7 +157,12 @@ class Instance {
     return validity->clearance(q);
   }
 
+  /// Grows each time that what is valid may have changed: by itself, or because the instance was projected anew.
+  [[nodiscard]] std::uint64_t epoch() const { return revision + validity->epoch(); }
+
   Checks checks;
+  std::shared_ptr<VerifiedMotions> verified;  ///< motions known to be valid; nullptr: none
+  std::uint64_t revision = 0;                 ///< grows when the instance is replaced by a new projection
 };
 
 /// Validity by collision checks, and where there is a motion model by its limits and the bounds of its states.

@@ -38,8 +38,8 @@ struct Oracle {
 /// None where the oracle finds no way.
 std::optional<Oracle> ask_oracle(const WorldGrid& grid, Vec2 start, Vec2 goal, double tolerance);
 
-/// A heuristic learnt by imitation: the probability that a near-optimal way leads through a cell, of what can be said
-/// of the cell without search. In a file it is the same on every machine.
+/// A classifier of cells: the probability that a near-optimal path leads through a cell, from features of the cell that
+/// need no search. Static: it uses no state of a search. In a file it is the same on every machine.
 class Model {
  public:
   /// Throws Error where no task has a way from start to goal.

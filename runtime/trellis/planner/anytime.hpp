@@ -49,7 +49,10 @@ class BestPath {
     kept_ = false;
   }
   /// What was valid may not be so any more.
-  void forget() { length_ = std::numeric_limits<double>::infinity(); }
+  void forget() {
+    length_ = std::numeric_limits<double>::infinity();
+    straight_ = task_.instance.to_goal(task_.instance.start);
+  }
   /// A path shorter than the one known: h is told of it.
   void keep(Configurations path) {
     if (!known()) from_ = drawn();

@@ -19,17 +19,32 @@ Connection Connection::within(const Space& space, double factor) {
 }
 
 void Connection::find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out) const {
-  if (rule_ == Rule::fixed) {
-    index.k_nearest(q, static_cast<std::size_t>(neighbours_), out);
-    while (!out.empty() && std::sqrt(out.back().squared_distance) > radius_) out.pop_back();
-    return;
+  find(index, q, out, 1.0);
+}
+
+std::size_t Connection::most(const NearestIndex& index) const {
+  switch (rule_) {
+    case Rule::fixed: return static_cast<std::size_t>(neighbours_);
+    case Rule::k_nearest:
+      return static_cast<std::size_t>(std::ceil(neighbours_ * std::log(static_cast<double>(index.size() + 1))));
+    case Rule::within: return index.size();
   }
-  const auto n = static_cast<double>(index.size() + 1);
-  if (rule_ == Rule::k_nearest) {
-    index.k_nearest(q, static_cast<std::size_t>(std::ceil(neighbours_ * std::log(n))), out);
-  } else {
+  return 0;
+}
+
+bool Connection::find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, double more) const {
+  if (rule_ == Rule::within) {
+    const auto n = static_cast<double>(index.size() + 1);
     index.within(q, radius_ * std::pow(std::log(n) / n, 1.0 / dimension_), out);
+    return true;
   }
+  const auto k = static_cast<std::size_t>(more * static_cast<double>(most(index)));
+  index.k_nearest(q, k, out);
+  const bool all = out.size() < k;
+  if (rule_ == Rule::k_nearest) return all;
+  const std::size_t found = out.size();
+  while (!out.empty() && std::sqrt(out.back().squared_distance) > radius_) out.pop_back();
+  return all || out.size() < found;
 }
 
 }  // namespace trellis

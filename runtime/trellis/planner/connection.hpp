@@ -26,8 +26,25 @@ class Connection {
 
   /// The nodes for a new one at q.
   void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out) const;
+  /// The same among the nodes for which `usable` holds: others take no place among the nearest.
+  template <class Usable>
+  void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, const Usable& usable) const {
+    const std::size_t wanted = most(index);
+    for (double more = 1.0;; more *= 2.0) {
+      const bool all = find(index, q, out, more);
+      std::erase_if(out, [&](const auto& neighbour) { return !usable(neighbour.id); });
+      if (!all && out.size() < wanted) continue;
+      if (out.size() > wanted) out.resize(wanted);
+      return;
+    }
+  }
 
  private:
+  /// \param more  times as many as the nearest asked for; whether no more would be found
+  bool find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, double more) const;
+  /// How many nodes a new one is joined to at most.
+  [[nodiscard]] std::size_t most(const NearestIndex& index) const;
+
   enum class Rule : std::uint8_t { fixed, k_nearest, within };
   Connection(Rule rule, double neighbours, double radius, double dimension)
       : rule_(rule), neighbours_(neighbours), radius_(radius), dimension_(dimension) {}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <queue>
 #include <tuple>
@@ -9,6 +10,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/loop.hpp>
+#include <trellis/planner/nearest.hpp>
 
 namespace trellis {
 
@@ -47,8 +49,11 @@ class GraphSearch final : public Planner {
     }
     std::vector<std::uint32_t> parent(n, none);
     std::vector<char> done(n, 0);
-    if (seen_.empty()) seen_.assign(graph.edges.size(), 0);
-    if (rows_.empty()) rows_.assign(n, no_node);
+    if (graph_ != task_.instance.graph) {
+      graph_ = task_.instance.graph;
+      seen_.assign(graph.edges.size(), 0);
+      rows_.assign(n, no_node);
+    }
     std::optional<Status> ended;
     if (graph.verified) {
       dijkstra(graph, cost, adjacency, parent, done);
@@ -96,6 +101,9 @@ class GraphSearch final : public Planner {
 
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  static constexpr char found_valid = 1;
+  static constexpr char found_invalid = 2;
+  static constexpr char stale = 3;                            // found valid before the instance changed
   using Adjacency = std::vector<std::vector<std::uint32_t>>;  ///< of each vertex its edges
 
   void dijkstra(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
@@ -129,9 +137,9 @@ class GraphSearch final : public Planner {
   std::optional<Status> verify(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
                                std::vector<std::uint32_t>& parent, std::vector<char>& done, Meter& meter) {
     Instance& instance = task_.instance;
-    if (instance.validity->epoch() != epoch_) {
-      epoch_ = instance.validity->epoch();
-      std::fill(seen_.begin(), seen_.end(), 0);
+    if (instance.epoch() != epoch_) {
+      epoch_ = instance.epoch();
+      for (char& seen : seen_) seen = seen == found_valid || seen == stale ? stale : char{0};
     }
     // What is left of the way costs at least its length at the cheapest rate.
     double rate = 1.0;
@@ -173,15 +181,23 @@ class GraphSearch final : public Planner {
 
   /// Whether the edge that leads to the vertex is valid.
   bool is_valid(const Graph& graph, std::uint32_t e, std::uint32_t to) {
-    constexpr char good = 1;
-    constexpr char bad = 2;
-    if (seen_[e] == 0) {
+    if (seen_[e] == 0 || seen_[e] == stale) {
       const std::uint32_t from = graph.edges[e].from == to ? graph.edges[e].to : graph.edges[e].from;
       const View a = std::as_const(graph.vertices)[from];
       const View b = std::as_const(graph.vertices)[to];
-      seen_[e] = task_.instance.motion(a, b).valid ? good : bad;
+      const MotionReport report = seen_[e] == stale ? task_.instance.recheck_motion(a, b) : task_.instance.motion(a, b);
+      seen_[e] = report.valid ? found_valid : found_invalid;
+      if (!report.valid) {
+        Configuration blocked(a.size());
+        task_.instance.space.interpolate(a, b, report.invalid_at, blocked);
+        Outcome outcome;
+        outcome.proposal = b;
+        outcome.near = a;
+        outcome.blocked_at = blocked;
+        task_.guidance.observe(outcome, false);
+      }
     }
-    return seen_[e] == good;
+    return seen_[e] == found_valid;
   }
 
   /// The first time that a vertex is reached it becomes a node of the level.
@@ -207,6 +223,7 @@ class GraphSearch final : public Planner {
     std::vector<double> hits(graph.vertices.size(), 0.0);
     Configuration q(task_.instance.space.dimension());
     double drawn = 0.0;
+    const std::vector<char> connected = reachable(graph);
     for (std::int64_t i = 0; i < settings_.samples && !meter.spent(); ++i) {
       propose(task_, q);
       const auto near = index.nearest(q);
@@ -217,6 +234,7 @@ class GraphSearch final : public Planner {
       outcome.near = std::as_const(graph.vertices)[near.id];
       outcome.added = outcome.near;
       outcome.fate = Fate::advanced;
+      outcome.connected = connected[near.id] != 0;
       settle(task_, outcome);
     }
     if (drawn == 0.0) return cost;
@@ -226,6 +244,30 @@ class GraphSearch final : public Planner {
       cost[e] /= 1.0 + share * n;
     }
     return cost;
+  }
+
+  /// Of each vertex whether the graph joins it to the start: its edges are verified or presumed valid, but for those
+  /// found invalid.
+  [[nodiscard]] std::vector<char> reachable(const Graph& graph) const {
+    std::vector<std::vector<std::uint32_t>> neighbours(graph.vertices.size());
+    for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
+      if (!graph.verified && e < seen_.size() && seen_[e] == found_invalid) continue;
+      neighbours[graph.edges[e].from].push_back(graph.edges[e].to);
+      neighbours[graph.edges[e].to].push_back(graph.edges[e].from);
+    }
+    std::vector<char> reached(graph.vertices.size(), 0);
+    std::vector<std::uint32_t> open = {graph.start};
+    reached[graph.start] = 1;
+    while (!open.empty()) {
+      const std::uint32_t at = open.back();
+      open.pop_back();
+      for (const std::uint32_t next : neighbours[at]) {
+        if (reached[next] != 0) continue;
+        reached[next] = 1;
+        open.push_back(next);
+      }
+    }
+    return reached;
   }
 
   /// The first time that the search looks along an edge its points become nodes of the level, joined in a row.
@@ -242,7 +284,8 @@ class GraphSearch final : public Planner {
 
   GraphSearchSettings settings_;
   Task task_;
-  std::vector<char> seen_;           ///< per edge: recorded, or 1: found valid, 2: invalid
+  std::shared_ptr<Graph> graph_;     ///< that the rest is about
+  std::vector<char> seen_;           ///< per edge: whether it was recorded, or what was found of it
   std::vector<std::uint32_t> rows_;  ///< per vertex of a graph that nobody verified: its node
   std::uint64_t epoch_ = 0;          ///< of the validity that `seen_` tells of
 };
@@ -251,7 +294,7 @@ class GraphSearch final : public Planner {
 
 PlannerKind graph_search_kind() {
   return {&graph_search_settings().component(),
-          [](const Options& o) { return graph_search_settings().read(o).common(); },
+          [](const Options& o) { return common_of(graph_search_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             if (!task.instance.graph) throw Fault("graph_search needs an instance with an explicit graph");
             return std::make_unique<GraphSearch>(graph_search_settings().read(o), std::move(task));

@@ -25,7 +25,14 @@ enum class Fate : std::uint8_t {
   reached,   ///< a node was added at the proposal itself
 };
 
-/// The planner's answer to one proposal, in the planner's space. Views hold during the call only.
+/// The tree that a bidirectional planner grows: from the start, or from the goal.
+enum class TreeSide : std::uint8_t { start, goal };
+
+/// No row of Search::nodes.
+inline constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
+
+/// The planner's answer to one proposal, or news of a motion that it tried of its own accord, in the planner's space.
+/// Views hold during the call only.
 struct Outcome {
   Fate fate = Fate::rejected;
   View proposal;
@@ -34,6 +41,10 @@ struct Outcome {
   View blocked_at;  ///< the first configuration found invalid; empty where none was
   /// The extension that grew from the goal's side (RRT-Connect), not from the start's.
   bool from_goal = false;
+  /// Whether `added` is joined to the start (`from_goal`: to the goal) by motions that were checked. A roadmap's vertex
+  /// may not be; it is reported again, by an outcome that no proposal belongs to, when it is.
+  bool connected = true;
+  std::uint32_t added_row = no_node;  ///< of `added` in Search::nodes
 };
 
 /// h as a planner sees it: a distribution over the planner's space with feedback.
@@ -44,6 +55,9 @@ class Guidance {
 
   virtual ~Guidance() = default;
 
+  /// Called by a bidirectional planner before each `sample`: the tree that the proposal is for. The others grow from
+  /// the start.
+  virtual void select_tree(TreeSide side) { static_cast<void>(side); }
   /// Draws a proposal into `out` (inside the space).
   virtual Source sample(Stream& stream, MutableView out) = 0;
   /// The density at q of the next sample, with respect to volume in metric coordinates; the absolutely continuous part
@@ -57,6 +71,27 @@ class Guidance {
     static_cast<void>(outcome);
     static_cast<void>(mine);
   }
+  /// The node that the last proposal is best extended from, a row of Search::nodes; no_node: the nearest one. A planner
+  /// that chooses the node itself need not ask.
+  [[nodiscard]] virtual std::uint32_t vertex() const { return no_node; }
+  /// Whether a motion that a planner would try beyond the last proposal (RRT's to the goal, RRT-Connect's from the one
+  /// tree to the other) is worth its validity checks.
+  [[nodiscard]] virtual bool worth_connecting(View from, View to) const {
+    static_cast<void>(from);
+    static_cast<void>(to);
+    return true;
+  }
+  /// Length, in metres of the metric, by which connected nodes advanced along what guides, over the whole run.
+  [[nodiscard]] virtual double progress() const { return 0.0; }
+  /// Factor on the cost of an edge that a search of a roadmap may use, >= 1: more where the edge leaves what guides.
+  [[nodiscard]] virtual double edge_factor(View a, View b) const {
+    static_cast<void>(a);
+    static_cast<void>(b);
+    return 1.0;
+  }
+  /// Called when the planner removed nodes: those that are left are reported again, by outcomes that no proposal
+  /// belongs to.
+  virtual void restart() {}
   /// Told when a path from start to goal was found, or a shorter one: its length in the metric.
   virtual void found(double length) { static_cast<void>(length); }
   /// Grows when the density may have changed, while a sample is drawn or an outcome is observed.

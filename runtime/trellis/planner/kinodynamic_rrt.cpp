@@ -3,12 +3,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include <trellis/base/error.hpp>
 #include <trellis/motion/steering.hpp>
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
@@ -48,7 +49,8 @@ class KinodynamicRrt final : public Planner {
   KinodynamicRrt(const KinodynamicRrtSettings& settings, Task task)
       : settings_(settings),
         task_(std::move(task)),
-        model_(*task_.instance.motion_model),
+        model_holder_(task_.instance.motion_model),
+        model_(*model_holder_),
         most_steps_(static_cast<std::size_t>(
             std::clamp(std::floor(settings.longest / model_.dt() + 1e-9), 1.0, most_steps_allowed))),
         sample_(dimension()),
@@ -59,12 +61,21 @@ class KinodynamicRrt final : public Planner {
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
-    if (!ends_checked_) {
+    if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
+      epoch_ = instance.epoch();
+      if (tree_) begin_repair();
     }
-    // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
-    if (!tree_ || solved_ || epoch_ != instance.validity->epoch()) plant();
+    if (!tree_) {
+      plant();
+    } else if (repair_ && !solved_) {
+      if (const auto reason = repair(meter))
+        return {*reason, path_of_start(instance), {Configurations(model_.controls().size()), {}, model_.dt()}};
+    } else if (solved_) {
+      // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
+      plant();
+    }
     while (!solved_) {
       if (const auto reason = meter.spent()) return finish(*reason);
       iterate();
@@ -84,12 +95,76 @@ class KinodynamicRrt final : public Planner {
 
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
 
+  /// The instance changed: what of the tree is still valid is not known. Where the goal may still be reached, the
+  /// branch to it is checked at once, and the search ends if it is valid.
+  void begin_repair() {
+    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+      tree_.reset();
+      return;
+    }
+    repair_.emplace(*tree_);
+    find_best();
+  }
+
+  /// Ends where the branch to the goal is still valid; else removes all branches that are not. The reason to stop
+  /// before that is done, or none.
+  std::optional<Status> repair(Meter& meter) {
+    const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
+    if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
+      solved_ = true;
+      return std::nullopt;
+    }
+    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
+    task_.guidance.restart();
+    report_nodes(task_, *tree_, false);
+    std::vector<Edge> kept(tree_->size());
+    for (std::uint32_t id = 0; id < ids.size(); ++id) {
+      if (ids[id] == no_node) continue;
+      kept[ids[id]] = edges_[id];
+      kept[ids[id]].parent = ids[edges_[id].parent];
+    }
+    edges_ = std::move(kept);
+    repair_.reset();
+    find_best();
+    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+    return std::nullopt;
+  }
+
+  /// Whether the motion to a node from its parent is still valid, step by step.
+  bool edge_still_valid(std::uint32_t id) {
+    const Edge& edge = edges_[id];
+    const View from = (*tree_)[edge.parent];
+    std::copy(from.begin(), from.end(), state_.begin());
+    Configuration next(dimension());
+    for (std::uint32_t k = 0; k < edge.steps; ++k) {
+      model_.step(task_.instance.space, state_, std::as_const(controls_)[edge.control], next);
+      if (!motion_still_valid(task_, state_, next)) return false;
+      std::swap(state_, next);
+    }
+    return true;
+  }
+
+  /// Finds the node nearest to the goal.
+  void find_best() {
+    solved_ = false;
+    best_ = 0;
+    best_distance_ = task_.instance.to_goal((*tree_)[0]);
+    for (std::uint32_t id = 1; id < tree_->size(); ++id) {
+      const double distance = task_.instance.to_goal((*tree_)[id]);
+      if (distance >= best_distance_) continue;
+      best_distance_ = distance;
+      best_ = id;
+    }
+  }
+
   void plant() {
     tree_.emplace(task_);
+    task_.guidance.restart();
     edges_.clear();
     controls_ = Configurations(model_.controls().size());
+    repair_.reset();
     solved_ = false;
-    epoch_ = task_.instance.validity->epoch();
     best_ = tree_->add(task_.instance.start, 0);
     edges_.push_back({});
     best_distance_ = task_.instance.to_goal(task_.instance.start);
@@ -174,7 +249,7 @@ class KinodynamicRrt final : public Planner {
     auto& instance = task_.instance;
     const auto& space = instance.space;
     propose(task_, sample_);
-    const auto near = tree_->nearest(sample_);
+    const auto near = tree_->to_extend(sample_);
     const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
     const Trajectory way = way_from(from);
     const Driven driven = drive(from, way, most_steps_);
@@ -190,19 +265,44 @@ class KinodynamicRrt final : public Planner {
     const View added = std::as_const(driven.states)[driven.ends.back() - 1];
     outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
     outcome.added = added;
-    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
     settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    report_pieces(driven, id, driven.ends.size() - 1, sample_);
+    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
+  }
+
+  /// Reports the nodes of the first pieces of a motion, which no proposal belongs to. \param last  the motion's last
+  /// node
+  void report_pieces(const Driven& driven, std::uint32_t last, std::size_t pieces, View towards) {
+    for (std::size_t i = 0; i < pieces; ++i) {
+      Outcome outcome;
+      outcome.fate = Fate::advanced;
+      outcome.proposal = towards;
+      outcome.added = std::as_const(driven.states)[driven.ends[i] - 1];
+      const auto id = last - static_cast<std::uint32_t>(driven.ends.size() - 1 - i);
+      outcome.near = (*tree_)[edges_[id].parent];
+      outcome.added_row = tree_->row(id);
+      task_.guidance.observe(outcome, false);
+    }
   }
 
   /// Drives the shortest curve from a node to the goal; it becomes part of the tree where it gets there.
   void connect(std::uint32_t id, View from) {
+    const View goal = task_.instance.goal_at(task_.instance.nearest_goal(from).goal);
+    if (!task_.guidance.worth_connecting(from, goal)) return;
     const auto arrives = [&](const std::optional<Trajectory>& way) {
       if (!way) return false;
       const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
-      if (driven.arrived) add(id, driven, *way);
+      if (driven.arrived) {
+        report_pieces(driven, add(id, driven, *way), driven.ends.size(), goal);
+      } else if (!driven.blocked.empty()) {
+        Outcome outcome;
+        outcome.proposal = goal;
+        outcome.near = from;
+        outcome.blocked_at = driven.blocked;
+        task_.guidance.observe(outcome, false);
+      }
       return driven.arrived;
     };
-    const View goal = task_.instance.goal_at(task_.instance.nearest_goal(from).goal);
     if (!arrives(steer(model_, from, goal)) && settings_.extend == "curves") {
       arrives(steer_at(model_, from, goal, task_.proposals.uniform()));
     }
@@ -234,10 +334,12 @@ class KinodynamicRrt final : public Planner {
 
   KinodynamicRrtSettings settings_;
   Task task_;
+  std::shared_ptr<const MotionModel> model_holder_;  ///< the instance may be replaced by a new projection
   const MotionModel& model_;
   std::size_t most_steps_;  ///< of one control
   std::optional<Tree> tree_;
-  std::vector<Edge> edges_;  ///< of each node; that of the root leads nowhere
+  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
+  std::vector<Edge> edges_;           ///< of each node; that of the root leads nowhere
   Configurations controls_;
   Configuration sample_;
   Configuration state_;
@@ -255,7 +357,7 @@ class KinodynamicRrt final : public Planner {
 PlannerKind kinodynamic_rrt_kind() {
   PlannerKind kind;
   kind.component = &kinodynamic_rrt_settings().component();
-  kind.common = [](const Options& o) { return kinodynamic_rrt_settings().read(o).common(); };
+  kind.common = [](const Options& o) { return common_of(kinodynamic_rrt_settings().read(o)); };
   kind.make = [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
     if (!task.instance.motion_model) throw Fault("kinodynamic_rrt needs an instance with a motion model");
     return std::make_unique<KinodynamicRrt>(kinodynamic_rrt_settings().read(o), std::move(task));

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/planner/nearest.hpp>
 #include <trellis/planner/planner.hpp>
 
 namespace trellis {
@@ -16,7 +15,8 @@ namespace trellis {
 /// What every planner's settings begin with; `with_common` describes these fields.
 struct CommonSettings {
   double goal_bias = 0.05;
-  double uniform = 0.1;
+  double uniform = 0.05;
+  double bound = 1.0;
   double proposals = 50000;
   double checks = Budget::unlimited;
   double seconds = Budget::unlimited;
@@ -28,9 +28,18 @@ struct CommonSettings {
     result.budget.seconds = seconds;
     result.uniform = uniform;
     result.goal_bias = goal_bias;
+    result.bound = bound;
     return result;
   }
 };
+
+/// The options that every planner has, with the step of one that has it.
+template <class S>
+PlannerCommon common_of(const S& settings) {
+  PlannerCommon common = settings.common();
+  if constexpr (requires { settings.step; }) common.step = settings.step;
+  return common;
+}
 
 template <class S>
 Settings<S> with_common(Settings<S> settings) {
@@ -39,6 +48,10 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number("uniform", &S::uniform, "share of proposals", Range::share(),
                   "share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 "
                   "completeness rests on the guide alone");
+  settings.number("bound", &S::bound, "factor", Range::non_negative(),
+                  "work (validity checks and proposals) of guided proposals and of the levels below, per work of "
+                  "unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; "
+                  "0: without bound");
   settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
                   "budget: proposals of this level, over all its solves");
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
@@ -60,6 +73,7 @@ class Meter {
     if (static_cast<double>(task_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
     // Asked every time, so that who counts proposals can stop a run at any of them. The clock costs more.
     if (task_.interrupted && task_.interrupted()) return Status::interrupted;
+    if (task_.paused && task_.paused()) return Status::budget_spent;
     if ((asked_++ & 63U) == 0 && budget_.seconds < Budget::unlimited) {
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
       if (task_.search.seconds + elapsed.count() >= budget_.seconds) return Status::budget_spent;
@@ -82,16 +96,49 @@ inline void propose(Planner::Task& task, MutableView q) {
   task.search.proposal_sources.push_back(source);
 }
 
-/// Records what became of the last proposal and tells the guidance.
+/// Records the outcome of the last proposal and reports it to the guidance.
 /// \param near   the row of the node that it grew from
 /// \param added  the row of the node that came of it
-inline void settle(Planner::Task& task, const Outcome& outcome, std::uint32_t near = no_node,
-                   std::uint32_t added = no_node) {
+inline void settle(Planner::Task& task, Outcome outcome, std::uint32_t near = no_node, std::uint32_t added = no_node) {
   task.search.fates.push_back(outcome.fate);
   task.search.near.push_back(near);
   task.search.added.push_back(added);
+  outcome.added_row = added;
   task.guidance.observe(outcome, true);
 }
+
+/// Motions found invalid while a node was inserted. The guidance receives them after the outcome of its own proposal.
+class BlockedMotions {
+ public:
+  explicit BlockedMotions(std::size_t dimension) : from_(dimension), to_(dimension), at_(dimension) {}
+
+  /// \param t  where on the motion, in [0, 1], the first invalid configuration lies
+  void add(const Space& space, View from, View to, double t) {
+    Configuration at(from.size());
+    space.interpolate(from, to, t, at);
+    from_.push(from);
+    to_.push(to);
+    at_.push(at);
+  }
+  /// Reports all of them, as outcomes that no proposal belongs to, and empties the list.
+  void report(Planner::Task& task) {
+    for (std::size_t i = 0; i < at_.size(); ++i) {
+      Outcome outcome;
+      outcome.proposal = std::as_const(to_)[i];
+      outcome.near = std::as_const(from_)[i];
+      outcome.blocked_at = std::as_const(at_)[i];
+      task.guidance.observe(outcome, false);
+    }
+    from_.clear();
+    to_.clear();
+    at_.clear();
+  }
+
+ private:
+  Configurations from_;
+  Configurations to_;
+  Configurations at_;
+};
 
 /// The end of an extension from `from` towards q, which is `distance` away: at most `step` far. Whether that is q.
 inline bool steer(const Space& space, View from, View q, double distance, double step, Configuration& target) {
@@ -102,49 +149,6 @@ inline bool steer(const Space& space, View from, View q, double distance, double
   space.interpolate(from, q, step / distance, target);
   return false;
 }
-
-/// A tree of configurations: rows of the level's node arena, their parents, and the index for nearest neighbours.
-class Tree {
- public:
-  explicit Tree(Planner::Task& task) : task_(task), index_(task.instance.space) {}
-
-  std::uint32_t add(View q, std::uint32_t parent) {
-    rows_.push_back(task_.search.nodes.push(q));
-    task_.search.parents.push_back(rows_[parent]);
-    parents_.push_back(parent);
-    return index_.add(q);
-  }
-  /// Gives a node another parent, none of its descendants; one that came later, perhaps.
-  void hang(std::uint32_t id, std::uint32_t parent) {
-    task_.search.parents[rows_[id]] = rows_[parent];
-    parents_[id] = parent;
-  }
-  [[nodiscard]] std::uint32_t parent(std::uint32_t id) const { return parents_[id]; }
-  [[nodiscard]] const NearestIndex& index() const { return index_; }
-  /// The row in the arena.
-  [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
-  [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
-  [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
-  [[nodiscard]] std::size_t size() const { return rows_.size(); }
-
-  /// From the root to `id`, both included.
-  [[nodiscard]] Configurations branch(std::uint32_t id) const {
-    std::vector<std::uint32_t> ids;
-    for (std::uint32_t at = id;; at = parents_[at]) {
-      ids.push_back(at);
-      if (at == parents_[at]) break;
-    }
-    Configurations path(task_.instance.space.dimension());
-    for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
-    return path;
-  }
-
- private:
-  Planner::Task& task_;
-  NearestIndex index_;
-  std::vector<std::uint32_t> rows_;
-  std::vector<std::uint32_t> parents_;  ///< a root is its own parent
-};
 
 /// Checks that start and goal are valid in the instance; what a search that cannot begin has found otherwise. Of
 /// several goals those that are not valid are left out.

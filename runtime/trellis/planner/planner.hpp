@@ -36,9 +36,6 @@ struct Budget {
   double seconds = unlimited;  ///< wall clock, over all solves of the level
 };
 
-/// No row of Search::nodes.
-inline constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
-
 /// What became of a level's search, kept over all its solves: everything that is reported and measured.
 struct Search {
   Configurations nodes;                            ///< tree or roadmap nodes in the order they came, the start first
@@ -109,12 +106,16 @@ class Planner {
     Search& search;    ///< appended to
     bool guided;       ///< whether h is more than uniform and goal bias; an exact graph search draws nothing without it
     std::function<bool()> interrupted;
+    /// Asked before every proposal whether the search is to pause: it ends with Status::budget_spent, and `solve`
+    /// called again continues it. Empty: never.
+    std::function<bool()> paused = {};
   };
 
   virtual ~Planner() = default;
 
-  /// Searches until solved or the budget is spent. Called again, it goes on with what it knows: a roadmap is kept and
-  /// repaired after the instance's validity changed; a tree that had reached the goal is grown anew for another path.
+  /// Searches until solved or the budget is spent. Called again, it continues with what it has: where the instance
+  /// changed (Instance::epoch), a roadmap is repaired and a tree loses the branches that are not valid any more; where
+  /// it did not, a tree that had reached the goal is grown anew for another path.
   /// `budget` holds over all calls: what the level has spent so far is subtracted.
   virtual Solution solve(const Budget& budget) = 0;
 };
@@ -122,8 +123,12 @@ class Planner {
 /// Options that every planner has, read by whoever runs it.
 struct PlannerCommon {
   Budget budget;
-  double uniform = 0.1;     ///< share of uniform proposals kept when the level is guided
+  double uniform = 0.05;    ///< share of uniform proposals kept when the level is guided
   double goal_bias = 0.05;  ///< share of proposals that are the goal itself
+  double step = 0.0;        ///< longest extension of a tree, metres in the metric; 0: the planner has none
+  /// Work of guided proposals and of the levels below, per work of unguided proposals, beyond a grant and what progress
+  /// earns; 0: without bound.
+  double bound = 1.0;
 };
 
 /// One kind of planner: its description and how to make it.

@@ -76,7 +76,7 @@ const Settings<LazyPrmSettings>& lazy_prm_settings() {
 }  // namespace
 
 PlannerKind prm_kind() {
-  return {&prm_settings().component(), [](const Options& o) { return prm_settings().read(o).common(); },
+  return {&prm_settings().component(), [](const Options& o) { return common_of(prm_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             const PrmSettings settings = prm_settings().read(o);
             return std::make_unique<RoadmapPlanner>(settings.connection(),
@@ -86,7 +86,7 @@ PlannerKind prm_kind() {
 }
 
 PlannerKind lazy_prm_kind() {
-  return {&lazy_prm_settings().component(), [](const Options& o) { return lazy_prm_settings().read(o).common(); },
+  return {&lazy_prm_settings().component(), [](const Options& o) { return common_of(lazy_prm_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             const LazyPrmSettings settings = lazy_prm_settings().read(o);
             return std::make_unique<RoadmapPlanner>(
@@ -96,6 +96,7 @@ PlannerKind lazy_prm_kind() {
                                      .samples = settings.samples,
                                      .batch = settings.batch,
                                      .again = settings.batch,
+                                     .proposals = settings.proposals,
                                      .remove_first = settings.remove == "first",
                                      .coarse_to_fine = settings.edges == "coarse_to_fine",
                                      .enhance = settings.enhance,

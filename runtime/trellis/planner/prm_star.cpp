@@ -60,14 +60,14 @@ std::unique_ptr<Planner> make(const AnytimeSettings& settings, RoadmapPlanner::M
 }  // namespace
 
 PlannerKind prm_star_kind() {
-  return {&prm_star_settings().component(), [](const Options& o) { return prm_star_settings().read(o).common(); },
+  return {&prm_star_settings().component(), [](const Options& o) { return common_of(prm_star_settings().read(o)); },
           [](const Options& o, Planner::Task task) { return make(prm_star_settings().read(o), {}, std::move(task)); },
           false};
 }
 
 PlannerKind lazy_prm_star_kind() {
   return {&lazy_prm_star_settings().component(),
-          [](const Options& o) { return lazy_prm_star_settings().read(o).common(); },
+          [](const Options& o) { return common_of(lazy_prm_star_settings().read(o)); },
           [](const Options& o, Planner::Task task) {
             return make(lazy_prm_star_settings().read(o), {.lazy_edges = true}, std::move(task));
           },
@@ -76,7 +76,7 @@ PlannerKind lazy_prm_star_kind() {
 
 PlannerKind lazy_rrg_star_kind() {
   return {&lazy_rrg_star_settings().component(),
-          [](const Options& o) { return lazy_rrg_star_settings().read(o).common(); },
+          [](const Options& o) { return common_of(lazy_rrg_star_settings().read(o)); },
           [](const Options& o, Planner::Task task) {
             const LazyRrgStarSettings settings = lazy_rrg_star_settings().read(o);
             return make(settings, {.lazy_edges = true, .step = settings.step}, std::move(task));

@@ -2,129 +2,243 @@
 #include <trellis/planner/roadmap.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace trellis {
 
-std::uint32_t LifelongSearch::add_vertex(double heuristic) {
+std::uint32_t LifelongSearch::add_vertex(double to_goal, double to_start) {
   const auto id = static_cast<std::uint32_t>(vertices_.size());
-  arcs_.emplace_back();
-  vertices_.push_back({heuristic});
-  if (id == start) {
-    vertices_[id].ahead = 0.0;
-    requeue(id);
+  vertices_.push_back({0.5 * (to_goal - to_start), {}, {}});
+  if (id <= goal) {
+    const std::size_t side = id == start ? from_start : from_goal;
+    vertices_[id].of[side].ahead = 0.0;
+    requeue(side, id);
   }
   return id;
 }
 
-void LifelongSearch::requeue(std::uint32_t vertex) {
+void LifelongSearch::requeue(std::size_t side, std::uint32_t vertex) {
   // Older entries of the vertex no longer count.
-  Vertex& v = vertices_[vertex];
-  ++v.stamp;
-  if (v.cost == v.ahead) return;
-  const double cost = std::min(v.cost, v.ahead);
-  queue_.push({cost + v.heuristic, cost, vertex, v.stamp});
+  Label& label = vertices_[vertex].of[side];
+  ++label.stamp;
+  if (label.cost == label.ahead) {
+    // Its edges may have been dropped from the meetings while it was not consistent.
+    if (label.cost < infinity) enter_all(side, vertex);
+    return;
+  }
+  const double cost = std::min(label.cost, label.ahead);
+  queues_[side].push({estimate(side, vertex, cost), cost, vertex, label.stamp});
 }
 
-/// A way to the arc's end, through its start, which costs `cost`.
-void LifelongSearch::offer(const Arc& arc, double cost) {
-  Vertex& v = vertices_[arc.to];
-  const double way = cost + arc.cost;
-  if (arc.to == start || way >= v.ahead) return;
-  v.ahead = way;
-  v.parent_edge = arc.edge;
-  requeue(arc.to);
+/// A path to the arc's end, through its beginning, which costs `cost`.
+void LifelongSearch::offer(std::size_t side, const Arc& arc, double cost) {
+  Label& label = vertices_[arc.to].of[side];
+  const double ahead = cost + arc.cost;
+  if (arc.to == side || ahead >= label.ahead) return;
+  label.ahead = ahead;
+  label.parent_edge = arc.edge;
+  requeue(side, arc.to);
 }
 
-void LifelongSearch::look_ahead(std::uint32_t vertex) {
-  if (vertex != start) {
+void LifelongSearch::look_ahead(std::size_t side, std::uint32_t vertex) {
+  if (vertex != side) {
     double ahead = infinity;
     std::uint32_t parent_edge = none;
-    for (const Arc& arc : arcs_[vertex]) {
-      const double way = vertices_[arc.to].cost + arc.cost;
-      if (way < ahead) {
-        ahead = way;
+    for (const Arc& arc : vertices_[vertex].arcs) {
+      const double cost = vertices_[arc.to].of[side].cost + arc.cost;
+      if (cost < ahead) {
+        ahead = cost;
         parent_edge = arc.edge;
       }
     }
-    vertices_[vertex].ahead = ahead;
-    vertices_[vertex].parent_edge = parent_edge;
+    Label& label = vertices_[vertex].of[side];
+    label.ahead = ahead;
+    label.parent_edge = parent_edge;
   }
-  requeue(vertex);
+  requeue(side, vertex);
+}
+
+void LifelongSearch::enter(std::size_t side, std::uint32_t vertex, const Arc& arc) {
+  if (!consistent(side, vertex) || !consistent(1 - side, arc.to)) return;
+  const std::uint32_t from = side == from_start ? vertex : arc.to;
+  const std::uint32_t to = side == from_start ? arc.to : vertex;
+  meetings_.push({vertices_[from].of[from_start].cost + arc.cost + vertices_[to].of[from_goal].cost, from, arc.edge});
+}
+
+void LifelongSearch::enter_all(std::size_t side, std::uint32_t vertex) {
+  for (const Arc& arc : vertices_[vertex].arcs) enter(side, vertex, arc);
+}
+
+bool LifelongSearch::counts(const Meeting& meeting) const {
+  const Edge& edge = edges_[meeting.edge];
+  const std::uint32_t to = other(meeting.edge, meeting.from);
+  return !edge.removed && consistent(from_start, meeting.from) && consistent(from_goal, to) &&
+         meeting.total == vertices_[meeting.from].of[from_start].cost + edge.cost + vertices_[to].of[from_goal].cost;
 }
 
 std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double cost) {
   const auto id = static_cast<std::uint32_t>(edges_.size());
   edges_.push_back({a, b, cost, false});
-  arcs_[a].push_back({cost, b, id});
-  arcs_[b].push_back({cost, a, id});
-  offer(arcs_[a].back(), vertices_[a].cost);
-  offer(arcs_[b].back(), vertices_[b].cost);
+  vertices_[a].arcs.push_back({cost, b, id});
+  vertices_[b].arcs.push_back({cost, a, id});
+  for (const std::size_t side : {from_start, from_goal}) {
+    offer(side, vertices_[a].arcs.back(), vertices_[a].of[side].cost);
+    offer(side, vertices_[b].arcs.back(), vertices_[b].of[side].cost);
+    enter(side, a, vertices_[a].arcs.back());
+  }
   return id;
 }
 
-void LifelongSearch::remove_edge(std::uint32_t id) {
+void LifelongSearch::set_cost(std::uint32_t id, double cost) {
   Edge& edge = edges_[id];
-  if (edge.removed) return;
-  edge.removed = true;
-  for (const std::uint32_t end : {edge.a, edge.b}) {
-    auto& list = arcs_[end];
-    list.erase(std::find_if(list.begin(), list.end(), [&](const Arc& arc) { return arc.edge == id; }));
+  if (edge.removed || cost == edge.cost) return;
+  const bool lower = cost < edge.cost;
+  edge.cost = cost;
+  std::array<const Arc*, 2> arcs{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    auto& list = vertices_[i == 0 ? edge.a : edge.b].arcs;
+    Arc& arc = *std::find_if(list.begin(), list.end(), [&](const Arc& of) { return of.edge == id; });
+    arc.cost = cost;
+    arcs[i] = &arc;
   }
-  for (const std::uint32_t end : {edge.a, edge.b}) {
-    if (vertices_[end].parent_edge == id) look_ahead(end);
+  for (const std::size_t side : {from_start, from_goal}) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::uint32_t end = i == 0 ? edge.a : edge.b;
+      if (lower) {
+        offer(side, *arcs[i], vertices_[end].of[side].cost);
+        if (vertices_[arcs[i]->to].of[side].parent_edge == id) look_ahead(side, arcs[i]->to);
+      } else if (vertices_[end].of[side].parent_edge == id) {
+        look_ahead(side, end);
+      }
+    }
+    enter(side, edge.a, *arcs[0]);
   }
 }
 
-void LifelongSearch::isolate(std::uint32_t vertex) {
-  const std::vector<Arc> arcs = arcs_[vertex];
-  for (const Arc& arc : arcs) remove_edge(arc.edge);
+void LifelongSearch::erase_arc(std::uint32_t vertex, std::uint32_t edge) {
+  auto& list = vertices_[vertex].arcs;
+  list.erase(std::find_if(list.begin(), list.end(), [&](const Arc& arc) { return arc.edge == edge; }));
+}
+
+void LifelongSearch::remove_edges(std::span<const std::uint32_t> ids) {
+  changed_.clear();
+  for (const std::uint32_t id : ids) {
+    Edge& edge = edges_[id];
+    if (edge.removed) continue;
+    edge.removed = true;
+    for (const std::uint32_t end : {edge.a, edge.b}) {
+      erase_arc(end, id);
+      for (const std::size_t side : {from_start, from_goal}) {
+        if (vertices_[end].of[side].parent_edge == id) changed_.emplace_back(side, end);
+      }
+    }
+  }
+  for (const auto& [side, vertex] : changed_) look_ahead(side, vertex);
+}
+
+void LifelongSearch::isolate(std::span<const std::uint32_t> vertices) {
+  changed_.clear();
+  for (const std::uint32_t vertex : vertices) {
+    for (const Arc& arc : vertices_[vertex].arcs) {
+      edges_[arc.edge].removed = true;
+      erase_arc(arc.to, arc.edge);
+      for (const std::size_t side : {from_start, from_goal}) {
+        if (vertices_[arc.to].of[side].parent_edge == arc.edge) changed_.emplace_back(side, arc.to);
+      }
+    }
+    vertices_[vertex].arcs.clear();
+    for (const std::size_t side : {from_start, from_goal}) changed_.emplace_back(side, vertex);
+  }
+  for (const auto& [side, vertex] : changed_) look_ahead(side, vertex);
+}
+
+const LifelongSearch::Entry* LifelongSearch::top(std::size_t side) {
+  Queue& queue = queues_[side];
+  while (!queue.empty() && queue.top().stamp != vertices_[queue.top().vertex].of[side].stamp) queue.pop();
+  return queue.empty() ? nullptr : &queue.top();
+}
+
+void LifelongSearch::expand(std::size_t side) {
+  const std::uint32_t id = queues_[side].top().vertex;
+  queues_[side].pop();
+  ++expanded_;
+  Label& label = vertices_[id].of[side];
+  if (label.cost > label.ahead) {
+    label.cost = label.ahead;
+    ++label.stamp;
+    for (const Arc& arc : vertices_[id].arcs) {
+      offer(side, arc, label.cost);
+      enter(side, id, arc);
+    }
+  } else {
+    label.cost = infinity;
+    for (const Arc& arc : vertices_[id].arcs) {
+      if (vertices_[arc.to].of[side].parent_edge == arc.edge) look_ahead(side, arc.to);
+    }
+    look_ahead(side, id);
+  }
 }
 
 bool LifelongSearch::search() {
+  cost_ = infinity;
+  meeting_ = {infinity, none, none};
   if (vertices() < 2) return false;
-  while (!queue_.empty()) {
-    const Entry top = queue_.top();
-    const std::uint32_t id = top.vertex;
-    Vertex& v = vertices_[id];
-    if (top.stamp != v.stamp) {
-      queue_.pop();
-      continue;
-    }
-    // Strictly beyond the goal's own estimate nothing can change its path. Rounding makes equal ways differ in the last
-    // bits, so a little more than equal is still looked at.
-    const Vertex& end = vertices_[goal];
-    const double bound = std::min(end.cost, end.ahead) * (1.0 + 1e-12);
-    if (end.cost == end.ahead && top.estimate > bound) break;
-    queue_.pop();
-    ++expanded_;
-    if (v.cost > v.ahead) {
-      v.cost = v.ahead;
-      ++v.stamp;
-      for (const Arc& arc : arcs_[id]) offer(arc, v.cost);
+  for (;;) {
+    while (!meetings_.empty() && !counts(meetings_.top())) meetings_.pop();
+    const std::array<const Entry*, 2> tops = {top(from_start), top(from_goal)};
+    if (meetings_.empty()) {
+      // A tree that is complete would have met the other's root.
+      if (tops[0] == nullptr || tops[1] == nullptr) return false;
     } else {
-      v.cost = infinity;
-      for (const Arc& arc : arcs_[id]) {
-        if (vertices_[arc.to].parent_edge == arc.edge) look_ahead(arc.to);
-      }
-      look_ahead(id);
+      // Rounding makes equal paths differ in the last bits, so a little more than equal is still expanded.
+      const Meeting& best = meetings_.top();
+      const double slack = 1e-12 * best.total;
+      const auto settled = [&](std::size_t side, std::uint32_t vertex) {
+        return tops[side] == nullptr ||
+               estimate(side, vertex, vertices_[vertex].of[side].cost) + slack < tops[side]->estimate;
+      };
+      const bool shortest =
+          tops[0] == nullptr || tops[1] == nullptr || best.total + slack < tops[0]->estimate + tops[1]->estimate;
+      if (shortest && settled(from_start, best.from) && settled(from_goal, other(best.edge, best.from))) break;
+      if (tops[0] == nullptr && tops[1] == nullptr) break;
     }
+    expand(tops[1] == nullptr || (tops[0] != nullptr && tops[0]->cost <= tops[1]->cost) ? from_start : from_goal);
   }
-  return vertices_[goal].cost < infinity;
+  meeting_ = meetings_.top();
+  std::vector<std::uint32_t> edges;
+  path(goal, edges);
+  cost_ = 0.0;
+  for (const std::uint32_t id : edges) cost_ += edges_[id].cost;
+  return true;
+}
+
+bool LifelongSearch::search_all() {
+  const bool found = search();
+  while (top(from_start) != nullptr) expand(from_start);
+  return found;
+}
+
+void LifelongSearch::branch(std::size_t side, std::uint32_t vertex, std::vector<std::uint32_t>& edges) const {
+  const std::size_t before = edges.size();
+  while (vertex != side) {
+    const std::uint32_t id = vertices_[vertex].of[side].parent_edge;
+    if (id == none || edges.size() > before + vertices()) {
+      edges.resize(before);
+      return;
+    }
+    edges.push_back(id);
+    vertex = other(id, vertex);
+  }
 }
 
 void LifelongSearch::path(std::uint32_t vertex, std::vector<std::uint32_t>& edges) const {
   edges.clear();
-  std::uint32_t at = vertex;
-  while (at != start) {
-    const std::uint32_t id = vertices_[at].parent_edge;
-    if (id == none || edges.size() > vertices()) {
-      edges.clear();
-      return;
-    }
-    edges.push_back(id);
-    at = other(id, at);
-  }
+  if (vertex == goal && meeting_.edge == none) return;
+  branch(from_start, vertex == goal ? meeting_.from : vertex, edges);
   std::reverse(edges.begin(), edges.end());
+  if (vertex != goal) return;
+  edges.push_back(meeting_.edge);
+  branch(from_goal, other(meeting_.edge, meeting_.from), edges);
 }
 
 }  // namespace trellis

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
@@ -18,11 +22,13 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task tas
       connection_(connection),
       best_(task_, mode.improve),
       index_(task_.instance.space),
+      blocked_motions_(dimension()),
       sample_(dimension()),
       target_(dimension()),
       blocked_(dimension()) {
   // What is presumed is looked at for nothing.
-  judged_ = mode_.lazy_nodes && task_.instance.validity->spends_checks();
+  presumed_ = !task_.instance.validity->spends_checks();
+  judged_ = mode_.lazy_nodes && !presumed_;
   task_.search.expands = !judged_ || task_.guided;
 }
 
@@ -39,44 +45,35 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
       solution.path.push(instance.start);
       return solution;
     }
-    epoch_ = instance.validity->epoch();
-    insert(instance.start, Known::valid);
-    for (std::size_t i = 0; i < instance.goals(); ++i) insert(instance.goal_at(i), Known::valid);
-    // A way to any of the goals is one to the first.
-    for (std::uint32_t further = goal + 1; further <= instance.further_goals.size() + goal; ++further) {
-      jumps_.push_back(paths_.add_edge(further, goal, jump_cost));
-      edges_.push_back(Known::valid);
-      passes_.push_back(0);
-    }
-    owed_ = mode_.samples;
-  } else if (epoch_ != instance.validity->epoch()) {
-    // What was found valid may not be so any more; only what the next paths use is looked at again.
-    epoch_ = instance.validity->epoch();
-    for (auto& known : nodes_) known = known == Known::valid ? Known::unknown : known;
-    for (auto& known : edges_) known = known == Known::valid ? Known::unknown : known;
-    std::fill(passes_.begin(), passes_.end(), std::uint8_t{0});
-    nodes_[0] = nodes_[1] = Known::valid;
-    for (const std::uint32_t jump : jumps_) edges_[jump] = Known::valid;
-    best_.forget();
-    best_cost_ = std::numeric_limits<double>::infinity();
+    begin();
+  } else if (epoch_ != instance.epoch()) {
+    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    repair();
   } else if (solved_) {
     owed_ = mode_.again;
   }
   solved_ = false;
   for (;;) {
     for (; owed_ > 0; --owed_) {
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = meter.spent()) {
+        return lacks_proposals() && !paths_.search() ? without_proposals(budget) : finish(*reason);
+      }
       grow();
       enhance();
     }
     if (!paths_.search()) {
+      if (task_.guided && mode_.lazy_edges) validate_ahead();
       owed_ = mode_.batch;
       continue;
     }
     if (paths_.cost() < best_cost_) {
-      if (!validated()) {
+      const bool valid = validated();
+      report_joined();
+      if (!valid) {
         // Each round removes at least one edge, so without new proposals this ends; the budget of checks still holds.
-        if (const auto reason = meter.spent()) return finish(*reason);
+        if (const auto reason = meter.spent()) {
+          return lacks_proposals() ? without_proposals(budget) : finish(*reason);
+        }
         continue;
       }
       best_cost_ = paths_.cost();
@@ -87,6 +84,104 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
       return best_.solution(Status::solved);
     }
     owed_ = 1;
+  }
+}
+
+void RoadmapPlanner::begin() {
+  const auto& instance = task_.instance;
+  epoch_ = instance.epoch();
+  goals_end_ = goal + static_cast<std::uint32_t>(instance.goals());
+  insert(instance.start, Known::valid);
+  for (std::size_t i = 0; i < instance.goals(); ++i) insert(instance.goal_at(i), Known::valid);
+  // A path to any of the goals is one to the first.
+  for (std::uint32_t further = goal + 1; further < goals_end_; ++further) {
+    jumps_.push_back(paths_.add_edge(further, goal, jump_cost));
+    edges_.push_back(Known::valid);
+    passes_.push_back(0);
+  }
+  blocked_motions_.report(task_);
+  report_joined();
+  // A guide proposes ahead of connected vertices: the first ones are reported after one batch.
+  owed_ = task_.guided ? std::min(mode_.samples, mode_.batch) : mode_.samples;
+  validated_ahead_ = goals_end_;
+}
+
+void RoadmapPlanner::repair() {
+  auto& instance = task_.instance;
+  best_.forget();
+  best_cost_ = std::numeric_limits<double>::infinity();
+  const auto same = [](View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); };
+  const auto is_goal = [&](std::uint32_t id) {
+    for (std::size_t i = 0; i < instance.goals(); ++i) {
+      if (same(node(id), instance.goal_at(i))) return true;
+    }
+    return false;
+  };
+  std::size_t goals = 0;
+  for (std::uint32_t id = goal; id < goals_end_; ++id) goals += is_goal(id) ? 1 : 0;
+  if (!same(node(LifelongSearch::start), instance.start) || goals < instance.goals()) {
+    index_ = NearestIndex(instance.space);
+    paths_ = {};
+    connectivity_ = {};
+    for (auto* rows : {&rows_, &jumps_}) rows->clear();
+    for (auto* known : {&nodes_, &edges_}) known->clear();
+    for (auto* bytes : {&passes_, &reported_}) bytes->clear();
+    joined_.clear();
+    seeds_.clear();
+    pairs_.clear();
+    lost_neighbour_.clear();
+    reconnecting_ = false;
+    begin();
+    return;
+  }
+  epoch_ = instance.epoch();
+  // What was validated of the last path takes less effort from now on.
+  for (const std::uint32_t id : path_) {
+    const auto& edge = paths_.edge(id);
+    if (edge.removed || is_jump(id)) continue;
+    const View a = node(edge.a);
+    const View b = node(edge.b);
+    paths_.set_cost(id, instance.space.distance(a, b) * cost_factor(a, b));
+  }
+  // Where what became invalid is known by itself, no edge is checked again; else none but those of the next paths.
+  bool free = !presumed_;
+  refuted_.clear();
+  for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
+    if (edges_[id] == Known::unknown) passes_[id] = 0;
+    if ((edges_[id] != Known::valid && edges_[id] != Known::stale) || paths_.edge(id).removed || is_jump(id)) continue;
+    const auto& edge = paths_.edge(id);
+    if (free) {
+      const std::uint64_t before = instance.checks.validity;
+      const bool valid = motion_still_valid(task_, node(edge.a), node(edge.b));
+      free = instance.checks.validity == before;
+      edges_[id] = valid ? Known::valid : Known::invalid;
+      if (!valid) refuted_.push_back(id);
+    } else {
+      edges_[id] = Known::stale;
+      passes_[id] = 0;
+    }
+  }
+  paths_.remove_edges(refuted_);
+  refuted_.clear();
+  for (auto& known : nodes_) known = known == Known::valid ? Known::stale : known;
+  nodes_[LifelongSearch::start] = Known::valid;
+  for (std::uint32_t id = goal; id < goals_end_; ++id) {
+    nodes_[id] = Known::valid;
+    if (!is_goal(id)) remove_goal(id);
+  }
+  disconnected_ = true;
+  if (!presumed_) rebuild_connectivity();
+  report_joined();
+}
+
+void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
+  for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
+    const auto& edge = paths_.edge(id);
+    if (edge.removed || (edge.a != vertex && edge.b != vertex)) continue;
+    // The paths to the other goals end at the first.
+    if (vertex == goal && is_jump(id)) continue;
+    edges_[id] = Known::invalid;
+    paths_.remove_edge(id);
   }
 }
 
@@ -114,7 +209,12 @@ void RoadmapPlanner::grow() {
   outcome.fate = reaches ? Fate::reached : Fate::advanced;
   if (grows) outcome.near = node(near.id);
   outcome.added = target_;
+  const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
+  outcome.connected = connectivity_.connected(id, Connectivity::to_start);
+  if (outcome.connected) reported_[id] |= Connectivity::to_start;
   settle(task_, outcome, from, rows_.back());
+  blocked_motions_.report(task_);
+  report_joined();
 }
 
 void RoadmapPlanner::enhance() {
@@ -128,68 +228,202 @@ void RoadmapPlanner::enhance() {
       sample_[j] += sigma * task_.proposals.normal() / space.axes()[j].weight;
     }
     space.reflect(sample_);
-    if (space.contains(sample_) && index_.nearest(sample_).squared_distance > 0.0) insert(sample_, Known::unknown);
+    if (!space.contains(sample_) || index_.nearest(sample_).squared_distance == 0.0) continue;
+    insert(sample_, Known::unknown);
+    Outcome outcome;
+    outcome.fate = Fate::reached;
+    outcome.proposal = sample_;
+    outcome.added = sample_;
+    outcome.added_row = rows_.back();
+    outcome.connected = false;
+    task_.guidance.observe(outcome, false);
+    report_joined();
   }
 }
 
 void RoadmapPlanner::insert(View q, Known known) {
-  connection_.find(index_, q, neighbours_);
+  if (disconnected_) rebuild_connectivity();
+  if (mode_.lazy_nodes && task_.guided) {
+    // Unguided, nodes found invalid take places among the nearest, as published.
+    connection_.find(index_, q, neighbours_, [&](std::uint32_t id) { return nodes_[id] != Known::invalid; });
+  } else {
+    connection_.find(index_, q, neighbours_);
+  }
   rows_.push_back(task_.search.nodes.push(q));
   task_.search.parents.push_back(no_node);
   nodes_.push_back(known);
   if (judged_) task_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
-  const std::uint32_t id = paths_.add_vertex(task_.instance.to_goal(q));
+  // An edge between goals costs less than what their distances to the start differ by.
+  const double to_start = task_.instance.goals() > 1 ? 0.0 : task_.instance.space.distance(task_.instance.start, q);
+  const std::uint32_t id = paths_.add_vertex(task_.instance.to_goal(q), to_start);
+  connectivity_.add_vertex(side_of(id));
+  reported_.push_back(side_of(id));
   for (const auto& neighbour : neighbours_) {
     const double length = std::sqrt(neighbour.squared_distance);
     if (nodes_[neighbour.id] == Known::invalid) continue;
-    if (!mode_.lazy_edges && !task_.instance.motion(node(neighbour.id), node(id)).valid) continue;
-    paths_.add_edge(neighbour.id, id, length);
-    task_.search.edges.push_back({rows_[neighbour.id], rows_[id]});
-    edges_.push_back(mode_.lazy_edges ? Known::unknown : Known::valid);
-    passes_.push_back(0);
+    if (!mode_.lazy_edges) {
+      const MotionReport report = task_.instance.motion(node(neighbour.id), node(id));
+      if (!report.valid) {
+        blocked_motions_.add(task_.instance.space, node(neighbour.id), node(id), report.invalid_at);
+        continue;
+      }
+    }
+    add_edge(neighbour.id, id, length, mode_.lazy_edges ? Known::unknown : Known::valid);
+  }
+}
+
+double RoadmapPlanner::cost_factor(View a, View b) const {
+  // Eagerly checked roadmaps are searched for the shortest path.
+  if (!mode_.lazy_edges) return 1.0;
+  double factor = task_.instance.validity->effort_factor(a, b);
+  if (task_.guided) factor *= task_.guidance.edge_factor(a, b);
+  return factor;
+}
+
+void RoadmapPlanner::add_edge(std::uint32_t a, std::uint32_t b, double length, Known known) {
+  const std::uint32_t edge = paths_.add_edge(a, b, length * cost_factor(node(a), node(b)));
+  task_.search.edges.push_back({rows_[a], rows_[b]});
+  edges_.push_back(known);
+  passes_.push_back(0);
+  if (checked(edge)) join(edge);
+}
+
+void RoadmapPlanner::validate_ahead() {
+  const std::uint32_t before = std::exchange(validated_ahead_, static_cast<std::uint32_t>(paths_.vertices()));
+  paths_.search_all();
+  for (std::uint32_t id = validated_ahead_; id-- > before;) {
+    if (!paths_.reached(id) || connectivity_.connected(id, Connectivity::to_start)) continue;
+    // One try: beyond a wall a node has many paths, all of them invalid.
+    validate_prefix(id);
+    report_joined();
+    return;
+  }
+}
+
+void RoadmapPlanner::validate_prefix(std::uint32_t end) {
+  paths_.path(end, path_);
+  stops_ = {0};
+  for (const std::uint32_t edge : path_) stops_.push_back(paths_.other(edge, stops_.back()));
+  for (std::size_t at = 0; at < path_.size(); ++at) {
+    if (!node_valid(stops_[at + 1])) {
+      remove_refuted_nodes();
+      return;
+    }
+    if (!edge_valid(at)) return;
+  }
+}
+
+std::size_t RoadmapPlanner::reconnect() {
+  const auto pair = [](std::uint32_t a, std::uint32_t b) {
+    return (static_cast<std::uint64_t>(std::min(a, b)) << 32U) | std::max(a, b);
+  };
+  if (pairs_.empty()) {
+    for (std::uint32_t id = 0; id < paths_.edges(); ++id) pairs_.insert(pair(paths_.edge(id).a, paths_.edge(id).b));
+  }
+  std::sort(lost_neighbour_.begin(), lost_neighbour_.end());
+  lost_neighbour_.erase(std::unique(lost_neighbour_.begin(), lost_neighbour_.end()), lost_neighbour_.end());
+  std::size_t added = 0;
+  for (const std::uint32_t id : lost_neighbour_) {
+    if (nodes_[id] == Known::invalid) continue;
+    connection_.find(index_, node(id), neighbours_,
+                     [&](std::uint32_t other) { return other != id && nodes_[other] != Known::invalid; });
+    for (const auto& neighbour : neighbours_) {
+      if (!pairs_.insert(pair(id, neighbour.id)).second) continue;
+      add_edge(neighbour.id, id, std::sqrt(neighbour.squared_distance), Known::unknown);
+      ++added;
+    }
+  }
+  lost_neighbour_.clear();
+  return added;
+}
+
+Solution RoadmapPlanner::without_proposals(const Budget& budget) {
+  Budget rest = budget;
+  rest.proposals = Budget::unlimited;
+  Meter meter(task_, rest);
+  if (const auto reason = meter.spent()) return finish(*reason);
+  for (;;) {
+    while (paths_.search()) {
+      const bool valid = validated();
+      report_joined();
+      if (valid) {
+        solved_ = true;
+        best_.keep(way_to(goal));
+        return best_.solution(Status::solved);
+      }
+      if (const auto reason = meter.spent()) return finish(*reason);
+    }
+    if (!std::exchange(reconnecting_, true)) {
+      lost_neighbour_.resize(paths_.vertices());
+      std::iota(lost_neighbour_.begin(), lost_neighbour_.end(), std::uint32_t{0});
+    }
+    if (reconnect() == 0) return finish(Status::budget_spent);
   }
 }
 
 bool RoadmapPlanner::validated() {
-  auto& instance = task_.instance;
   paths_.path(goal, path_);
   stops_ = {0};
   for (const std::uint32_t edge : path_) stops_.push_back(paths_.other(edge, stops_.back()));
   // All invalid nodes of the path may go at once: each would have to go before this way could be ruled out, and one
   // repair of the search serves them all.
-  bool sound = true;
+  refuted_.clear();
   for (std::size_t i = 0; i < stops_.size(); ++i) {
-    const std::size_t at = outside_in(i, stops_.size());
-    const std::uint32_t id = stops_[at];
-    if (nodes_[id] != Known::unknown) continue;
-    if (judged_) task_.search.looked_at[rows_[id]] = 1;
-    if (instance.valid(node(id))) {
-      nodes_[id] = Known::valid;
-      continue;
-    }
-    sound = false;
-    nodes_[id] = Known::invalid;
-    paths_.isolate(id);
-    const View q = node(id);
-    blocked_.assign(q.begin(), q.end());
-    tell_blocked();
-    if (mode_.remove_first) return false;
+    if (!node_valid(stops_[outside_in(i, stops_.size())]) && mode_.remove_first) break;
   }
-  if (!sound || (mode_.coarse_to_fine && !coarsely_valid())) return false;
-  for (std::size_t i = 0; i < path_.size(); ++i) {
-    const std::size_t at = outside_in(i, path_.size());
-    const std::uint32_t id = path_[at];
-    if (edges_[id] != Known::unknown) continue;
-    const MotionReport report = instance.motion(node(stops_[at]), node(stops_[at + 1]));
-    if (report.valid) {
-      edges_[id] = Known::valid;
-      continue;
-    }
-    remove_edge(at, report.invalid_at);
+  if (!refuted_.empty()) {
+    remove_refuted_nodes();
     return false;
   }
+  if (mode_.coarse_to_fine && !coarsely_valid()) return false;
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    if (!edge_valid(outside_in(i, path_.size()))) return false;
+  }
   return true;
+}
+
+bool RoadmapPlanner::node_valid(std::uint32_t id) {
+  auto& instance = task_.instance;
+  if (nodes_[id] == Known::valid) return true;
+  if (judged_) task_.search.looked_at[rows_[id]] = 1;
+  // A configuration is a motion to itself.
+  if (nodes_[id] == Known::stale ? instance.motion_still_valid(node(id), node(id)) : instance.valid(node(id))) {
+    nodes_[id] = Known::valid;
+    return true;
+  }
+  nodes_[id] = Known::invalid;
+  refuted_.push_back(id);
+  disconnected_ = disconnected_ || presumed_;
+  const View q = node(id);
+  blocked_.assign(q.begin(), q.end());
+  report_blocked(blocked_, blocked_);
+  return false;
+}
+
+void RoadmapPlanner::remove_refuted_nodes() {
+  if (reconnecting_) {
+    for (const std::uint32_t id : refuted_) paths_.neighbours(id, lost_neighbour_);
+  }
+  paths_.isolate(refuted_);
+  refuted_.clear();
+}
+
+bool RoadmapPlanner::edge_valid(std::size_t at) {
+  auto& instance = task_.instance;
+  const std::uint32_t id = path_[at];
+  if (edges_[id] == Known::valid) return true;
+  const View from = node(stops_[at]);
+  const View to = node(stops_[at + 1]);
+  const MotionReport report =
+      edges_[id] == Known::stale ? instance.recheck_motion(from, to) : instance.motion(from, to);
+  if (report.valid) {
+    edges_[id] = Known::valid;
+    join(id);
+    return true;
+  }
+  remove_edge(at, report.invalid_at);
+  return false;
 }
 
 bool RoadmapPlanner::coarsely_valid() {
@@ -219,18 +453,48 @@ bool RoadmapPlanner::coarsely_valid() {
 
 void RoadmapPlanner::remove_edge(std::size_t at, double t) {
   const std::uint32_t id = path_[at];
+  disconnected_ = disconnected_ || checked(id);
   edges_[id] = Known::invalid;
   task_.instance.space.interpolate(node(stops_[at]), node(stops_[at + 1]), t, blocked_);
   paths_.remove_edge(id);
   if (mode_.enhance > 0.0) seeds_.push_back({stops_[at], stops_[at + 1]});
-  tell_blocked();
+  report_blocked(node(stops_[at]), node(stops_[at + 1]));
 }
 
-void RoadmapPlanner::tell_blocked() {
+void RoadmapPlanner::report_blocked(View from, View to) {
   Outcome outcome;
-  outcome.proposal = blocked_;
+  outcome.proposal = to;
+  outcome.near = from;
   outcome.blocked_at = blocked_;
   task_.guidance.observe(outcome, false);
+}
+
+void RoadmapPlanner::join(std::uint32_t edge) { connectivity_.join(paths_.edge(edge).a, paths_.edge(edge).b, joined_); }
+
+void RoadmapPlanner::report_joined() {
+  if (joined_.empty()) return;
+  for (const auto& [vertex, side] : joined_) {
+    if ((reported_[vertex] & side) != 0) continue;
+    reported_[vertex] |= side;
+    Outcome outcome;
+    outcome.fate = Fate::reached;
+    outcome.proposal = node(vertex);
+    outcome.added = node(vertex);
+    outcome.added_row = rows_[vertex];
+    outcome.from_goal = side == Connectivity::to_goal;
+    task_.guidance.observe(outcome, false);
+  }
+  joined_.clear();
+}
+
+void RoadmapPlanner::rebuild_connectivity() {
+  disconnected_ = false;
+  connectivity_ = {};
+  joined_.clear();
+  for (std::uint32_t id = 0; id < paths_.vertices(); ++id) connectivity_.add_vertex(side_of(id));
+  for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
+    if (!paths_.edge(id).removed && checked(id) && !is_jump(id)) join(id);
+  }
 }
 
 Configurations RoadmapPlanner::way_to(std::uint32_t end) {
@@ -239,7 +503,7 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
   std::uint32_t at = LifelongSearch::start;
   way.push(node(at));
   for (const std::uint32_t edge : path_) {
-    if (std::find(jumps_.begin(), jumps_.end(), edge) != jumps_.end()) break;
+    if (is_jump(edge)) break;
     at = paths_.other(edge, at);
     way.push(node(at));
   }
@@ -249,7 +513,7 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
 Solution RoadmapPlanner::finish(Status status) {
   if (best_.known() && mode_.improve > 0.0) return best_.solution(status);
   // Of the nodes that the search tree holds, the one nearest to the goal.
-  paths_.search();
+  paths_.search_all();
   std::uint32_t end = LifelongSearch::start;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
@@ -37,12 +37,20 @@ class Rrt final : public Planner {
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
-    if (!ends_checked_) {
+    if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
+      epoch_ = instance.epoch();
+      if (tree_) begin_repair();
     }
-    // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
-    if (!tree_ || solved_ || epoch_ != instance.validity->epoch()) plant();
+    if (!tree_) {
+      plant();
+    } else if (repair_ && !solved_) {
+      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+    } else if (solved_) {
+      // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
+      plant();
+    }
     while (!solved_) {
       if (const auto reason = meter.spent()) return finish(*reason);
       iterate();
@@ -53,10 +61,57 @@ class Rrt final : public Planner {
  private:
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
 
+  /// The instance changed: what of the tree is still valid is not known. Where the goal may still be reached, the
+  /// branch to it is checked at once, and the search ends if it is valid.
+  void begin_repair() {
+    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+      tree_.reset();
+      return;
+    }
+    repair_.emplace(*tree_);
+    find_best();
+  }
+
+  /// Ends where the branch to the goal is still valid; else removes all branches that are not. The reason to stop
+  /// before that is done, or none.
+  std::optional<Status> repair(Meter& meter) {
+    const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
+    if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
+      solved_ = true;
+      return std::nullopt;
+    }
+    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    repair_->prune(*tree_);
+    repair_.reset();
+    task_.guidance.restart();
+    report_nodes(task_, *tree_, false);
+    find_best();
+    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+    return std::nullopt;
+  }
+
+  bool edge_still_valid(std::uint32_t id) {
+    return motion_still_valid(task_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
+  }
+
+  /// Finds the node nearest to the goal.
+  void find_best() {
+    solved_ = false;
+    best_ = 0;
+    best_distance_ = task_.instance.to_goal((*tree_)[0]);
+    for (std::uint32_t id = 1; id < tree_->size(); ++id) {
+      const double distance = task_.instance.to_goal((*tree_)[id]);
+      if (distance >= best_distance_) continue;
+      best_distance_ = distance;
+      best_ = id;
+    }
+  }
+
   void plant() {
     tree_.emplace(task_);
+    repair_.reset();
+    task_.guidance.restart();
     solved_ = false;
-    epoch_ = task_.instance.validity->epoch();
     best_ = tree_->add(task_.instance.start, 0);
     best_distance_ = task_.instance.to_goal(task_.instance.start);
     if (best_distance_ <= task_.instance.goal_tolerance) solved_ = true;
@@ -66,7 +121,7 @@ class Rrt final : public Planner {
     auto& instance = task_.instance;
     const auto& space = instance.space;
     propose(task_, sample_);
-    const auto near = tree_->nearest(sample_);
+    const auto near = tree_->to_extend(sample_);
     const double distance = std::sqrt(near.squared_distance);
     Outcome outcome;
     outcome.proposal = sample_;
@@ -88,11 +143,30 @@ class Rrt final : public Planner {
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
     outcome.added = target_;
-    if (!solved_ && settings_.connect_goal && last_distance_ <= settings_.step) {
-      const View goal = instance.goal_at(instance.nearest_goal(target_).goal);
-      if (instance.motion(target_, goal).valid) note(tree_->add(goal, id));
-    }
     settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    if (!solved_ && settings_.connect_goal && last_distance_ <= settings_.step) connect_goal(id);
+  }
+
+  /// Tries the motion from the node at target_ to the goal.
+  void connect_goal(std::uint32_t id) {
+    auto& instance = task_.instance;
+    const View goal = instance.goal_at(instance.nearest_goal(target_).goal);
+    if (!task_.guidance.worth_connecting(target_, goal)) return;
+    const MotionReport report = instance.motion(target_, goal);
+    Outcome outcome;
+    outcome.proposal = goal;
+    outcome.near = target_;
+    if (report.valid) {
+      const std::uint32_t end = tree_->add(goal, id);
+      note(end);
+      outcome.fate = Fate::reached;
+      outcome.added = goal;
+      outcome.added_row = tree_->row(end);
+    } else {
+      instance.space.interpolate(target_, goal, report.invalid_at, blocked_);
+      outcome.blocked_at = blocked_;
+    }
+    task_.guidance.observe(outcome, false);
   }
 
   /// Remembers how near the new node is to the goal.
@@ -110,6 +184,7 @@ class Rrt final : public Planner {
   RrtSettings settings_;
   Task task_;
   std::optional<Tree> tree_;
+  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
   Configuration target_;
   Configuration sample_;
   Configuration blocked_;
@@ -124,7 +199,7 @@ class Rrt final : public Planner {
 }  // namespace
 
 PlannerKind rrt_kind() {
-  return {&rrt_settings().component(), [](const Options& o) { return rrt_settings().read(o).common(); },
+  return {&rrt_settings().component(), [](const Options& o) { return common_of(rrt_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             return std::make_unique<Rrt>(rrt_settings().read(o), std::move(task));
           },

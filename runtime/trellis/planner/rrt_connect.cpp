@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/loop.hpp>
+#include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
@@ -37,11 +40,19 @@ class RrtConnect final : public Planner {
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
-    if (!ends_checked_) {
+    if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
+      epoch_ = instance.epoch();
+      if (trees_[0]) begin_repair();
     }
-    if (!trees_[0] || bridge_ || epoch_ != instance.validity->epoch()) plant();
+    if (!trees_[0]) {
+      plant();
+    } else if (repairing_) {
+      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+    } else if (bridge_) {
+      plant();
+    }
     while (!bridge_) {
       if (const auto reason = meter.spent()) return finish(*reason);
       iterate();
@@ -61,6 +72,7 @@ class RrtConnect final : public Planner {
     auto& instance = task_.instance;
     trees_[0].emplace(task_);
     trees_[1].emplace(task_);
+    task_.guidance.restart();
     trees_[0]->add(instance.start, 0);
     for (std::uint32_t i = 0; i < instance.goals(); ++i) trees_[1]->add(instance.goal_at(i), i);
     bridge_.reset();
@@ -68,22 +80,92 @@ class RrtConnect final : public Planner {
     best_ = 0;
     const auto nearest = instance.nearest_goal(instance.start);
     best_distance_ = nearest.distance;
-    epoch_ = instance.validity->epoch();
     if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{0, static_cast<std::uint32_t>(nearest.goal)};
   }
 
-  /// One step of `tree` from its node nearest to q. Fills near, added or blocked_at and fate.
+  [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
+
+  /// The instance changed: what of the trees is still valid is not known. A tree whose root is not the start any more
+  /// begins anew, a root that is no goal any more goes, and a new goal becomes a root.
+  void begin_repair() {
+    auto& instance = task_.instance;
+    if (!same((*trees_[0])[0], instance.start)) {
+      trees_[0].emplace(task_);
+      trees_[0]->add(instance.start, 0);
+      bridge_.reset();
+    }
+    Tree& goals = *trees_[1];
+    std::vector<std::uint32_t> roots;
+    for (std::uint32_t id = 0; id < goals.size(); ++id) {
+      if (goals.parent(id) == id) roots.push_back(id);
+    }
+    for (std::size_t i = 0; i < instance.goals(); ++i) {
+      const View goal = instance.goal_at(i);
+      if (std::any_of(roots.begin(), roots.end(), [&](std::uint32_t id) { return same(goals[id], goal); })) continue;
+      goals.add(goal, static_cast<std::uint32_t>(goals.size()));
+    }
+    repairs_[0].emplace(*trees_[0]);
+    repairs_[1].emplace(goals);
+    for (const std::uint32_t id : roots) {
+      bool still = false;
+      for (std::size_t i = 0; i < instance.goals(); ++i) still = still || same(goals[id], instance.goal_at(i));
+      if (!still) repairs_[1]->refute(id);
+    }
+    repairing_ = true;
+  }
+
+  /// Ends where the path is still valid; else removes all branches that are not. The reason to stop before that is
+  /// done, or none.
+  std::optional<Status> repair(Meter& meter) {
+    const auto edge_valid = [&](const Tree& tree) {
+      return [&](std::uint32_t id) { return motion_still_valid(task_, tree[tree.parent(id)], tree[id]); };
+    };
+    const auto branch_valid = [&](std::size_t side, std::uint32_t id) {
+      return repairs_[side]->branch_valid(*trees_[side], id, edge_valid(*trees_[side]));
+    };
+    if (bridge_ && branch_valid(0, bridge_->start_side) && branch_valid(1, bridge_->goal_side)) {
+      // Nothing is drawn before the trees are planted anew, or repaired anew.
+      repairing_ = false;
+      return std::nullopt;
+    }
+    bridge_.reset();
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (const auto reason = repairs_[side]->check_all(*trees_[side], meter, edge_valid(*trees_[side]))) return reason;
+    }
+    for (std::size_t side = 0; side < 2; ++side) repairs_[side]->prune(*trees_[side]);
+    repairing_ = false;
+    task_.guidance.restart();
+    for (std::size_t side = 0; side < 2; ++side) report_nodes(task_, *trees_[side], side == 1);
+    find_best();
+    return std::nullopt;
+  }
+
+  /// Finds the node nearest to the goal.
+  void find_best() {
+    auto& instance = task_.instance;
+    const Tree& tree = *trees_[0];
+    best_ = 0;
+    best_distance_ = instance.to_goal(tree[0]);
+    if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{0, trees_[1]->nearest(tree[0]).id};
+    for (std::uint32_t id = 1; id < tree.size(); ++id) {
+      const double distance = instance.to_goal(tree[id]);
+      if (distance >= best_distance_) continue;
+      best_distance_ = distance;
+      best_ = id;
+    }
+  }
+
+  /// One step of a tree from one of its nodes towards q.
   struct Step {
     Fate fate = Fate::rejected;
     std::uint32_t near = 0;
     std::uint32_t added = 0;
-    bool blocked = false;
-    bool there = false;  ///< q itself is a node of the tree already
+    bool blocked = false;  ///< at blocked_
+    bool there = false;    ///< q itself is a node of the tree already
   };
-  Step extend(std::size_t side, View q) {
+  Step extend(std::size_t side, NearestIndex::Neighbour near, View q) {
     auto& instance = task_.instance;
     Tree& tree = *trees_[side];
-    const auto near = tree.nearest(q);
     const double distance = std::sqrt(near.squared_distance);
     Step step;
     step.near = near.id;
@@ -111,41 +193,49 @@ class RrtConnect final : public Planner {
     return step;
   }
 
-  void iterate() {
-    propose(task_, sample_);
-    const std::size_t side = active_;
-    active_ = 1 - active_;
-    const Step step = extend(side, sample_);
-    Configuration added;
-    if (step.fate != Fate::rejected || step.there) {
-      const View q = (*trees_[side])[step.added];
-      added.assign(q.begin(), q.end());
-      connect(side, step.added, added);
-    }
+  /// The outcome of a step towards q; its views hold until the next step.
+  [[nodiscard]] Outcome outcome_of(const Step& step, std::size_t side, View q) const {
+    const Tree& tree = *trees_[side];
     Outcome outcome;
     outcome.fate = step.fate;
-    outcome.proposal = sample_;
-    outcome.near = (*trees_[side])[step.near];
-    if (step.fate != Fate::rejected) outcome.added = added;
+    outcome.proposal = q;
+    outcome.near = tree[step.near];
+    if (step.fate != Fate::rejected) {
+      outcome.added = tree[step.added];
+      outcome.added_row = tree.row(step.added);
+    }
     if (step.blocked) outcome.blocked_at = blocked_;
     outcome.from_goal = side == 1;
-    settle(task_, outcome, trees_[side]->row(step.near),
-           step.fate != Fate::rejected ? trees_[side]->row(step.added) : no_node);
+    return outcome;
   }
 
-  /// Grows the other tree towards q until it is there or blocked.
+  void iterate() {
+    const std::size_t side = active_;
+    active_ = 1 - active_;
+    task_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
+    propose(task_, sample_);
+    const Step step = extend(side, trees_[side]->to_extend(sample_), sample_);
+    const Outcome outcome = outcome_of(step, side, sample_);
+    settle(task_, outcome, trees_[side]->row(step.near), outcome.added_row);
+    if (step.fate == Fate::rejected && !step.there) return;
+    const View q = (*trees_[side])[step.added];
+    connect(side, step.added, Configuration(q.begin(), q.end()));
+  }
+
+  /// Grows the other tree towards q until it reaches q, is blocked, or the guidance rejects the motion.
   void connect(std::size_t side, std::uint32_t from, const Configuration& q) {
-    // The first report of what blocked belongs to the proposal; connecting must not overwrite it.
-    const Configuration kept = blocked_;
+    const std::size_t other = 1 - side;
     for (;;) {
-      const Step step = extend(1 - side, q);
+      const auto near = trees_[other]->nearest(q);
+      if (near.squared_distance > 0.0 && !task_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
+      const Step step = extend(other, near, q);
+      if (!step.there) task_.guidance.observe(outcome_of(step, other, q), false);
       if (step.fate == Fate::reached || step.there) {
         bridge_ = side == 0 ? Bridge{from, step.added} : Bridge{step.added, from};
-        break;
+        return;
       }
-      if (step.fate == Fate::rejected) break;
+      if (step.fate == Fate::rejected) return;
     }
-    blocked_ = kept;
   }
 
   [[nodiscard]] Solution finish(Status status) const {
@@ -160,6 +250,8 @@ class RrtConnect final : public Planner {
   RrtConnectSettings settings_;
   Task task_;
   std::array<std::optional<Tree>, 2> trees_;
+  std::array<std::optional<TreeRepair>, 2> repairs_;
+  bool repairing_ = false;  ///< since the instance changed
   std::optional<Bridge> bridge_;
   std::size_t active_ = 0;
   Configuration sample_;
@@ -174,7 +266,8 @@ class RrtConnect final : public Planner {
 }  // namespace
 
 PlannerKind rrt_connect_kind() {
-  return {&rrt_connect_settings().component(), [](const Options& o) { return rrt_connect_settings().read(o).common(); },
+  return {&rrt_connect_settings().component(),
+          [](const Options& o) { return common_of(rrt_connect_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             return std::make_unique<RrtConnect>(rrt_connect_settings().read(o), std::move(task));
           },

@@ -5,6 +5,7 @@
 
 #include <trellis/planner/anytime.hpp>
 #include <trellis/planner/kinds.hpp>
+#include <trellis/planner/tree.hpp>
 
 namespace trellis {
 
@@ -35,18 +36,26 @@ class RrtStar final : public Planner {
         best_(task_, settings.improve),
         sample_(dimension()),
         target_(dimension()),
-        blocked_(dimension()) {}
+        blocked_(dimension()),
+        blocked_motions_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
     auto& instance = task_.instance;
     Meter meter(task_, budget);
-    if (!ends_checked_) {
+    best_.begin();
+    if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
+      epoch_ = instance.epoch();
+      if (tree_) begin_repair();
     }
-    best_.begin();
     // What is known is kept, also when another path is asked for.
-    if (!tree_ || epoch_ != instance.validity->epoch()) plant();
+    if (!tree_) plant();
+    if (repair_) {
+      const bool known = best_.known();
+      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+      if (!known && best_.known()) return finish(Status::solved);
+    }
     bool another = best_.known();
     while (another || !best_.done()) {
       another = false;
@@ -61,26 +70,76 @@ class RrtStar final : public Planner {
   [[nodiscard]] double to_goal(View q) const { return task_.instance.to_goal(q); }
 
   void plant() {
-    epoch_ = task_.instance.validity->epoch();
     tree_.emplace(task_);
+    repair_.reset();
+    task_.guidance.restart();
     best_.forget();
     best_cost_ = std::numeric_limits<double>::infinity();
+    tree_->add(task_.instance.start, 0);
     costs_ = {0.0};
     lengths_ = {0.0};
     children_.assign(1, {});
+    note_all();
+    keep_best();
+  }
+
+  /// The instance changed: what of the tree is still valid is not known.
+  void begin_repair() {
+    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+      tree_.reset();
+      return;
+    }
+    repair_.emplace(*tree_);
+    best_.forget();
+    best_cost_ = std::numeric_limits<double>::infinity();
+    note_all();
+  }
+
+  /// Ends where the shortest path is still valid, the rest of the tree unchecked; else, or where that is so already,
+  /// removes all branches that are not valid. The reason to stop before that is done, or none.
+  std::optional<Status> repair(Meter& meter) {
+    const auto edge_valid = [&](std::uint32_t id) {
+      return motion_still_valid(task_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
+    };
+    if (!best_.known()) {
+      const auto end = shortest_end();
+      if (end && repair_->branch_valid(*tree_, *end, edge_valid)) {
+        keep_best();
+        return std::nullopt;
+      }
+    }
+    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
+    repair_.reset();
+    task_.guidance.restart();
+    report_nodes(task_, *tree_, false);
+    std::vector<double> lengths(tree_->size(), 0.0);
+    for (std::uint32_t id = 0; id < ids.size(); ++id) {
+      if (ids[id] != no_node) lengths[ids[id]] = lengths_[id];
+    }
+    lengths_ = std::move(lengths);
+    children_.assign(tree_->size(), {});
+    for (std::uint32_t id = 1; id < tree_->size(); ++id) children_[tree_->parent(id)].push_back(id);
+    costs_.assign(tree_->size(), 0.0);
+    update_costs(0);
+    note_all();
+    keep_best();
+    return std::nullopt;
+  }
+
+  /// Finds the nodes where a goal is, and the node nearest to one.
+  void note_all() {
     ends_.clear();
     goals_.assign(task_.instance.goals(), no_node);
-    nearest_ = tree_->add(task_.instance.start, 0);
-    nearest_distance_ = to_goal(task_.instance.start);
-    if (nearest_distance_ <= task_.instance.goal_tolerance) ends_.push_back(nearest_);
-    keep_best();
+    nearest_distance_ = std::numeric_limits<double>::infinity();
+    for (std::uint32_t id = 0; id < tree_->size(); ++id) note(id);
   }
 
   void iterate() {
     auto& instance = task_.instance;
     const auto& space = instance.space;
     propose(task_, sample_);
-    const auto near = tree_->nearest(sample_);
+    const auto near = tree_->to_extend(sample_);
     const double distance = std::sqrt(near.squared_distance);
     Outcome outcome;
     outcome.proposal = sample_;
@@ -98,16 +157,35 @@ class RrtStar final : public Planner {
       return;
     }
     const std::uint32_t id = insert(target_, near.id);
-    const auto goal = instance.nearest_goal(target_);
-    if (goals_[goal.goal] == no_node && goal.distance <= settings_.step &&
-        instance.motion(target_, instance.goal_at(goal.goal)).valid) {
-      insert(instance.goal_at(goal.goal), id);
-    }
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
     outcome.added = target_;
     settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    blocked_motions_.report(task_);
+    const auto goal = instance.nearest_goal(target_);
+    if (goals_[goal.goal] == no_node && goal.distance <= settings_.step) connect_goal(id, goal.goal);
     keep_best();
+  }
+
+  /// Tries the motion from the node at target_ to a goal.
+  void connect_goal(std::uint32_t id, std::size_t index) {
+    auto& instance = task_.instance;
+    const View goal = instance.goal_at(index);
+    if (!task_.guidance.worth_connecting(target_, goal)) return;
+    const MotionReport report = instance.motion(target_, goal);
+    Outcome outcome;
+    outcome.proposal = goal;
+    outcome.near = target_;
+    if (report.valid) {
+      outcome.added_row = tree_->row(insert(goal, id));
+      outcome.fate = Fate::reached;
+      outcome.added = goal;
+    } else {
+      instance.space.interpolate(target_, goal, report.invalid_at, blocked_);
+      outcome.blocked_at = blocked_;
+    }
+    task_.guidance.observe(outcome, false);
+    blocked_motions_.report(task_);
   }
 
   /// A node at q, to which the motion from `from` is valid: hung where its way is shortest, its neighbours hung from it
@@ -130,7 +208,7 @@ class RrtStar final : public Planner {
     std::size_t refused = 0;
     for (; refused < joints_.size() && joints_[refused].way < best.way; ++refused) {
       const Joint& joint = joints_[refused];
-      if (!task_.instance.motion((*tree_)[joint.node], q).valid) continue;
+      if (!motion_valid((*tree_)[joint.node], q)) continue;
       best = joint;
       break;
     }
@@ -144,10 +222,16 @@ class RrtStar final : public Planner {
     for (std::size_t i = refused; i < joints_.size(); ++i) {
       const Joint& joint = joints_[i];
       if (best.way + joint.length >= costs_[joint.node]) continue;
-      if (!task_.instance.motion((*tree_)[id], (*tree_)[joint.node]).valid) continue;
+      if (!motion_valid((*tree_)[id], (*tree_)[joint.node])) continue;
       hang(joint.node, id, joint.length);
     }
     return id;
+  }
+
+  bool motion_valid(View a, View b) {
+    const MotionReport report = task_.instance.motion(a, b);
+    if (!report.valid) blocked_motions_.add(task_.instance.space, a, b, report.invalid_at);
+    return report.valid;
   }
 
   /// A neighbour of a new node.
@@ -168,6 +252,11 @@ class RrtStar final : public Planner {
     children_[parent].push_back(id);
     tree_->hang(id, parent);
     lengths_[id] = length;
+    update_costs(id);
+  }
+
+  /// Of a node and all that grew from it.
+  void update_costs(std::uint32_t id) {
     std::vector<std::uint32_t> changed = {id};
     while (!changed.empty()) {
       const std::uint32_t at = changed.back();
@@ -188,10 +277,15 @@ class RrtStar final : public Planner {
     }
   }
 
-  void keep_best() {
+  [[nodiscard]] std::optional<std::uint32_t> shortest_end() const {
     const auto end = std::min_element(ends_.begin(), ends_.end(),
                                       [&](std::uint32_t a, std::uint32_t b) { return costs_[a] < costs_[b]; });
-    if (end == ends_.end() || costs_[*end] >= best_cost_) return;
+    return end == ends_.end() ? std::nullopt : std::optional(*end);
+  }
+
+  void keep_best() {
+    const auto end = shortest_end();
+    if (!end || costs_[*end] >= best_cost_) return;
     best_cost_ = costs_[*end];
     best_.keep(tree_->branch(*end));
   }
@@ -206,8 +300,9 @@ class RrtStar final : public Planner {
   Connection connection_;
   BestPath best_;
   std::optional<Tree> tree_;
-  std::vector<double> costs_;    ///< of each node the length of its way from the start
-  std::vector<double> lengths_;  ///< of each node that of the motion from its parent
+  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
+  std::vector<double> costs_;         ///< of each node the length of its way from the start
+  std::vector<double> lengths_;       ///< of each node that of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<NearestIndex::Neighbour> near_;
   std::vector<Joint> joints_;
@@ -217,6 +312,7 @@ class RrtStar final : public Planner {
   Configuration sample_;
   Configuration target_;
   Configuration blocked_;
+  BlockedMotions blocked_motions_;
   std::uint32_t nearest_ = 0;  ///< to the goal
   double nearest_distance_ = std::numeric_limits<double>::infinity();
   std::uint64_t epoch_ = 0;
@@ -226,7 +322,7 @@ class RrtStar final : public Planner {
 }  // namespace
 
 PlannerKind rrt_star_kind() {
-  return {&rrt_star_settings().component(), [](const Options& o) { return rrt_star_settings().read(o).common(); },
+  return {&rrt_star_settings().component(), [](const Options& o) { return common_of(rrt_star_settings().read(o)); },
           [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
             return std::make_unique<RrtStar>(rrt_star_settings().read(o), std::move(task));
           },

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -227,6 +228,7 @@ Json run_json(const RunResult& run) {
                {"status", status_name(run.run.status)},
                {"solved", run.run.solved},
                {"time_s", number(run.run.seconds)},
+               {"cpu_s", number(run.cpu_seconds)},
                {"path", run.run.solved ? array(run.run.path) : Json::array()},
                {"length", run.run.solved ? number(run.run.length) : Json(nullptr)},
                {"validity_checks", run.run.validity_checks},
@@ -408,6 +410,13 @@ Json experiment_json(const Experiment& experiment) {
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
                         {"collision", p.collision}});
+    const auto group = std::find_if(experiment.groups.begin(), experiment.groups.end(), [&](const ProblemGroup& g) {
+      return std::find(g.problems.begin(), g.problems.end(), p.name) != g.problems.end();
+    });
+    if (group != experiment.groups.end()) {
+      problems.back()["group"] = group->name;
+      problems.back()["tuned"] = group->tuned;
+    }
     for (std::size_t i = 0; i < p.further_goals.size(); ++i) {
       problems.back()["further_goals"].push_back(array(p.further_goals[i]));
     }

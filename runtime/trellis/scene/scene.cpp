@@ -127,6 +127,58 @@ double farthest_from(const Body& body, Vec2 p) {
   return radius;
 }
 
+// The direction of a body's axis, of length 1.
+Vec2 axis_of(const std::vector<Body>& bodies, std::size_t i) {
+  Vec2 axis;
+  for (const auto& child : bodies) {
+    if (child.parent == static_cast<int>(i) && norm(child.joint) > norm(axis)) axis = child.joint;
+  }
+  if (axis == Vec2{}) {
+    const auto& parts = bodies[i].parts;
+    for (const auto& part : parts) {
+      const Box2 box = bounding_box(part);
+      axis = axis + 0.5 * (box.lo + box.hi);
+    }
+  }
+  const double length = norm(axis);
+  return length > 0.0 ? 1.0 / length * axis : Vec2{1.0, 0.0};
+}
+
+// Scales a convex polygon across an axis. The points that stay are those of the chord between the polygon's two ends
+// along the axis. The chord lies in the polygon, so the scaled polygon does too.
+void thin(Polygon& polygon, Vec2 along, double factor) {
+  const Vec2 across{-along.y, along.x};
+  auto& vertices = polygon.vertices;
+  struct End {
+    double at;
+    double lo;  // across the axis, of the vertices at this end
+    double hi;
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least = infinity, greatest = -infinity;
+  for (const Vec2 v : vertices) {
+    least = std::min(least, dot(along, v));
+    greatest = std::max(greatest, dot(along, v));
+  }
+  // Vertices of one end differ by rounding where the axis is no coordinate axis.
+  const double same = 1e-9 * (greatest - least);
+  End from{least, infinity, -infinity}, to{greatest, infinity, -infinity};
+  for (const Vec2 v : vertices) {
+    const double b = dot(across, v);
+    for (End* end : {&from, &to}) {
+      if (std::abs(dot(along, v) - end->at) > same) continue;
+      end->lo = std::min(end->lo, b);
+      end->hi = std::max(end->hi, b);
+    }
+  }
+  const double from_middle = 0.5 * (from.lo + from.hi), to_middle = 0.5 * (to.lo + to.hi);
+  for (Vec2& v : vertices) {
+    const double a = dot(along, v);
+    const double chord = from_middle + (a - from.at) / (to.at - from.at) * (to_middle - from_middle);
+    v = a * along + (chord + factor * (dot(across, v) - chord)) * across;
+  }
+}
+
 }  // namespace
 
 World::World(Box2 bounds, std::vector<Obstacle> obstacles) {
@@ -337,6 +389,27 @@ Robot Robot::scaled(double factor) const {
   result.bounding_radius_ *= factor;
   result.inscribed_radius_ *= factor;
   for (double& radius : result.body_radius_) radius *= factor;
+  return result;
+}
+
+Robot Robot::thinned(double factor) const {
+  if (!std::isfinite(factor) || factor <= 0.0) {
+    throw Error(
+        fmt::format("robot '{}': the scale factor must be a finite number greater than 0, got {}", name_, factor));
+  }
+  Robot result = *this;
+  if (factor == 1.0) return result;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Vec2 along = axis_of(bodies_, i);
+    for (auto& part : result.bodies_[i].parts) {
+      if (auto* disc = std::get_if<Disc>(&part)) {
+        disc->radius *= factor;
+      } else {
+        thin(std::get<Polygon>(part), along, factor);
+      }
+    }
+  }
+  result.inscribed_radius_ = 0.0;
   return result;
 }
 

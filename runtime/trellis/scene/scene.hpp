@@ -107,6 +107,12 @@ class Robot {
 
   /// The robot scaled by `factor` > 0 about its reference point, shapes and joints alike.
   [[nodiscard]] Robot scaled(double factor) const;
+  /// The robot with each part of each body scaled by `factor` > 0 across the body's axis, and discs about their
+  /// centres: joints stay in their places, so that kinematics are the same. The axis leads from the body's joint to the
+  /// farthest joint that it carries, or to the middle of its own parts. For a factor of at most 1 every part lies
+  /// within that of the whole robot at the same configuration. Radii and displacement bounds stay those of the whole
+  /// robot, so that a motion is checked in the same configurations; only `inscribed_radius` is 0.
+  [[nodiscard]] Robot thinned(double factor) const;
   /// No point of the robot is ever farther than this from its reference point.
   [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
   /// The largest disc about the reference point inside the robot (0 for a point, or where the point lies outside).

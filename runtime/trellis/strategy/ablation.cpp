@@ -16,7 +16,7 @@ enum class How { uniform, skip };
 /// The component alone. A planner that it has by default is not written.
 GuideSpec bare(const GuideSpec& guide) {
   GuideSpec plain = guide.alone();
-  if (plain.planner() == guide.planner()) return plain;
+  if (!guide.planner_given()) return plain;
   if (guide.custom()) return GuideSpec::make(guide.custom(), guide.planner(), guide.origin());
   return GuideSpec::make(guide.name(), guide.options().entries(), guide.planner(), guide.origin());
 }

@@ -31,8 +31,11 @@ struct LevelRecord {
   std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
-  Search search;       ///< proposals, nodes, their fates, checks and time, over all solves
-  Solution solution;   ///< the last one found
+  /// Validity checks of this level that guided proposals spent, or validating what guides; and the others.
+  std::uint64_t guided_checks = 0;
+  std::uint64_t unguided_checks = 0;
+  Search search;      ///< proposals, nodes, their fates, checks and time, over all solves
+  Solution solution;  ///< the last one found
   /// Validity in S as it was when the run ended, of configurations and of the straight motion from a valid one; counted
   /// nowhere; for scoring. One thread at a time, as all functions of all levels of a run: levels may share a checker.
   std::function<bool(View)> valid;

@@ -23,7 +23,7 @@ class BlendGuidance final : public PartsGuidance {
         served_(rule_ == Rule::efficiency ? parts_.size() : 0),
         nearest_to_goal_(instance.to_goal(instance.start)),
         nearest_to_start_(nearest_to_goal_) {}
-  Advance prepare(double proposals) override { return prepare_all(proposals); }
+  Advance prepare(const Slice& slice) override { return prepare_all(slice); }
   Source sample(Stream& stream, MutableView out) override {
     const double total = total_weight();
     double u = stream.uniform();

@@ -25,9 +25,14 @@ class ComponentGuidance final : public Prepared {
     run.clock.switch_to(above);
     if (!sub) return;
     project_further_goals(*sub);
-    level_ = told(
-        [&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), *spec.planner(), guide_); });
+    // A default planner must suit the instance: where it has a motion model, that is driven.
+    const bool drives = find_planner(spec.planner()->name())->kinodynamic;
+    const PlannerSpec planner = spec.planner_given() || drives || sub->graph || !sub->motion_model
+                                    ? *spec.planner()
+                                    : PlannerSpec::make("kinodynamic_rrt", {});
+    level_ = told([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
+    guide_->attach(level_->instance());
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
 
@@ -44,37 +49,66 @@ class ComponentGuidance final : public Prepared {
     }
   }
 
-  Advance prepare(double proposals) override {
-    if (heuristic_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
+  Advance prepare(const Slice& slice) override {
+    // What was found in another world is searched for again.
+    if (heuristic_ && level_ && parent_.instance().scene != projected_) renewing_ = true;
+    if (heuristic_ && level_ && !renewing_ && made_at_ != parent_.instance().epoch()) make_heuristic();
+    if (heuristic_ && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
       make_heuristic();
       found_ = true;
       return Advance::found;
     }
-    if (heuristic_ && !renewing_) {
-      renewing_ = true;
-      --resolves_left_;
-      guide_->before_resolve();
+    const double begun = work_so_far();
+    for (;;) {
+      if (heuristic_ && !renewing_) {
+        renewing_ = true;
+        --resolves_left_;
+        guide_->before_resolve();
+      }
+      if (parent_.instance().scene != projected_) project_again();
+      const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
+      const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
+      if (advance == Advance::unfinished) return advance;
+      make_heuristic();
+      const bool again = std::exchange(renewing_, false);
+      counted_ = false;
+      found_ = advance == Advance::found;
+      // Without another path there is nothing to solve again for.
+      if (again && !found_) resolves_left_ = 0;
+      // A path whose points are invalid in C is refuted before anything is drawn.
+      if (!heuristic_->stale()) return advance;
+      ++refuted_;
+      counted_ = true;
+      if (!renewable()) return advance;
     }
-    const Advance advance = search(proposals);
-    if (advance == Advance::unfinished) return advance;
-    make_heuristic();
-    renewing_ = false;
-    counted_ = false;
-    found_ = advance == Advance::found;
-    return advance;
   }
-  void renew() override {
-    if (heuristic_ && renewable()) prepare(std::numeric_limits<double>::infinity());
-  }
+  [[nodiscard]] double work() const override { return level_ ? level_->work() : 0.0; }
   [[nodiscard]] std::uint64_t refuted() const override { return refuted_; }
   [[nodiscard]] bool spent() const override { return heuristic_ && heuristic_->stale() && !renewable(); }
   [[nodiscard]] bool searches() const override { return level_ != nullptr; }
 
+  void select_tree(TreeSide side) override {
+    side_ = side;
+    if (heuristic_) heuristic_->select_tree(side);
+  }
+  /// The nodes that are left are those that h goes on from.
+  void restart() override {
+    guide_->restart();
+    if (heuristic_ && level_) made_at_ = never;
+  }
+  [[nodiscard]] double edge_factor(View a, View b) const override {
+    return heuristic_ ? heuristic_->edge_factor(a, b) : 1.0;
+  }
   Source sample(Stream& stream, MutableView out) override {
     heuristic_->sample(stream, out);
     return 0;
   }
+  [[nodiscard]] std::uint32_t vertex() const override { return heuristic_->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return !heuristic_ || heuristic_->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override { return progress_ + (heuristic_ ? heuristic_->progress() : 0.0); }
   [[nodiscard]] double density(View q) const override {
     return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
   }
@@ -151,20 +185,44 @@ class ComponentGuidance final : public Prepared {
     const Solution* found = level_ ? &level_->solution() : nullptr;
     epoch_ = epoch() + 1;
     const Instance* sub = level_ ? &level_->instance() : nullptr;
+    if (heuristic_) progress_ += heuristic_->progress();
+    made_at_ = parent_.instance().epoch();
     heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
+    heuristic_->select_tree(side_);
+  }
+
+  /// f of the instance as it stands now.
+  void project_again() {
+    projected_ = parent_.instance().scene;
+    auto sub = told([&] { return guide_->project(parent_.instance()); });
+    project_further_goals(*sub);
+    level_->replace_instance(std::move(sub));
+    guide_->attach(level_->instance());
+  }
+
+  /// Checks in C, and work below.
+  [[nodiscard]] double work_so_far() const {
+    return static_cast<double>(parent_.instance().checks.validity) + level_->work();
   }
 
   /// Whether h was refuted and S may be solved again.
   [[nodiscard]] bool renewable() const { return heuristic_->stale() && (renewing_ || resolves_left_ > 0); }
 
   /// Solves the instance in S, for as many paths as the guide wants.
-  Advance search(double proposals) {
-    const Advance first = level_->advance(std::min(proposals, guide_->effort()), proposals < guide_->effort());
-    if (first == Advance::unfinished) return first;
-    while (const std::int64_t more = guide_->another(level_->found() ? &level_->solution() : nullptr)) {
-      level_->solve(static_cast<double>(more));
+  Advance search(const Slice& slice) {
+    const double begun = level_->work();
+    if (more_ == 0) {
+      first_ = level_->advance(renewing_ ? guide_->effort_again() : guide_->effort(), slice);
+      if (first_ == Advance::unfinished) return first_;
+      more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
     }
-    return first;
+    while (more_ > 0) {
+      const Slice left{slice.proposals, slice.work - (level_->work() - begun)};
+      if (left.work <= 0.0) return Advance::unfinished;
+      if (level_->advance(static_cast<double>(more_), left) == Advance::unfinished) return Advance::unfinished;
+      more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
+    }
+    return first_;
   }
 
   Level& parent_;
@@ -173,7 +231,14 @@ class ComponentGuidance final : public Prepared {
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
-  std::uint64_t epoch_ = 0;  ///< beside the heuristic's own
+  std::uint64_t epoch_ = 0;                                            ///< beside the heuristic's own
+  std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the world and robot that f was applied to
+  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t made_at_ = never;  ///< of the parent's instance, when h was made
+  TreeSide side_ = TreeSide::start;
+  double progress_ = 0.0;             ///< along the heuristics before this one
+  Advance first_ = Advance::nothing;  ///< of the search for the first path
+  std::int64_t more_ = 0;             ///< proposals for the search of another path, which has begun
   std::int64_t resolves_left_ = 0;
   std::uint64_t refuted_ = 0;
   bool counted_ = false;   ///< that the h in use was refuted

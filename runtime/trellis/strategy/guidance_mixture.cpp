@@ -14,27 +14,56 @@ class MixtureGuidance final : public PartsGuidance {
       : PartsGuidance(std::move(parts)) {
     double total = 0.0;
     for (const double w : weights) total += w;
-    for (const double w : weights) weights_.push_back(w / total);
+    for (const double w : weights) given_.push_back(w / total);
+    weights_ = given_;
   }
-  Advance prepare(double proposals) override { return prepare_all(proposals); }
+  /// A part whose space is being searched leaves its weight to the others.
+  Advance prepare(const Slice& slice) override {
+    Advance best = Advance::nothing;
+    double total = 0.0;
+    ready_.assign(parts_.size(), 0.0);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Advance advance = parts_[i]->prepare(slice);
+      if (advance == Advance::found) best = advance;
+      if (advance == Advance::unfinished) continue;
+      ready_[i] = given_[i];
+      total += given_[i];
+    }
+    if (total == 0.0) return Advance::unfinished;
+    for (double& w : ready_) w /= total;
+    if (ready_ != weights_) {
+      weights_ = ready_;
+      ++changes_;
+    }
+    return best;
+  }
   Source sample(Stream& stream, MutableView out) override {
     double u = stream.uniform();
     drawn_ = 0;
     while (drawn_ + 1 < parts_.size() && u >= weights_[drawn_]) u -= weights_[drawn_++];
+    // Rounding may end at a part that draws nothing.
+    while (weights_[drawn_] == 0.0) --drawn_;
     return draw(stream, out);
   }
   [[nodiscard]] double density(View q) const override {
     double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) sum += weights_[i] * parts_[i]->density(q);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (weights_[i] > 0.0) sum += weights_[i] * parts_[i]->density(q);
+    }
     return sum;
   }
   [[nodiscard]] double atom_mass() const override {
     double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) sum += weights_[i] * parts_[i]->atom_mass();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (weights_[i] > 0.0) sum += weights_[i] * parts_[i]->atom_mass();
+    }
     return sum;
   }
+  [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double share) const override {
-    for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->record(record, share * weights_[i]);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (weights_[i] > 0.0) parts_[i]->record(record, share * weights_[i]);
+    }
   }
   [[nodiscard]] Configurations guiding_path() const override {
     for (const auto& part : parts_) {
@@ -45,7 +74,10 @@ class MixtureGuidance final : public PartsGuidance {
   }
 
  private:
-  std::vector<double> weights_;
+  std::vector<double> given_;    ///< weights, that add up to 1
+  std::vector<double> weights_;  ///< those of the parts that can draw
+  std::vector<double> ready_;    ///< scratch
+  std::uint64_t changes_ = 0;    ///< of the weights
 };
 
 }  // namespace

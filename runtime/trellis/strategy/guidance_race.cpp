@@ -16,19 +16,15 @@ class RaceGuidance final : public PartsGuidance {
   RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
       : PartsGuidance(std::move(parts)), slice_(static_cast<double>(settings.slice)), out_(parts_.size(), false) {}
 
-  Advance prepare(double proposals) override {
-    if (!led_) outcome_ = run(proposals);
-    return outcome_;
+  Advance prepare(const Slice& slice) override {
+    if (led_ && (parts_[drawn_]->refuted() == begun_ || over())) return parts_[drawn_]->prepare(slice);
+    if (led_ && !resumed_) {
+      resumed_ = true;
+      turn_ = (drawn_ + 1) % parts_.size();
+    }
+    return run(slice);
   }
   Source sample(Stream& stream, MutableView out) override { return draw(stream, out); }
-  void renew() override {
-    if (parts_[drawn_]->refuted() == begun_ || over()) {
-      parts_[drawn_]->renew();
-      return;
-    }
-    turn_ = (drawn_ + 1) % parts_.size();
-    outcome_ = run(std::numeric_limits<double>::infinity());
-  }
   /// A refuted leader is a round of the whole only where nobody else is left to lead.
   [[nodiscard]] std::uint64_t refuted() const override { return over() ? parts_[drawn_]->refuted() - begun_ : 0; }
   [[nodiscard]] bool spent() const override { return over() && parts_[drawn_]->spent(); }
@@ -48,17 +44,20 @@ class RaceGuidance final : public PartsGuidance {
     return led_;
   }
 
-  Advance run(double proposals) {
+  Advance run(const Slice& given) {
     double searched = 0.0;
+    double worked = 0.0;
     while (std::find(out_.begin(), out_.end(), false) != out_.end()) {
-      if (searched >= proposals) return Advance::unfinished;
+      if (searched >= given.proposals || worked >= given.work) return Advance::unfinished;
       const std::size_t part = turn_;
       const double slice = slice_;
       turn_ = (turn_ + 1) % parts_.size();
       if (turn_ == 0) slice_ *= 2.0;
       if (out_[part]) continue;
-      const Advance advance = parts_[part]->prepare(slice);
+      const double before = parts_[part]->work();
+      const Advance advance = parts_[part]->prepare({slice, given.work - worked});
       searched += slice;
+      worked += parts_[part]->work() - before;
       if (advance == Advance::found && !parts_[part]->spent()) {
         lead(part);
         return advance;
@@ -75,16 +74,17 @@ class RaceGuidance final : public PartsGuidance {
   }
   void lead(std::size_t part) {
     led_ = true;
+    resumed_ = false;
     ++leaders_;
     drawn_ = part;
     begun_ = parts_[part]->refuted();
   }
 
-  double slice_;           ///< of the round that is run
-  std::size_t turn_ = 0;   ///< whose search is next
-  std::vector<bool> out_;  ///< whose search has ended without a path
-  bool led_ = false;       ///< there is a leader, or the best that there is
-  Advance outcome_ = Advance::unfinished;
+  double slice_;               ///< of the round that is run
+  std::size_t turn_ = 0;       ///< whose search is next
+  std::vector<bool> out_;      ///< whose search has ended without a path
+  bool led_ = false;           ///< there is a leader, or the best that there is
+  bool resumed_ = false;       ///< the leader was refuted, and the race goes on
   std::uint64_t begun_ = 0;    ///< how often the leader was refuted when it took the lead
   std::uint64_t leaders_ = 0;  ///< changes of the lead
 };

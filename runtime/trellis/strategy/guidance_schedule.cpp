@@ -14,26 +14,22 @@ class ScheduleGuidance final : public PartsGuidance {
   ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
       : PartsGuidance(std::move(parts)), settings_(settings) {}
 
-  Advance prepare(double proposals) override {
+  Advance prepare(const Slice& slice) override {
+    const auto rounds = static_cast<std::uint64_t>(settings_.rounds);
+    const auto& part = *parts_[drawn_];
+    if (!last() &&
+        (static_cast<double>(served_) >= settings_.turn || part.refuted() >= begun_ + rounds || part.spent())) {
+      pass_on();
+    }
     for (;;) {
-      const Advance advance = parts_[drawn_]->prepare(proposals);
+      const Advance advance = parts_[drawn_]->prepare(slice);
       if (advance != Advance::nothing || last()) return advance;
       pass_on();
     }
   }
   Source sample(Stream& stream, MutableView out) override {
-    if (!last() && static_cast<double>(served_) >= settings_.turn) hand_over();
     ++served_;
     return draw(stream, out);
-  }
-  void renew() override {
-    const auto& part = *parts_[drawn_];
-    const auto rounds = static_cast<std::uint64_t>(settings_.rounds);
-    if (!last() && (part.refuted() >= begun_ + rounds || part.spent())) {
-      hand_over();
-    } else {
-      parts_[drawn_]->renew();
-    }
   }
   /// The round of the whole ends with that of the last.
   [[nodiscard]] std::uint64_t refuted() const override { return last() ? parts_[drawn_]->refuted() - begun_ : 0; }
@@ -55,11 +51,6 @@ class ScheduleGuidance final : public PartsGuidance {
     begun_ = parts_[drawn_]->refuted();
     if (!path.empty()) parts_[drawn_]->inform(path);
   }
-  void hand_over() {
-    pass_on();
-    prepare(std::numeric_limits<double>::infinity());
-  }
-
   ScheduleSettings settings_;
   std::int64_t served_ = 0;  ///< proposals by the present part
   std::uint64_t begun_ = 0;  ///< how often it was refuted when it took over

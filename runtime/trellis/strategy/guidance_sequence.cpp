@@ -13,16 +13,17 @@ class SequenceGuidance final : public PartsGuidance {
  public:
   SequenceGuidance(std::vector<std::unique_ptr<Prepared>> parts, std::int64_t turn)
       : PartsGuidance(std::move(parts)), turn_(turn) {}
-  Advance prepare(double proposals) override { return parts_[drawn_]->prepare(proposals); }
-  Source sample(Stream& stream, MutableView out) override {
+  Advance prepare(const Slice& slice) override {
     if (served_ == turn_ && parts_.size() > 1) {
       const Configurations path = parts_[drawn_]->guiding_path();
       drawn_ = (drawn_ + 1) % parts_.size();
       served_ = 0;
       ++turns_;
       if (!path.empty()) parts_[drawn_]->inform(path);
-      parts_[drawn_]->prepare();
     }
+    return parts_[drawn_]->prepare(slice);
+  }
+  Source sample(Stream& stream, MutableView out) override {
     ++served_;
     return draw(stream, out);
   }

@@ -18,8 +18,9 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
       kind_(*find_planner(planner.name())),
       planner_spec_(planner),
       common_(kind_.common(planner.options())),
-      guidance_(*instance_, common_) {
+      guidance_(*instance_, common_, record_.search) {
   if (!kind_.graph) instance_->graph = nullptr;
+  instance_->step = common_.step;
   check_planner(kind_, *instance_);
   record_.level = static_cast<int>(run.levels.size());
   record_.parent = parent != nullptr ? parent->record_.level : -1;
@@ -34,17 +35,36 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.presumed = !instance_->validity->spends_checks();
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
+  guidance_.limit_slice([this] { return work_limit_ - work(); });
   run.levels.push_back(this);
 }
 
-Advance Level::advance(double proposals, bool slice) {
+double Level::work() const {
+  const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
+  return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
+         below - guidance_.earned();
+}
+
+void Level::replace_instance(std::unique_ptr<Instance> instance) {
+  instance->checks.validity += instance_->checks.validity;
+  instance->checks.motion += instance_->checks.motion;
+  instance->revision = instance_->epoch() + 1;
+  instance->step = instance_->step;
+  if (!kind_.graph) instance->graph = nullptr;
+  *instance_ = std::move(*instance);
+  record_.scene = instance_->scene;
+  record_.solution = {};
+  found_ = false;
+}
+
+Advance Level::advance(double proposals, const Slice& slice) {
   double* above = run_.clock.switch_to(&record_.search.seconds);
   if (run_.at_work != nullptr) run_.at_work->pause();
   Level* asking = std::exchange(run_.at_work, this);
-  Advance advance = Advance::unfinished;
-  Prepared* guide = guidance_.guide();
-  const double below = slice ? proposals : Budget::unlimited;
-  if (guide == nullptr || guide->prepare(below) != Advance::unfinished) advance = solve_own(proposals, slice);
+  const double limit =
+      std::exchange(work_limit_, slice.work < Budget::unlimited ? work() + slice.work : Budget::unlimited);
+  const Advance advance = solve_own(proposals, slice);
+  work_limit_ = limit;
   run_.at_work = asking;
   run_.clock.switch_to(above);
   return advance;
@@ -53,25 +73,43 @@ Advance Level::advance(double proposals, bool slice) {
 std::unique_ptr<Planner> Level::make_planner() {
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  Planner::Task task{
-      *instance_,      *h, Stream(run_.seed, record_.key, "proposals"), record_.search, guidance_.guided(),
-      run_.interrupted};
+  Planner::Task task{*instance_,
+                     *h,
+                     Stream(run_.seed, record_.key, "proposals"),
+                     record_.search,
+                     guidance_.guided(),
+                     run_.interrupted,
+                     [this] {
+                       guidance_.prepare();
+                       // A run that ended while the levels below were searched ends here, before anything is drawn.
+                       if (run_.interrupted && run_.interrupted()) return true;
+                       return paused_ = work_limit_ < Budget::unlimited && work() >= work_limit_;
+                     }};
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(task));
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(task));
 }
 
-Advance Level::solve_own(double proposals, bool slice) {
+Advance Level::solve_own(double proposals, const Slice& slice) {
   if (!planner_) planner_ = make_planner();
   const auto drawn = [&] { return static_cast<double>(record_.search.proposals.size()); };
+  // A solve that goes on in slices may spend `proposals` over all of them.
+  const double begun = solve_begun_.value_or(drawn());
   Budget budget = common_.budget;
-  budget.proposals = std::min(budget.proposals, drawn() + proposals);
+  budget.proposals = std::min(budget.proposals, begun + proposals);
+  const double whole = budget.proposals;
+  budget.proposals = std::min(whole, drawn() + slice.proposals);
+  paused_ = false;
   Solution found = planner_->solve(budget);
+  if (found.status == Status::budget_spent && run_.interrupted && run_.interrupted())
+    found.status = Status::interrupted;
   found_ = found.solved();
   if (found_) guidance_.found(path_length(instance_->space, found.path));
-  const bool over = found.status != Status::budget_spent || drawn() >= common_.budget.proposals ||
-                    static_cast<double>(instance_->checks.validity) >= common_.budget.checks ||
-                    drawn() < budget.proposals;
-  const Advance advance = found_ ? Advance::found : slice && !over ? Advance::unfinished : Advance::nothing;
+  const bool sliced = paused_ || (drawn() >= budget.proposals && drawn() < whole);
+  const Advance advance = found_                                           ? Advance::found
+                          : sliced && found.status == Status::budget_spent ? Advance::unfinished
+                                                                           : Advance::nothing;
+  solve_begun_.reset();
+  if (advance == Advance::unfinished) solve_begun_ = begun;
   if (advance == Advance::unfinished) {
     pause();
   } else {
@@ -89,7 +127,11 @@ Advance Level::solve_own(double proposals, bool slice) {
 }
 
 LevelRecord Level::take_record() {
+  record_.scene = instance_->scene;
   record_.search.checks = instance_->checks;
+  const LevelGuidance::BothSpent spent = guidance_.spent();
+  record_.guided_checks = guidance_.guided() ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
+  record_.unguided_checks = instance_->checks.validity - std::min(record_.guided_checks, instance_->checks.validity);
   record_.search.sources = guidance_.sources();
   record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
   record_.root_proposals = lifted(record_.search.proposals, "lift proposals");

@@ -51,10 +51,16 @@ struct Run {
 };
 
 /// What a level's planner draws from: the goal, uniform, the guide, and a path that another space informed it of.
+///
+/// Guided and unguided work are interleaved so that a guide can cost little more than it saves (bounded loss). Work is
+/// validity checks and proposals. What guided proposals and all levels below spend is at most `bound` times what
+/// unguided proposals spent, beyond a grant, and beyond what progress along a guiding path earns. Where that is spent,
+/// or where the guide's space is still being searched, the planner draws unguided proposals.
 class LevelGuidance final : public Guidance {
  public:
-  LevelGuidance(const Instance& instance, const PlannerCommon& common)
-      : instance_(instance), common_(common), uniform_(instance.space), goal_(instance) {}
+  /// \param search  what the level's planner did so far; outlives this
+  LevelGuidance(const Instance& instance, const PlannerCommon& common, const Search& search)
+      : instance_(instance), common_(common), search_(search), uniform_(instance.space), goal_(instance) {}
 
   void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
   [[nodiscard]] Prepared* guide() const { return guide_.get(); }
@@ -68,11 +74,43 @@ class LevelGuidance final : public Guidance {
   }
   [[nodiscard]] bool guided() const { return guide_ != nullptr || hint_; }
 
+  void select_tree(TreeSide side) override {
+    if (guide_ != nullptr) guide_->select_tree(side);
+  }
+  /// Settles what the last proposal cost, decides whether the guide may draw the next one, and has the levels below
+  /// searched where that is needed. Called before a proposal, when the planner asks whether to pause.
+  void prepare() {
+    if (!guided() || prepared_) return;
+    prepared_ = true;
+    charge(spent_);
+    counted_ = own();
+    const bool was_open = open_;
+    open_ = true;
+    if (common_.bound > 0.0) {
+      const double below = guide_ != nullptr ? guide_->work() : 0.0;
+      left_ = grant() + earned() + common_.bound * spent_.unguided.work() - spent_.guided.work() - below;
+      open_ = left_ > 0.0;
+    }
+    if (open_ && guide_ != nullptr) {
+      Slice slice;
+      if (common_.bound > 0.0) slice.work = std::max(left_, least_slice);
+      if (slice_left_) slice.work = std::min(slice.work, slice_left_());
+      open_ = guide_->prepare(slice) != Advance::unfinished;
+      // What evidence has refuted for good guides no more.
+      if (common_.bound > 0.0 && guide_->spent()) open_ = false;
+      // What preparing spent in this level's instance (a path's points are validated in it) was spent by the guide.
+      spent_.guided.checks += own().checks - counted_.checks;
+      counted_ = own();
+    }
+    if (open_ != was_open) ++epoch_;
+  }
   Source sample(Stream& stream, MutableView out) override {
+    prepare();
+    prepared_ = false;
     double u = stream.uniform();
     drawn_ = Part::goal;
     if (u < common_.goal_bias) return goal_.sample(stream, out);
-    if (!guided()) {
+    if (!open_) {
       drawn_ = Part::uniform;
       uniform_.sample(stream, out);
       return 1;
@@ -91,6 +129,17 @@ class LevelGuidance final : public Guidance {
     }
     drawn_ = Part::guide;
     return static_cast<Source>(3 + guide_->sample(stream, out));
+  }
+  [[nodiscard]] std::uint32_t vertex() const override { return drawn_ == Part::guide ? guide_->vertex() : no_node; }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return drawn_ != Part::guide || guide_->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override { return guide_ != nullptr ? guide_->progress() : 0.0; }
+  [[nodiscard]] double edge_factor(View a, View b) const override {
+    return guide_ != nullptr ? guide_->edge_factor(a, b) : 1.0;
+  }
+  void restart() override {
+    if (guide_ != nullptr) guide_->restart();
   }
 
   [[nodiscard]] double density(View q) const override {
@@ -114,9 +163,7 @@ class LevelGuidance final : public Guidance {
   }
 
   void observe(const Outcome& outcome, bool mine) override {
-    if (guide_ == nullptr) return;
-    guide_->observe(outcome, mine && drawn_ == Part::guide);
-    guide_->renew();
+    if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
   }
   void found(double length) override {
     if (guide_ != nullptr) guide_->found(length);
@@ -130,9 +177,48 @@ class LevelGuidance final : public Guidance {
     return all;
   }
 
+  /// Limits what the levels below may spend in the present slice: they pause when this returns 0.
+  void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
+  /// What progress along guiding paths has earned, in work.
+  [[nodiscard]] double earned() const { return progress_rate / instance_.resolution * progress(); }
+  /// What a level spent on one kind of proposals.
+  struct Spent {
+    double checks = 0.0;
+    double proposals = 0.0;
+    [[nodiscard]] double work() const { return checks + proposals; }
+  };
+  struct BothSpent {
+    Spent guided;  ///< validating what guides is in it
+    Spent unguided;
+  };
+  [[nodiscard]] BothSpent spent() const {
+    BothSpent both = spent_;
+    charge(both);
+    return both;
+  }
+
  private:
   enum class Part : std::uint8_t { goal, uniform, hint, guide };
   static constexpr double hint_share = 0.5;
+  /// A path of the length from start to goal, checked at the resolution, is the least that any planner spends; so many
+  /// times that is granted to the guide at the outset.
+  static constexpr double grant_rate = 1.5;
+  /// A metre of progress earns so many times what it costs to check a metre.
+  static constexpr double progress_rate = 3.0;
+  /// The least that a level below may spend before it pauses.
+  static constexpr double least_slice = 32.0;
+
+  [[nodiscard]] Spent own() const {
+    return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size())};
+  }
+  /// Adds what was spent since `counted_` to the part that drew last.
+  void charge(BothSpent& both) const {
+    const Spent now = own();
+    Spent& side = drawn_ == Part::guide || drawn_ == Part::hint ? both.guided : both.unguided;
+    side.checks += now.checks - counted_.checks;
+    side.proposals += now.proposals - counted_.proposals;
+  }
+  [[nodiscard]] double grant() const { return grant_rate * direct_ / instance_.resolution; }
 
   /// The probabilities that `sample` gives the parts.
   struct Shares {
@@ -143,7 +229,7 @@ class LevelGuidance final : public Guidance {
   };
   [[nodiscard]] Shares shares() const {
     const double rest = 1.0 - common_.goal_bias;
-    if (!guided()) return {common_.goal_bias, rest, 0.0, 0.0};
+    if (!guided() || !open_) return {common_.goal_bias, rest, 0.0, 0.0};
     const double guided_share = rest * (1.0 - common_.uniform);
     const double hint = !hint_ ? 0.0 : guide_ == nullptr ? 1.0 : hint_share;
     return {common_.goal_bias, rest * common_.uniform, guided_share * hint, guided_share * (1.0 - hint)};
@@ -151,12 +237,20 @@ class LevelGuidance final : public Guidance {
 
   const Instance& instance_;
   PlannerCommon common_;
+  const Search& search_;
   UniformGuidance uniform_;
   GoalGuidance goal_;
   std::optional<TubeKernel> hint_;
   std::unique_ptr<Prepared> guide_;
+  std::function<double()> slice_left_;
+  double direct_ = instance_.to_goal(instance_.start);
+  BothSpent spent_;
+  Spent counted_;          ///< of the level, that `spent_` holds
+  double left_ = 0.0;      ///< of what the guide may spend
+  bool open_ = false;      ///< whether the guide may draw
+  bool prepared_ = false;  ///< for the next proposal
   Part drawn_ = Part::goal;
-  std::uint64_t epoch_ = 0;  ///< how often the hint changed
+  std::uint64_t epoch_ = 0;  ///< how often the hint or the shares changed
 };
 
 /// A level's guidance, shown to whoever watches the run each time that it has drawn.
@@ -168,6 +262,12 @@ class WatchedGuidance final : public Guidance {
     run_.watch(level_, h_);
     return source;
   }
+  void select_tree(TreeSide side) override { h_.select_tree(side); }
+  void restart() override { h_.restart(); }
+  [[nodiscard]] double edge_factor(View a, View b) const override { return h_.edge_factor(a, b); }
+  [[nodiscard]] std::uint32_t vertex() const override { return h_.vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_.worth_connecting(from, to); }
+  [[nodiscard]] double progress() const override { return h_.progress(); }
   [[nodiscard]] double density(View q) const override { return h_.density(q); }
   [[nodiscard]] double atom_mass() const override { return h_.atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
@@ -200,15 +300,18 @@ class Level {
     common_.budget.seconds = std::min(common_.budget.seconds, budget.seconds);
   }
 
-  /// Solves the instance, or solves it again; the instances below are solved first.
+  /// Solves the instance, or solves it again; the instances below are solved when their guidance is first drawn from.
   /// \param proposals  that may be spent on it, within the level's budget
   const Solution& solve(double proposals = Budget::unlimited) {
-    advance(proposals, false);
+    advance(proposals, {});
     return record_.solution;
   }
-  /// The same, where the proposals may be a slice of what will be spent: then each level below has a slice as well, and
-  /// a search that a slice ended is unfinished, and goes on when it is called again.
-  Advance advance(double proposals, bool slice);
+  /// The same within a slice: a search that the slice ended is unfinished, and continues when it is called again.
+  Advance advance(double proposals, const Slice& slice);
+  /// Validity checks and proposals of this level and all below it, less what their progress has earned.
+  [[nodiscard]] double work() const;
+  /// Replaces the instance by a new projection of the parent's; the search keeps what is still valid.
+  void replace_instance(std::unique_ptr<Instance> instance);
 
   /// The record, completed once the run is over; given away, but for its key.
   LevelRecord take_record();
@@ -225,7 +328,7 @@ class Level {
   [[nodiscard]] const Solution& solution() const { return record_.solution; }
 
  private:
-  [[nodiscard]] Advance solve_own(double proposals, bool slice);
+  [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
   /// A level below is asked for its solution in the middle of this one's solve.
   void pause();
@@ -250,7 +353,10 @@ class Level {
   std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
-  std::size_t noted_ = 0;  ///< proposals and nodes when its last turn ended
+  double work_limit_ = Budget::unlimited;  ///< of `work()`, at which the search pauses
+  bool paused_ = false;                    ///< the last solve ended at it
+  std::optional<double> solve_begun_;      ///< proposals when the unfinished solve began
+  std::size_t noted_ = 0;                  ///< proposals and nodes when its last turn ended
   bool found_ = false;
 };
 

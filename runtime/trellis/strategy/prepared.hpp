@@ -25,17 +25,23 @@ enum class Advance : std::uint8_t {
   nothing,     ///< it ended without a path
 };
 
+/// What a search may spend before it has to pause.
+struct Slice {
+  double proposals = std::numeric_limits<double>::infinity();  ///< of each level
+  double work = std::numeric_limits<double>::infinity();       ///< of a level and all below it, see `Level::work`
+};
+
 /// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
 class Prepared : public Guidance {
  public:
-  /// Solves the instances below that are needed for the first proposal, or again where h was refuted.
-  /// \param proposals  that each search may spend in this call; nothing is drawn while one is unfinished
-  virtual Advance prepare(double proposals = std::numeric_limits<double>::infinity()) {
-    static_cast<void>(proposals);
+  /// Called before every proposal is drawn: solves the instances below where that is needed, the first time or because
+  /// h was refuted. Nothing is drawn while this is unfinished; called again it continues.
+  virtual Advance prepare(const Slice& slice) {
+    static_cast<void>(slice);
     return Advance::found;
   }
-  /// Has the instances below solved again where h was refuted; called after every outcome was observed.
-  virtual void renew() {}
+  /// Work of all levels below, less what their progress has earned.
+  [[nodiscard]] virtual double work() const { return 0.0; }
   /// How often h was refuted. Of several parts that search, how often each was at the least.
   [[nodiscard]] virtual std::uint64_t refuted() const { return 0; }
   /// Whether h is refuted for good: there are no more re-solves.
@@ -63,8 +69,31 @@ class PartsGuidance : public Prepared {
   void found(double length) override {
     for (auto& part : parts_) part->found(length);
   }
-  void renew() override {
-    for (auto& part : parts_) part->renew();
+  void select_tree(TreeSide side) override {
+    for (auto& part : parts_) part->select_tree(side);
+  }
+  void restart() override {
+    for (auto& part : parts_) part->restart();
+  }
+  /// The least of what the parts say.
+  [[nodiscard]] double edge_factor(View a, View b) const override {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& part : parts_) least = std::min(least, part->edge_factor(a, b));
+    return least;
+  }
+  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_]->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return parts_[drawn_]->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override {
+    double sum = 0.0;
+    for (const auto& part : parts_) sum += part->progress();
+    return sum;
+  }
+  [[nodiscard]] double work() const override {
+    double sum = 0.0;
+    for (const auto& part : parts_) sum += part->work();
+    return sum;
   }
   [[nodiscard]] std::uint64_t refuted() const override {
     std::optional<std::uint64_t> least;
@@ -92,11 +121,11 @@ class PartsGuidance : public Prepared {
 
  protected:
   /// Prepares every part: a path is found where any has one.
-  Advance prepare_all(double proposals) {
+  Advance prepare_all(const Slice& slice) {
     Advance best = Advance::nothing;
     bool unfinished = false;
     for (auto& part : parts_) {
-      const Advance advance = part->prepare(proposals);
+      const Advance advance = part->prepare(slice);
       unfinished = unfinished || advance == Advance::unfinished;
       if (advance == Advance::found) best = advance;
     }

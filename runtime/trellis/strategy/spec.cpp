@@ -240,7 +240,7 @@ struct GuideSpec::Node {
   Options options;
   std::shared_ptr<const CustomGuide> custom;
   std::optional<PlannerSpec> planner;
-  bool planner_given = false;  ///< only for how it is written
+  bool planner_given = false;  ///< by whoever wrote it
   std::optional<GuideSpec> below;
   Origin origin;
   std::vector<Term> terms;
@@ -294,6 +294,7 @@ GuideSpec::Kind GuideSpec::kind() const { return node_->kind; }
 const std::string& GuideSpec::name() const { return node_->name; }
 const Options& GuideSpec::options() const { return node_->options; }
 const std::optional<PlannerSpec>& GuideSpec::planner() const { return node_->planner; }
+bool GuideSpec::planner_given() const { return node_->planner_given; }
 const std::shared_ptr<const CustomGuide>& GuideSpec::custom() const { return node_->custom; }
 const GuideSpec* GuideSpec::below() const { return node_->below ? &*node_->below : nullptr; }
 const Origin& GuideSpec::origin() const { return node_->origin; }
@@ -411,6 +412,11 @@ GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided) {
   auto node = std::make_shared<GuideSpec::Node>(*guided.node_);
   if (guided.kind() == GuideSpec::Kind::component) {
     node->below = guided.below() != nullptr ? above >> *guided.below() : above;
+    if (!node->planner_given && !node->custom) {
+      const GuideKind& kind = *find_guide(node->name);
+      const auto& [planner, options] = kind.guided_planner;
+      if (!planner.empty()) node->planner = PlannerSpec::make(planner, options);
+    }
   } else {
     for (auto& term : node->terms) {
       if (term.guide.searches()) term.guide = above >> term.guide;

@@ -94,6 +94,8 @@ class GuideSpec {
   [[nodiscard]] GuideSpec alone() const;
   /// The planner of its own search (the default filled in); none where S = {0}.
   [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
+  /// Whether that planner was chosen by whoever wrote the guide.
+  [[nodiscard]] bool planner_given() const;
   /// The guide of its own search, nullptr without.
   [[nodiscard]] const GuideSpec* below() const;
   [[nodiscard]] const Origin& origin() const;

@@ -107,6 +107,8 @@ class SplitSearch final : public Planner {
     const Budget rest = left(budget);
     if (rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0) return Status::budget_spent;
     if (task_.interrupted && task_.interrupted()) return Status::interrupted;
+    // Has the guide's space searched, too.
+    if (task_.paused && task_.paused()) return Status::budget_spent;
     return {};
   }
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <string>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/progress.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+int compare(const CompareOptions& options) {
+  constexpr std::size_t largest = std::size_t{4} << 30U;
+  constexpr int unbounded_width = 160;
+  OutputFolder out(options.out);
+  CostData data;
+  for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
+  const std::string baseline = options.baseline.empty() ? data.baseline : options.baseline;
+  if (baseline.empty()) throw Error("compare: the files name no baseline; --baseline says which strategy it is");
+  const auto width = static_cast<std::size_t>(report_width(unbounded_width));
+  print_all(costs_text(data, baseline, width));
+  if (options.out.empty()) return success;
+  const std::filesystem::path folder(options.out);
+  write_file((folder / "table.md").string(), costs_markdown(data, baseline));
+  write_file((folder / "table.csv").string(), costs_csv(data, baseline));
+  write_cost_figures(data, baseline, (folder / "figures").string());
+  out.keep();
+  return success;
+}
+
+}  // namespace trellis::command

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/draw/ratios.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <trellis/base/error.hpp>
+#include <trellis/draw/page.hpp>
+#include <trellis/draw/text.hpp>
+#include <trellis/draw/ticks.hpp>
+
+namespace trellis::draw {
+
+namespace {
+
+using namespace page;  // NOLINT(google-build-using-namespace): what all pictures have in common
+
+constexpr double lane = 6.5;        ///< height of a group's line in a row
+constexpr double row_margin = 3.5;  ///< above and below a row's lines
+constexpr double dot_radius = 2.1;
+constexpr double most_name = 110.0;  ///< width of a row's name
+constexpr double name_gap = 6.0;
+constexpr double tick_length = 3.0;
+constexpr double label_gap = 9.0;  ///< between the axis and the label of a row's largest dot
+constexpr Font label_small{.size = 6.0};
+constexpr Colour stripe = rgb(0xF5F5F5);
+
+class Plot {
+ public:
+  explicit Plot(const RatioFigure& figure) : figure_(figure) {
+    for (const RatioRow& row : figure.rows) {
+      if (row.panels.size() != figure.panels.size()) throw Fault("a row of ratios has other panels than its figure");
+    }
+    lay_out();
+  }
+
+  Canvas draw() {
+    Canvas canvas(figure_.width, height_);
+    canvas.fill(Path::rectangle({0.0, 0.0, figure_.width, height_}), palette::paper);
+    block(canvas, title_, {border, border}, {title_font, palette::ink});
+    legend(canvas);
+    for (std::size_t r = 0; r < figure_.rows.size(); ++r) {
+      if (r % 2 == 0) canvas.fill(Path::rectangle({border, row_top(r), figure_.width - 2.0 * border, row_}), stripe);
+      const auto& lines = names_[r];
+      block(canvas, lines, {border + 2.0, row_top(r) + 0.5 * (row_ - block_height(lines, tick_font))},
+            {tick_font, palette::ink});
+    }
+    for (std::size_t p = 0; p < figure_.panels.size(); ++p) panel(canvas, p);
+    block(canvas, caption_, {border, bottom_ + below_ + 6.0}, {caption_font, palette::muted});
+    return canvas;
+  }
+
+ private:
+  void lay_out() {
+    double widest = 0.0;
+    for (const RatioRow& row : figure_.rows) {
+      names_.push_back(wrapped(row.name, most_name, tick_font, 3));
+      for (const auto& line : names_.back()) widest = std::max(widest, text_extents(line, tick_font).width);
+    }
+    const auto n = static_cast<double>(std::max<std::size_t>(figure_.panels.size(), 1));
+    left_ = border + 2.0 + widest + name_gap;
+    panel_width_ = (figure_.width - left_ - border - 6.0 - gap * (n - 1.0)) / n;
+    for (const RatioRow& row : figure_.rows) {
+      for (const auto& dots : row.panels) {
+        for (const RatioDot& one : dots) {
+          label_room_ = std::max(label_room_, text_extents(label_of(one), label_small).width + label_gap);
+        }
+      }
+    }
+    label_room_ = std::min(label_room_, 0.35 * panel_width_);
+    title_ = wrapped(figure_.title, figure_.width - 2.0 * border, title_font, 3);
+    caption_ = wrapped(figure_.caption, figure_.width - 2.0 * border, caption_font, 40);
+    std::vector<std::string> entries;
+    for (const RatioGroup& group : figure_.groups) entries.push_back(group.name);
+    entries.emplace_back("median of all worlds");
+    entries_ = flow(entries, figure_.width - 2.0 * border);
+    double y = border + block_height(title_, title_font) + 4.0;
+    legend_top_ = y;
+    y += entries_.height + line_height(panel_font) + 2.0 + line_height(label_small) + 3.0;
+    top_ = y;
+    row_ = 2.0 * row_margin + lane * static_cast<double>(std::max<std::size_t>(figure_.groups.size(), 3));
+    bottom_ = top_ + row_ * static_cast<double>(figure_.rows.size());
+    below_ = tick_length + 3.0 + line_height(tick_font) + 2.0 + line_height(label_font);
+    height_ = bottom_ + below_ + (caption_.empty() ? 0.0 : 6.0 + block_height(caption_, caption_font)) + border;
+
+    for (const RatioLine& line : figure_.lines) extent_.add(line.x, AxisScale::log);
+    for (const RatioRow& row : figure_.rows) {
+      for (const auto& dots : row.panels) {
+        for (const RatioDot& dot : dots) {
+          if (std::isfinite(dot.value)) extent_.add(dot.value, AxisScale::log);
+        }
+      }
+    }
+    extent_ = extent_.fitted(AxisScale::log, 0.04);
+  }
+
+  [[nodiscard]] double row_top(std::size_t row) const { return top_ + row_ * static_cast<double>(row); }
+
+  void legend(Canvas& canvas) const {
+    const double middle = 0.5 * line_height(legend_font);
+    for (std::size_t g = 0; g <= figure_.groups.size(); ++g) {
+      const Point at{border + entries_.at[g].x, legend_top_ + entries_.at[g].y};
+      const Point centre{at.x + 0.5 * swatch, at.y + middle};
+      if (g < figure_.groups.size()) {
+        canvas.line({at.x + 1.0, centre.y}, {at.x + swatch - 1.0, centre.y}, whisker(figure_.groups[g]));
+        dot(canvas, figure_.groups[g], centre);
+        entry_name(canvas, figure_.groups[g].name, at);
+      } else {
+        canvas.line({centre.x, at.y}, {centre.x, at.y + 2.0 * middle}, {palette::ink, 1.6});
+        entry_name(canvas, "median of all worlds", at);
+      }
+    }
+  }
+
+  static Pen whisker(const RatioGroup& group) { return {group.colour.faded(0.45), 0.8}; }
+
+  static void dot(Canvas& canvas, const RatioGroup& group, Point at) {
+    const Path circle = Path::circle(at, dot_radius);
+    canvas.fill(circle, group.open ? palette::paper : group.colour.faded(0.85));
+    canvas.stroke(circle, {group.colour, 0.9});
+  }
+
+  void panel(Canvas& canvas, std::size_t p) const {
+    const double x0 = left_ + static_cast<double>(p) * (panel_width_ + gap);
+    const marks::Scale x(extent_, AxisScale::log, x0, x0 + panel_width_ - label_room_);
+    const Ticks ticks =
+        log_ticks(extent_, static_cast<std::size_t>(std::max(2.0, (panel_width_ - label_room_) / 34.0)));
+    for (const double at : ticks.at) canvas.line({x.inside(at), top_}, {x.inside(at), bottom_}, {palette::grid, 0.5});
+    canvas.text(figure_.panels[p], {x0, top_ - line_height(label_small) - 5.0},
+                {panel_font, palette::ink, Align::left, Stand::bottom});
+    lines(canvas, x);
+    if (label_room_ > 0.0) {
+      canvas.text("largest", {x0 + panel_width_ - label_room_ + label_gap, top_ - 3.0},
+                  {label_small, palette::muted, Align::left, Stand::bottom});
+    }
+    for (std::size_t r = 0; r < figure_.rows.size(); ++r) row(canvas, figure_.rows[r].panels[p], r, x);
+    canvas.line({x0, bottom_}, {x0 + panel_width_ - label_room_, bottom_}, {palette::frame, 0.8, {}, Cap::square});
+    for (std::size_t i = 0; i < ticks.at.size(); ++i) {
+      const double at = x.inside(ticks.at[i]);
+      canvas.line({at, bottom_}, {at, bottom_ + tick_length}, {palette::frame, 0.8});
+      canvas.text(ticks.labels[i], {at, bottom_ + tick_length + 2.0},
+                  {tick_font, palette::ink, Align::centre, Stand::top});
+    }
+    for (const double minor : ticks.minor) {
+      const double at = x.inside(minor);
+      canvas.line({at, bottom_}, {at, bottom_ + 0.55 * tick_length}, {palette::frame, 0.5});
+    }
+    canvas.text(figure_.x_label,
+                {x0 + 0.5 * (panel_width_ - label_room_), bottom_ + tick_length + 4.0 + line_height(tick_font)},
+                {label_font, palette::ink, Align::centre, Stand::top});
+  }
+
+  /// "cup 2.3"
+  static std::string label_of(const RatioDot& dot) {
+    if (dot.label.empty()) return "";
+    return dot.label + " " + number_text(dot.value, dot.value < 0.995 ? 2 : dot.value < 99.5 ? 1 : 0);
+  }
+
+  /// The vertical lines, each with its label above.
+  void lines(Canvas& canvas, const marks::Scale& x) const {
+    for (const RatioLine& line : figure_.lines) {
+      const double at = x.inside(line.x);
+      canvas.line({at, top_}, {at, bottom_},
+                  {palette::frame, 0.9, marks::dashes(line.dash, 0.9), Cap::butt, Join::miter});
+    }
+    // Labels that would meet stand to the left and to the right of their lines.
+    for (std::size_t i = 0; i < figure_.lines.size(); ++i) {
+      const Align align = figure_.lines.size() == 1 ? Align::centre : i == 0 ? Align::right : Align::left;
+      const double shift = align == Align::right ? 2.0 : align == Align::left ? -2.0 : 0.0;
+      canvas.text(figure_.lines[i].label, {x.inside(figure_.lines[i].x) + shift, top_ - 3.0},
+                  {label_small, palette::muted, align, Stand::bottom});
+    }
+  }
+
+  void row(Canvas& canvas, const std::vector<RatioDot>& dots, std::size_t r, const marks::Scale& x) const {
+    const double y0 = row_top(r) + row_margin + 0.5 * lane;
+    std::vector<double> values;
+    const RatioDot* largest = nullptr;
+    for (const RatioDot& one : dots) {
+      if (std::isnan(one.value)) continue;
+      values.push_back(one.value);
+      if (largest == nullptr || one.value > largest->value) largest = &one;
+      const double y = y0 + lane * static_cast<double>(one.group);
+      if (std::isinf(one.lo) && std::isinf(one.hi)) continue;  // nothing is known of it
+      const double lo = std::isfinite(one.lo) && one.lo > 0.0 ? x.inside(one.lo) : x.from();
+      const double hi = x.inside(one.hi);
+      if (one.lo < one.hi && hi > lo) canvas.line({lo, y}, {hi, y}, whisker(figure_.groups[one.group]));
+    }
+    for (const RatioDot& one : dots) {
+      if (std::isnan(one.value)) continue;
+      const double y = y0 + lane * static_cast<double>(one.group);
+      if (std::isinf(one.value)) {
+        marks::arrow(canvas, {x.inside(one.value), y}, 1, 0, figure_.groups[one.group].colour);
+      } else {
+        dot(canvas, figure_.groups[one.group], {x.inside(one.value), y});
+      }
+    }
+    if (values.empty()) return;
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    const double middle =
+        values.size() % 2 == 1 || std::isinf(values[half]) ? values[half] : 0.5 * (values[half - 1] + values[half]);
+    if (std::isfinite(middle)) {
+      canvas.line({x.inside(middle), row_top(r) + 1.5}, {x.inside(middle), row_top(r) + row_ - 1.5},
+                  {palette::ink, 1.6});
+    }
+    if (largest->label.empty()) return;
+    const double y = y0 + lane * static_cast<double>(largest->group);
+    canvas.text(label_of(*largest), {x.inside(std::numeric_limits<double>::max()) + label_gap, y},
+                {label_small, palette::ink, Align::left, Stand::middle});
+  }
+
+  const RatioFigure& figure_;
+  std::vector<std::vector<std::string>> names_;
+  std::vector<std::string> title_;
+  std::vector<std::string> caption_;
+  LegendRows entries_;
+  Extent extent_;
+  double left_ = 0.0;
+  double panel_width_ = 0.0;
+  double label_room_ = 0.0;  ///< right of the axis, for the labels of dots
+  double legend_top_ = 0.0;
+  double top_ = 0.0;
+  double row_ = 0.0;
+  double bottom_ = 0.0;
+  double below_ = 0.0;  ///< height of the axis below the rows
+  double height_ = 0.0;
+};
+
+}  // namespace
+
+Canvas plot(const RatioFigure& figure) { return Plot(figure).draw(); }
+
+}  // namespace trellis::draw

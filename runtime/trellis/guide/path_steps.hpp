@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// h that follows a path in C by steps, just ahead of what is connected.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/path_guide.hpp>
+
+namespace trellis {
+
+/// Lifts a point of a path in S to C, in several attempts.
+/// \param attempt   0 for the first; each attempt gives another configuration
+/// \param s         the point of the path in S
+/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end
+/// \param ahead     the next point of the path in S in the direction of validation; `s` at the end
+/// \param q         receives the configuration
+/// \return false where there are no more attempts
+using PointLift = std::function<bool(int attempt, View s, View previous, View ahead, Stream& stream, MutableView q)>;
+/// Whether every lift of the point of the path in S at an arc length is known to be valid without a check.
+using PointIsFree = std::function<bool(double at)>;
+
+/// A path in S, validated in C at some points only.
+struct SparsePath {
+  /// In C from start to goal, each valid; where `refuted` is set, the valid points before and after it.
+  Configurations waypoints;
+  std::optional<Configuration> refuted;  ///< a point of the path in S of which no lift was valid
+  double refuted_at = 0.0;               ///< its arc length in S
+};
+
+/// Validates a path in S sparsely in C (LazySP's candidate path, Dellin and Srinivasa 2016, with vertices for edges):
+/// points `spacing` apart are lifted and checked, from both ends in turn, up to the first of which no lift is valid.
+/// Its validity checks are C's.
+class SparseValidation {
+ public:
+  /// \param spacing  metres in the metric of S between points that are checked, > 0
+  SparseValidation(const Space& s, double spacing) : s_(s), spacing_(spacing), known_(s), waypoints_(0) {}
+
+  /// \param path  in S, from f of the start to f of the goal, or only towards it
+  /// \param whole  whether it ends at the goal
+  SparsePath validate(Instance& parent, const Configurations& path, bool whole, const PointLift& lift,
+                      const PointIsFree& free = {});
+
+ private:
+  /// Validity in C, by collision checks even where C presumes it: what presumes would validate nothing.
+  bool valid(Instance& parent, View q);
+
+  Space s_;
+  double spacing_;
+  std::shared_ptr<Validity> checked_;      ///< of a C that presumes validity
+  NearestIndex known_;                     ///< points of S that were lifted
+  Configurations waypoints_;               ///< the configurations that they were lifted to last
+  std::vector<std::uint8_t> usable_;       ///< whether these are valid
+  std::vector<std::uint64_t> checked_at_;  ///< epoch of C when that was found
+  std::uint64_t calls_ = 0;
+};
+
+/// h along a path in C in steps of the planner: a point of the path a little ahead of the node that has come farthest
+/// along it, then uniform on a ball about it. The balls are small at first and grow where nothing is added; so does the
+/// stretch that proposals are drawn from, backwards. Two trees have two ends to go on from.
+///
+/// Evidence refutes a path: so many guided proposals in a row at one place of it that were found blocked.
+class StepHeuristic final : public PathFollower {
+ public:
+  struct Settings {
+    double radius = 0.1;         ///< metres in the metric, of the balls
+    double step = 0.5;           ///< metres in the metric, longest extension of the planner
+    std::int64_t evidence = 60;  ///< blocked proposals that refute; 0: none do
+  };
+  /// \param reached  the nodes of the tree from the start, and of the one from the goal, that there are already
+  StepHeuristic(std::string source, const Space& space, Configurations path, const Settings& settings,
+                const std::array<const NearestIndex*, 2>& reached);
+
+  void select_tree(TreeSide side) override {
+    if (std::exchange(side_, static_cast<std::size_t>(side)) != side_) ++epoch_;
+  }
+  Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] std::uint32_t vertex() const override;
+  [[nodiscard]] bool worth_connecting(View from, View to) const override;
+  [[nodiscard]] double progress() const override { return progress_; }
+  /// An edge away from the path costs five times its length; one that takes a short cut from one part of it to another,
+  /// what the path does between them, up to that.
+  [[nodiscard]] double edge_factor(View a, View b) const override;
+  [[nodiscard]] double density(View q) const override { return current().density(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  void record(DensityRecord& record, double share) const override { record.add(current().density(), share); }
+  void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
+  [[nodiscard]] Configurations lifted_path() const override { return path_; }
+  [[nodiscard]] double radius() const override { return settings_.radius; }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return refuted_place_; }
+
+ private:
+  static constexpr std::size_t sizes = 5;
+  /// Proposals are at most so many steps ahead: the farther, the more they cut corners, and are blocked there.
+  static constexpr double most_ahead = 1.0;
+  /// The end of what is connected, seen from one tree.
+  struct Front {
+    double at = 0.0;              ///< arc length from that tree's end of the path
+    std::uint32_t row = no_node;  ///< the node there
+    double ahead = 0.0;           ///< how far ahead proposals are
+    std::int64_t failures = 0;    ///< guided proposals in a row without progress
+    std::int64_t blocked = 0;     ///< of these, found blocked
+    std::array<std::optional<TubeKernel>, sizes> kernels;
+    std::size_t size = 0;  ///< of the kernel in use
+  };
+
+  [[nodiscard]] const TubeKernel& current() const { return *fronts_[side_].kernels[fronts_[side_].size]; }
+  [[nodiscard]] double length() const { return lengths_.back(); }
+  /// So near to the path that a node counts for it wherever on the path that is.
+  [[nodiscard]] double very_near() const { return 0.5 * settings_.radius; }
+  /// Chooses the stretch and the balls that a side's next proposals are drawn from.
+  void aim(std::size_t side);
+  /// Where a node is along the path: the nearest place within the window ahead of a front.
+  /// \param far  or beyond the window, where it is very near
+  [[nodiscard]] std::optional<double> place(std::size_t side, View q, bool far) const;
+
+  std::string source_;
+  Space space_;
+  Configurations path_;
+  std::vector<double> lengths_;
+  Settings settings_;
+  double bin_ = 0.0;
+  Configurations centres_;                       ///< of bins along the path
+  mutable std::unique_ptr<NearestIndex> index_;  ///< of these, made when it is asked for
+  std::array<Front, 2> fronts_;
+  std::size_t side_ = 0;
+  double progress_ = 0.0;
+  std::uint64_t epoch_ = 0;
+  std::optional<Configuration> refuted_place_;
+};
+
+}  // namespace trellis

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace trellis {
+
+/// Which vertices of a roadmap are joined to the start, and which to a goal, by motions that were checked. Disjoint
+/// sets that list the vertices which a union newly connects.
+class Connectivity {
+ public:
+  static constexpr std::uint8_t to_start = 1;
+  static constexpr std::uint8_t to_goal = 2;
+
+  struct Joined {
+    std::uint32_t vertex = 0;
+    std::uint8_t side = 0;  ///< to_start or to_goal
+  };
+
+  /// Vertices count from 0. \param sides  what the vertex itself is: to_start for the start, to_goal for a goal, else 0
+  void add_vertex(std::uint8_t sides) {
+    const auto id = static_cast<std::uint32_t>(parents_.size());
+    parents_.push_back(id);
+    next_.push_back(id);
+    sizes_.push_back(1);
+    sides_.push_back(sides);
+  }
+  /// Joins two vertices; appends those that are connected to one more side by it.
+  void join(std::uint32_t a, std::uint32_t b, std::vector<Joined>& joined) {
+    a = root(a);
+    b = root(b);
+    if (a == b) return;
+    const auto all = static_cast<std::uint8_t>(sides_[a] | sides_[b]);
+    for (const std::uint32_t set : {a, b}) {
+      for (const std::uint8_t side : {to_start, to_goal}) {
+        if ((all & side) == 0 || (sides_[set] & side) != 0) continue;
+        std::uint32_t at = set;
+        do {
+          joined.push_back({at, side});
+          at = next_[at];
+        } while (at != set);
+      }
+    }
+    if (sizes_[a] < sizes_[b]) std::swap(a, b);
+    parents_[b] = a;
+    sizes_[a] += sizes_[b];
+    sides_[a] = all;
+    std::swap(next_[a], next_[b]);
+  }
+  [[nodiscard]] bool connected(std::uint32_t vertex, std::uint8_t side) { return (sides_[root(vertex)] & side) != 0; }
+
+ private:
+  std::uint32_t root(std::uint32_t vertex) {
+    while (parents_[vertex] != vertex) {
+      parents_[vertex] = parents_[parents_[vertex]];
+      vertex = parents_[vertex];
+    }
+    return vertex;
+  }
+
+  std::vector<std::uint32_t> parents_;
+  std::vector<std::uint32_t> next_;   ///< the members of a set form a ring
+  std::vector<std::uint32_t> sizes_;  ///< of the set, at its root
+  std::vector<std::uint8_t> sides_;   ///< of the set, at its root
+};
+
+}  // namespace trellis

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The trees that planners grow, and their repair where the instance changed.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <trellis/planner/loop.hpp>
+#include <trellis/planner/nearest.hpp>
+
+namespace trellis {
+
+/// A tree of configurations: rows of the level's node arena, their parents, and the index for nearest neighbours.
+class Tree {
+ public:
+  explicit Tree(Planner::Task& task) : task_(task), index_(task.instance.space) {}
+
+  std::uint32_t add(View q, std::uint32_t parent) {
+    rows_.push_back(task_.search.nodes.push(q));
+    task_.search.parents.push_back(rows_[parent]);
+    parents_.push_back(parent);
+    return index_.add(q);
+  }
+  /// Gives a node another parent, none of its descendants; one that came later, perhaps.
+  void hang(std::uint32_t id, std::uint32_t parent) {
+    task_.search.parents[rows_[id]] = rows_[parent];
+    parents_[id] = parent;
+  }
+  [[nodiscard]] std::uint32_t parent(std::uint32_t id) const { return parents_[id]; }
+  [[nodiscard]] const NearestIndex& index() const { return index_; }
+  /// The row in the arena.
+  [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
+  [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
+  [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
+  /// The node to extend towards the last proposal, q: the one that the guidance names, where that is a node of this
+  /// tree; else the nearest.
+  [[nodiscard]] NearestIndex::Neighbour to_extend(View q) const {
+    const std::uint32_t row = task_.guidance.vertex();
+    if (row != no_node) {
+      // Rows ascend in the order of adding.
+      const auto it = std::lower_bound(rows_.begin(), rows_.end(), row);
+      if (it != rows_.end() && *it == row) {
+        const auto id = static_cast<std::uint32_t>(it - rows_.begin());
+        return {id, task_.instance.space.squared_distance((*this)[id], q)};
+      }
+    }
+    return nearest(q);
+  }
+  [[nodiscard]] std::size_t size() const { return rows_.size(); }
+
+  /// Removes nodes and what grew from them. Rows stay as they are in Search.
+  /// \param keep  of each node whether it stays; a root, or with its parent
+  /// \return of each node its new id, or no_node
+  std::vector<std::uint32_t> prune(const std::vector<std::uint8_t>& keep) {
+    std::vector<std::uint32_t> ids(size(), no_node);
+    NearestIndex index(task_.instance.space);
+    for (std::uint32_t id = 0; id < size(); ++id) {
+      if (keep[id] != 0) ids[id] = index.add((*this)[id]);
+    }
+    std::vector<std::uint32_t> rows(index.size());
+    std::vector<std::uint32_t> parents(index.size());
+    for (std::uint32_t id = 0; id < size(); ++id) {
+      if (ids[id] == no_node) continue;
+      rows[ids[id]] = rows_[id];
+      parents[ids[id]] = ids[parents_[id]];
+    }
+    index_ = std::move(index);
+    rows_ = std::move(rows);
+    parents_ = std::move(parents);
+    return ids;
+  }
+
+  /// From the root to `id`, both included.
+  [[nodiscard]] Configurations branch(std::uint32_t id) const {
+    std::vector<std::uint32_t> ids;
+    for (std::uint32_t at = id;; at = parents_[at]) {
+      ids.push_back(at);
+      if (at == parents_[at]) break;
+    }
+    Configurations path(task_.instance.space.dimension());
+    for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
+    return path;
+  }
+
+ private:
+  Planner::Task& task_;
+  NearestIndex index_;
+  std::vector<std::uint32_t> rows_;
+  std::vector<std::uint32_t> parents_;  ///< a root is its own parent
+};
+
+/// Whether a motion of a tree or roadmap, valid at an earlier epoch, still is; reports it where it is not.
+inline bool motion_still_valid(Planner::Task& task, View from, View to) {
+  const MotionReport report = task.instance.recheck_motion(from, to);
+  if (report.valid) return true;
+  Configuration blocked(from.size());
+  task.instance.space.interpolate(from, to, report.invalid_at, blocked);
+  Outcome outcome;
+  outcome.proposal = to;
+  outcome.near = from;
+  outcome.blocked_at = blocked;
+  task.guidance.observe(outcome, false);
+  return false;
+}
+
+/// Finds which branches of a tree are still valid after the instance changed. Checks each motion at most once, and can
+/// be interrupted between two of them.
+class TreeRepair {
+ public:
+  explicit TreeRepair(const Tree& tree) : branches_(tree.size(), Branch::unknown) {
+    for (std::uint32_t id = 0; id < tree.size(); ++id) {
+      if (tree.parent(id) == id) branches_[id] = Branch::valid;
+    }
+  }
+
+  /// Removes a root, or a node that is known to be invalid.
+  void refute(std::uint32_t id) { branches_[id] = Branch::invalid; }
+  /// Whether all motions from the root to the node are valid. \param edge_valid  of a node: whether the motion to it
+  /// from its parent is
+  template <class EdgeValid>
+  bool branch_valid(const Tree& tree, std::uint32_t id, const EdgeValid& edge_valid) {
+    branch_.clear();
+    for (; branches_[id] == Branch::unknown; id = tree.parent(id)) branch_.push_back(id);
+    Branch so_far = branches_[id];
+    for (auto it = branch_.rbegin(); it != branch_.rend(); ++it) {
+      if (so_far == Branch::valid && !edge_valid(*it)) so_far = Branch::invalid;
+      branches_[*it] = so_far;
+    }
+    return so_far == Branch::valid;
+  }
+  /// Checks the branches of all nodes in order of insertion. The reason to stop before that is done, or none.
+  template <class EdgeValid>
+  std::optional<Status> check_all(const Tree& tree, Meter& meter, const EdgeValid& edge_valid) {
+    for (; next_ < branches_.size(); ++next_) {
+      if (branches_[next_] != Branch::unknown) continue;
+      if (const auto reason = meter.spent()) return reason;
+      branch_valid(tree, next_, edge_valid);
+    }
+    return std::nullopt;
+  }
+  /// Removes the branches that are not valid, once all are checked. As Tree::prune.
+  std::vector<std::uint32_t> prune(Tree& tree) const {
+    std::vector<std::uint8_t> keep(branches_.size(), 0);
+    for (std::size_t id = 0; id < keep.size(); ++id) keep[id] = branches_[id] == Branch::valid ? 1 : 0;
+    return tree.prune(keep);
+  }
+
+ private:
+  enum class Branch : std::uint8_t { unknown, valid, invalid };
+
+  std::vector<Branch> branches_;
+  std::vector<std::uint32_t> branch_;
+  std::uint32_t next_ = 0;
+};
+
+/// Reports the nodes of a tree that lost some of its own, after Guidance::restart.
+inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) {
+  if (!task.guided) return;
+  Outcome outcome;
+  outcome.fate = Fate::reached;
+  outcome.from_goal = from_goal;
+  for (std::uint32_t id = 0; id < tree.size(); ++id) {
+    outcome.proposal = tree[id];
+    outcome.near = tree[tree.parent(id)];
+    outcome.added = tree[id];
+    outcome.added_row = tree.row(id);
+    task.guidance.observe(outcome, false);
+  }
+}
+
+/// The path of a search that has only its start.
+inline Configurations path_of_start(const Instance& instance) {
+  Configurations path(instance.space.dimension());
+  path.push(instance.start);
+  return path;
+}
+
+}  // namespace trellis

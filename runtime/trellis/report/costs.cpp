@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/report/costs.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/measure/median_bound.hpp>
+#include <trellis/measure/statistics.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+template <class T>
+std::optional<std::size_t> index_of(const std::vector<T>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const T& one) { return one.name == name; });
+  if (found == all.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - all.begin());
+}
+
+std::string string_or_empty(const Json& object, const char* field) {
+  const auto found = object.find(field);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// The runs of a strategy on a problem, by seed.
+using Cell = std::map<std::uint64_t, const CostData::Run*>;
+
+/// All cells, by problem and strategy.
+std::vector<std::vector<Cell>> cells_of(const CostData& data) {
+  std::vector<std::vector<Cell>> cells(data.problems.size(), std::vector<Cell>(data.strategies.size()));
+  for (const CostData::Run& run : data.runs) cells[run.problem][run.strategy][run.seed] = &run;
+  return cells;
+}
+
+using Quantity = double CostData::Run::*;
+
+/// What a run of a strategy counts with.
+double cost(const CostData::Run& run, Quantity quantity) { return run.solved ? run.*quantity : infinity; }
+
+std::vector<double> costs(const Cell& cell, Quantity quantity) {
+  std::vector<double> values;
+  values.reserve(cell.size());
+  for (const auto& [seed, run] : cell) values.push_back(cost(*run, quantity));
+  return values;
+}
+
+double ratio(double cost, double reference) {
+  if (std::isnan(cost) || std::isnan(reference)) return nan;
+  return cost == reference ? 1.0 : reference > 0.0 ? cost / reference : infinity;
+}
+
+CostRatio ratio_of(const Cell& mine, const Cell& theirs, Quantity quantity) {
+  CostRatio result;
+  std::vector<double> left;
+  std::vector<double> right;
+  std::vector<double> ratios;
+  for (const auto& [seed, run] : mine) {
+    const auto other = theirs.find(seed);
+    if (other == theirs.end()) continue;
+    const double one = ratio(cost(*run, quantity), other->second->*quantity);
+    if (std::isnan(one)) continue;
+    left.push_back(cost(*run, quantity));
+    right.push_back(other->second->*quantity);
+    ratios.push_back(one);
+  }
+  if (ratios.empty()) return result;
+  constexpr double each_side = 0.975;
+  result.median = median(left);
+  result.reference_median = median(right);
+  result.of_medians = ratio(result.median, result.reference_median);
+  result.paired = median(ratios);
+  result.lo = median_lower(ratios, each_side);
+  result.hi = median_upper(ratios, each_side);
+  return result;
+}
+
+std::size_t solved(const Cell& cell) {
+  return static_cast<std::size_t>(
+      std::count_if(cell.begin(), cell.end(), [](const auto& entry) { return entry.second->solved; }));
+}
+
+std::string joined(const std::vector<std::string>& levels, std::size_t first, std::size_t last) {
+  std::string text;
+  for (std::size_t i = first; i < last; ++i) text += levels[i] + " >> ";
+  return text + levels.back();
+}
+
+std::optional<std::size_t> with_text(const CostData& data, const std::string& text) {
+  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
+                                  [&](const CostData::Strategy& s) { return s.text == text; });
+  if (found == data.strategies.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - data.strategies.begin());
+}
+
+/// The strategies that a strategy is to be compared with.
+std::vector<std::size_t> references_of(const CostData& data, std::size_t strategy, CostReference reference,
+                                       std::size_t baseline) {
+  if (reference == CostReference::baseline) {
+    return strategy == baseline ? std::vector<std::size_t>{} : std::vector{baseline};
+  }
+  const std::vector<std::string> levels = cost_levels(data.strategies[strategy].text);
+  const std::size_t guides = levels.size() - 1;
+  std::vector<std::size_t> found;
+  const auto add = [&](std::size_t first, std::size_t last) {
+    const auto one = with_text(data, joined(levels, first, last));
+    if (one && std::find(found.begin(), found.end(), *one) == found.end()) found.push_back(*one);
+  };
+  if (reference == CostReference::own_planner) {
+    if (guides > 0) add(guides, guides);
+  } else {
+    for (std::size_t split = 1; split < guides; ++split) {
+      add(0, split);
+      add(split, guides);
+    }
+  }
+  return found;
+}
+
+/// The one with the least median.
+std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t>& references, Quantity quantity) {
+  std::size_t best = references.front();
+  double least = infinity;
+  for (const std::size_t reference : references) {
+    const double value = median(costs(row[reference], quantity));
+    if (value < least) {
+      least = value;
+      best = reference;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void CostData::add(const std::string& document, const std::string& file) {
+  const auto fail = [&](const std::string& why) { throw Error(fmt::format("{}: {}", file, why)); };
+  try {
+    const Json json = Json::parse(document);
+    const Json& experiment = json.at("experiment");
+    for (const Json& entry : experiment.at("problems")) {
+      const auto name = entry.at("name").get<std::string>();
+      if (index_of(problems, name)) continue;
+      problems.push_back({name, string_or_empty(entry, "group"), entry.value("tuned", false)});
+    }
+    for (const Json& entry : experiment.at("strategies")) {
+      const auto name = entry.at("name").get<std::string>();
+      const auto text = entry.at("text").get<std::string>();
+      const auto known = index_of(strategies, name);
+      if (known && strategies[*known].text != text) {
+        fail(fmt::format("'{}' is {} here and {} in another file", name, text, strategies[*known].text));
+      }
+      if (!known) strategies.push_back({name, text});
+    }
+    if (baseline.empty()) baseline = string_or_empty(experiment, "baseline");
+    std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
+    for (const Run& run : runs) added.emplace(run.problem, run.strategy, run.seed);
+    for (const Json& entry : json.at("runs")) {
+      const auto problem = index_of(problems, entry.at("problem").get<std::string>());
+      const auto strategy = index_of(strategies, entry.at("strategy").get<std::string>());
+      if (!problem || !strategy) fail("a run is of a problem or a strategy that the experiment does not have");
+      const auto seed = entry.at("seed").get<std::uint64_t>();
+      if (!added.emplace(*problem, *strategy, seed).second) {
+        fail(fmt::format("seed {} of '{}' on '{}' is there twice", seed, strategies[*strategy].name,
+                         problems[*problem].name));
+      }
+      const auto seconds = entry.find("cpu_s");
+      runs.push_back({*problem, *strategy, seed, entry.at("solved").get<bool>(),
+                      entry.at("validity_checks").get<double>(),
+                      seconds != entry.end() && seconds->is_number() ? seconds->get<double>() : nan});
+    }
+  } catch (const Json::exception&) {
+    fail("this is no document that trellis run --json writes");
+  }
+}
+
+std::vector<std::string> cost_levels(const std::string& text) {
+  std::vector<std::string> levels(1);
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' && (i == 0 || text[i - 1] != '\\')) quoted = !quoted;
+    if (!quoted && (c == '(' || c == '{')) ++depth;
+    if (!quoted && (c == ')' || c == '}')) --depth;
+    if (!quoted && depth == 0 && text.compare(i, 4, " >> ") == 0) {
+      levels.emplace_back();
+      i += 3;
+      continue;
+    }
+    levels.back() += c;
+  }
+  return levels;
+}
+
+std::vector<CostComparison> compare_costs(const CostData& data, CostReference reference, const std::string& baseline) {
+  const auto base = index_of(data.strategies, baseline);
+  if (!base) {
+    std::vector<std::string> known;
+    for (const auto& strategy : data.strategies) known.push_back(strategy.name);
+    throw Error(fmt::format("there is no strategy '{}'{}; there are: {}", baseline, did_you_mean(baseline, known),
+                            fmt::join(known, ", ")));
+  }
+  const auto cells = cells_of(data);
+  std::vector<CostComparison> comparisons;
+  for (std::size_t p = 0; p < data.problems.size(); ++p) {
+    for (std::size_t s = 0; s < data.strategies.size(); ++s) {
+      const Cell& mine = cells[p][s];
+      std::vector<std::size_t> references = references_of(data, s, reference, *base);
+      std::erase_if(references, [&](std::size_t r) { return cells[p][r].empty(); });
+      if (mine.empty() || references.empty()) continue;
+      const auto against = [&](Quantity quantity) {
+        const std::size_t other = cheapest(cells[p], references, quantity);
+        CostRatio result = ratio_of(mine, cells[p][other], quantity);
+        result.reference = data.strategies[other].name;
+        return std::pair{result, solved(cells[p][other])};
+      };
+      CostComparison comparison{p, s, mine.size(), solved(mine), 0, {}, {}};
+      std::tie(comparison.checks, comparison.reference_solved) = against(&CostData::Run::checks);
+      comparison.seconds = against(&CostData::Run::seconds).first;
+      comparisons.push_back(std::move(comparison));
+    }
+  }
+  return comparisons;
+}
+
+CostSummary summarise_costs(const CostData& data, const std::vector<CostComparison>& comparisons, std::size_t strategy,
+                            CostRatio CostComparison::*quantity, std::optional<bool> tuned) {
+  CostSummary summary;
+  std::vector<double> ratios;
+  for (const CostComparison& c : comparisons) {
+    const CostData::Problem& problem = data.problems[c.problem];
+    if (c.strategy != strategy || (tuned && problem.tuned != *tuned)) continue;
+    ++summary.problems;
+    summary.runs += c.runs;
+    summary.solved += c.solved;
+    const double value = (c.*quantity).paired;
+    if (std::isnan(value)) continue;
+    ratios.push_back(value);
+    if (!(value <= summary.worst)) {
+      summary.worst = value;
+      summary.worst_problem = problem.name;
+    }
+  }
+  summary.median = median(ratios);
+  return summary;
+}
+
+}  // namespace trellis

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <trellis/report/costs.hpp>
+#include <trellis/report/table.hpp>
+#include <trellis/report/words.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Quantity = CostRatio CostComparison::*;
+
+const std::vector<std::pair<const char*, Quantity>>& quantities() {
+  static const std::vector<std::pair<const char*, Quantity>> all = {{"validity checks", &CostComparison::checks},
+                                                                    {"CPU time", &CostComparison::seconds}};
+  return all;
+}
+
+/// Two significant digits at the least.
+std::string ratio_text(double x) {
+  if (std::isnan(x)) return "-";
+  if (std::isinf(x)) return x > 0.0 ? "inf" : "0";
+  const double size = std::abs(x);
+  const int decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 ? 2 : 3;
+  return fmt::format("{:.{}f}", x, decimals);
+}
+
+std::string ratio_interval(const CostRatio& ratio) {
+  if (std::isnan(ratio.paired)) return "-";
+  return fmt::format("{} [{}, {}]", ratio_text(ratio.paired), ratio_text(std::max(ratio.lo, 0.0)),
+                     ratio_text(ratio.hi));
+}
+
+std::string checks_text(double checks) {
+  if (std::isnan(checks)) return "-";
+  return std::isinf(checks) ? "inf" : fmt::format("{:.0f}", checks);
+}
+
+std::string milliseconds(double seconds) {
+  if (std::isnan(seconds)) return "-";
+  return std::isinf(seconds) ? "inf" : ratio_text(1000.0 * seconds);
+}
+
+/// What Markdown would take for a sign of its own.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (std::string_view("|\\`*_<>[]").find(c) != std::string_view::npos) result += '\\';
+    result += c;
+  }
+  return result;
+}
+
+class Markdown {
+ public:
+  void line(const std::string& text) { text_ += text + "\n\n"; }
+  void header(const std::vector<std::string>& cells) {
+    if (!text_.ends_with("\n\n")) text_ += '\n';
+    row(cells);
+    text_ += "|---|";
+    for (std::size_t i = 1; i < cells.size(); ++i) text_ += "---:|";
+    text_ += '\n';
+  }
+  void row(const std::vector<std::string>& cells) {
+    text_ += "|";
+    for (const std::string& c : cells) text_ += fmt::format(" {} |", c);
+    text_ += '\n';
+  }
+  void end() { text_ += '\n'; }
+  [[nodiscard]] std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string worst_text(const CostSummary& summary) {
+  if (std::isnan(summary.worst)) return "-";
+  return fmt::format("{} ({})", ratio_text(summary.worst), escaped(summary.worst_problem));
+}
+
+std::string share_text(std::size_t solved, std::size_t runs) {
+  return runs == 0 ? "-" : fmt::format("{}/{}", solved, runs);
+}
+
+/// The strategies that some comparison is of, in their order.
+std::vector<std::size_t> strategies_of(const std::vector<CostComparison>& comparisons) {
+  std::set<std::size_t> found;
+  for (const auto& c : comparisons) found.insert(c.strategy);
+  return {found.begin(), found.end()};
+}
+
+struct Group {
+  std::string name;
+  bool tuned = false;
+  std::vector<std::size_t> problems;
+};
+
+std::vector<Group> groups_of(const CostData& data) {
+  std::vector<Group> groups;
+  for (std::size_t p = 0; p < data.problems.size(); ++p) {
+    const auto& problem = data.problems[p];
+    const auto found =
+        std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == problem.group; });
+    if (found == groups.end()) {
+      groups.push_back({problem.group, problem.tuned, {p}});
+    } else {
+      found->problems.push_back(p);
+    }
+  }
+  return groups;
+}
+
+std::string heading(const Group& group) {
+  return fmt::format("### {}, {}", group.name.empty() ? "problems of no group" : escaped(group.name),
+                     group.tuned ? "tuned on" : "held out");
+}
+
+std::size_t seeds_of(const CostData& data) {
+  std::set<std::uint64_t> seeds;
+  for (const auto& run : data.runs) seeds.insert(run.seed);
+  return seeds.size();
+}
+
+class Tables {
+ public:
+  Tables(const CostData& data, const std::string& baseline)
+      : data_(data),
+        baseline_(baseline),
+        beside_baseline_(compare_costs(data, CostReference::baseline, baseline)),
+        beside_planner_(compare_costs(data, CostReference::own_planner, baseline)),
+        beside_parts_(compare_costs(data, CostReference::best_part, baseline)) {}
+
+  std::string markdown() {
+    out_.line("# Costs beside " + escaped(baseline_));
+    out_.line(
+        fmt::format("{}, {}, {}. A number is a strategy's cost divided by that of its "
+                    "reference on the same seed, the median over the seeds; below 1 the strategy costs less. A "
+                    "run without a path costs infinitely much.",
+                    plural(data_.problems.size(), "problem"), plural_y(data_.strategies.size(), "strateg"),
+                    plural(seeds_of(data_), "seed")));
+    overall();
+    if (!beside_planner_.empty()) {
+      one_reference("Beside the planner without guides", "The reference is the strategy's own planner without guides.",
+                    beside_planner_);
+    }
+    if (!beside_parts_.empty()) {
+      one_reference("A composition beside its parts",
+                    "The reference of `a >> b >> planner` is `a >> planner` or `b >> planner`, whichever costs less in "
+                    "that world.",
+                    beside_parts_);
+    }
+    out_.line("## World by world");
+    out_.line(
+        fmt::format("The reference is {}; its row has its medians. In brackets: the 95 % interval of the median by "
+                    "the sign test. A fraction follows where some runs found no path.",
+                    escaped(baseline_)));
+    for (const Group& group : groups_of(data_)) {
+      out_.line(heading(group));
+      constexpr std::size_t most = 8;
+      for (std::size_t first = 0; first < group.problems.size(); first += most) {
+        const auto begin = group.problems.begin() + static_cast<std::ptrdiff_t>(first);
+        const std::size_t count = std::min(most, group.problems.size() - first);
+        const std::vector<std::size_t> some(begin, begin + static_cast<std::ptrdiff_t>(count));
+        for (const auto& [name, quantity] : quantities()) matrix(some, name, quantity);
+      }
+    }
+    every_figure();
+    return out_.take();
+  }
+
+ private:
+  void overall() {
+    out_.line("## All worlds together");
+    out_.header({"strategy", "solved, tuned on", "checks: median", "worst", "CPU time: median", "worst",
+                 "solved, held out", "checks: median", "worst", "CPU time: median", "worst"});
+    for (const std::size_t s : strategies_of(beside_baseline_)) {
+      std::vector<std::string> cells = {"`" + data_.strategies[s].name + "`"};
+      for (const bool tuned : {true, false}) {
+        const CostSummary checks = summarise_costs(data_, beside_baseline_, s, &CostComparison::checks, tuned);
+        const CostSummary seconds = summarise_costs(data_, beside_baseline_, s, &CostComparison::seconds, tuned);
+        cells.insert(cells.end(), {share_text(checks.solved, checks.runs), ratio_text(checks.median),
+                                   worst_text(checks), ratio_text(seconds.median), worst_text(seconds)});
+      }
+      out_.row(cells);
+    }
+    out_.end();
+  }
+
+  void one_reference(const std::string& title, const std::string& what, const std::vector<CostComparison>& all) {
+    out_.line("## " + title);
+    out_.line(what);
+    out_.header({"strategy", "worlds", "solved", "checks: median", "worst", "CPU time: median", "worst"});
+    for (const std::size_t s : strategies_of(all)) {
+      const CostSummary checks = summarise_costs(data_, all, s, &CostComparison::checks);
+      const CostSummary seconds = summarise_costs(data_, all, s, &CostComparison::seconds);
+      out_.row({"`" + data_.strategies[s].name + "`", std::to_string(checks.problems),
+                share_text(checks.solved, checks.runs), ratio_text(checks.median), worst_text(checks),
+                ratio_text(seconds.median), worst_text(seconds)});
+    }
+    out_.end();
+  }
+
+  [[nodiscard]] const CostComparison* find(std::size_t problem, std::size_t strategy) const {
+    const auto found = std::find_if(beside_baseline_.begin(), beside_baseline_.end(), [&](const CostComparison& c) {
+      return c.problem == problem && c.strategy == strategy;
+    });
+    return found == beside_baseline_.end() ? nullptr : &*found;
+  }
+
+  void matrix(const std::vector<std::size_t>& problems, const std::string& name, Quantity quantity) {
+    std::vector<std::string> cells = {name};
+    for (const std::size_t p : problems) cells.push_back(escaped(data_.problems[p].name));
+    out_.header(cells);
+    cells = {"`" + baseline_ + "`"};
+    for (const std::size_t p : problems) {
+      const auto any = std::find_if(beside_baseline_.begin(), beside_baseline_.end(),
+                                    [p](const CostComparison& c) { return c.problem == p; });
+      if (any == beside_baseline_.end()) {
+        cells.emplace_back("-");
+        continue;
+      }
+      const double median = ((*any).*quantity).reference_median;
+      const std::string text = quantity == &CostComparison::checks ? checks_text(median) : milliseconds(median) + " ms";
+      cells.push_back(text + unsolved(any->reference_solved, any->runs));
+    }
+    out_.row(cells);
+    for (const std::size_t s : strategies_of(beside_baseline_)) {
+      cells = {"`" + data_.strategies[s].name + "`"};
+      for (const std::size_t p : problems) {
+        const CostComparison* c = find(p, s);
+        cells.push_back(c == nullptr ? "-" : ratio_interval(c->*quantity) + unsolved(c->solved, c->runs));
+      }
+      out_.row(cells);
+    }
+    out_.end();
+  }
+
+  static std::string unsolved(std::size_t solved, std::size_t runs) {
+    return solved == runs ? "" : fmt::format(" {}/{}", solved, runs);
+  }
+
+  void every_figure() {
+    out_.line("## Every figure");
+    out_.header({"world", "group", "strategy", "solved", "checks", "ratio of medians", "median ratio", "interval",
+                 "CPU ms", "ratio of medians", "median ratio", "interval"});
+    for (const CostComparison& c : beside_baseline_) {
+      const auto& problem = data_.problems[c.problem];
+      const auto range = [](const CostRatio& r) {
+        return std::isnan(r.paired) ? "-" : fmt::format("{} – {}", ratio_text(std::max(r.lo, 0.0)), ratio_text(r.hi));
+      };
+      out_.row({escaped(problem.name), escaped(problem.group), "`" + data_.strategies[c.strategy].name + "`",
+                share_text(c.solved, c.runs), checks_text(c.checks.median), ratio_text(c.checks.of_medians),
+                ratio_text(c.checks.paired), range(c.checks), milliseconds(c.seconds.median),
+                ratio_text(c.seconds.of_medians), ratio_text(c.seconds.paired), range(c.seconds)});
+    }
+  }
+
+  const CostData& data_;
+  const std::string& baseline_;
+  std::vector<CostComparison> beside_baseline_;
+  std::vector<CostComparison> beside_planner_;
+  std::vector<CostComparison> beside_parts_;
+  Markdown out_;
+};
+
+std::string csv_number(double x) {
+  if (std::isnan(x)) return "";
+  if (std::isinf(x)) return x > 0.0 ? "inf" : "-inf";
+  return fmt::format("{}", x);
+}
+
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + '"';
+}
+
+}  // namespace
+
+std::string costs_text(const CostData& data, const std::string& baseline, std::size_t width) {
+  const auto comparisons = compare_costs(data, CostReference::baseline, baseline);
+  std::vector<Table::Column> columns = {{{"strategy"}, "", true}};
+  for (const char* kind : {"tuned on", "held out"}) {
+    columns.push_back({{"solved"}, kind});
+    for (const char* quantity : {"checks", "CPU"}) {
+      columns.push_back({{quantity, "median"}, kind});
+      columns.push_back({{quantity, "worst"}, kind});
+    }
+  }
+  Table table(std::move(columns));
+  for (const std::size_t s : strategies_of(comparisons)) {
+    std::vector<std::string> cells = {data.strategies[s].name};
+    for (const bool tuned : {true, false}) {
+      const CostSummary checks = summarise_costs(data, comparisons, s, &CostComparison::checks, tuned);
+      const CostSummary seconds = summarise_costs(data, comparisons, s, &CostComparison::seconds, tuned);
+      cells.insert(cells.end(), {share_text(checks.solved, checks.runs), ratio_text(checks.median),
+                                 ratio_text(checks.worst), ratio_text(seconds.median), ratio_text(seconds.worst)});
+    }
+    table.add(std::move(cells));
+  }
+  return fmt::format("costs divided by those of {}, {}, {}\n\n{}", baseline, plural(data.problems.size(), "problem"),
+                     plural(seeds_of(data), "seed"), table.text(width));
+}
+
+std::string costs_markdown(const CostData& data, const std::string& baseline) {
+  return Tables(data, baseline).markdown();
+}
+
+std::string costs_csv(const CostData& data, const std::string& baseline) {
+  std::string out =
+      "group,tuned,problem,strategy,against,reference,quantity,runs,solved,reference_solved,median,reference_median,"
+      "ratio_of_medians,paired_ratio,lo,hi\n";
+  const std::vector<std::pair<const char*, CostReference>> references = {{"baseline", CostReference::baseline},
+                                                                         {"own_planner", CostReference::own_planner},
+                                                                         {"best_part", CostReference::best_part}};
+  const std::vector<std::pair<const char*, Quantity>> columns = {{"validity_checks", &CostComparison::checks},
+                                                                 {"cpu_s", &CostComparison::seconds}};
+  for (const auto& [against, reference] : references) {
+    for (const CostComparison& c : compare_costs(data, reference, baseline)) {
+      const auto& problem = data.problems[c.problem];
+      for (const auto& [name, quantity] : columns) {
+        const CostRatio& r = c.*quantity;
+        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem.group), problem.tuned,
+                           csv_text(problem.name), csv_text(data.strategies[c.strategy].name), against,
+                           csv_text(r.reference), name, c.runs, c.solved, c.reference_solved, csv_number(r.median),
+                           csv_number(r.reference_median), csv_number(r.of_medians), csv_number(r.paired),
+                           csv_number(r.lo), csv_number(r.hi));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace trellis

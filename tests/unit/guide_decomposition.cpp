@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Leads through a triangulation: which nodes are expanded, and when a lead is abandoned.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/guide.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+struct Lead {
+  std::unique_ptr<Instance> parent;
+  std::unique_ptr<Guide> guide;
+  std::unique_ptr<Instance> sub;
+  Solution found;
+  std::unique_ptr<Heuristic> h;
+
+  explicit Lead(const Problem& problem, const std::vector<Options::Entry>& options) {
+    const GuideKind& kind = *find_guide("decomposition");
+    parent = make_instance(problem);
+    guide = kind.make(Options::validate(*kind.component, options));
+    sub = guide->project(*parent);
+    solve();
+  }
+  void solve() {
+    const PlannerKind& planner = *find_planner("graph_search");
+    const Options options = Options::validate(*planner.component, {});
+    UniformGuidance uniform(sub->space);
+    Search search(2);
+    found = planner.make(options, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false, {}})
+                ->solve(planner.common(options).budget);
+    REQUIRE(found.solved());
+    h = guide->heuristic(*parent, sub.get(), &found);
+  }
+};
+
+/// An extension that found nothing.
+Outcome failed(const Configuration& proposal, const Configuration& near) {
+  Outcome outcome;
+  outcome.proposal = proposal;
+  outcome.near = near;
+  return outcome;
+}
+
+bool same(const Configurations& a, const Configurations& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!std::equal(a[i].begin(), a[i].end(), b[i].begin())) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("the node that a lead expands is one of the tree's, near the proposal", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  Lead lead(problem, {{"explore", 0.0}, {"ahead", std::int64_t{1}}, {"abandon", 0.0}});
+  Stream stream(1, "", "expand");
+  Configuration q(3);
+  std::vector<Configuration> nodes = {problem.start};
+  std::set<std::uint32_t> expanded;
+  // Every second node belongs to the tree from the goal, every fifth is not connected.
+  const auto excluded = [](std::size_t row) { return row > 0 && (row % 2 == 0 || row % 5 == 0); };
+  for (int i = 0; i < 400; ++i) {
+    lead.h->sample(stream, q);
+    const std::uint32_t row = lead.h->vertex();
+    if (row != no_node) {
+      REQUIRE(row < nodes.size());
+      CHECK_FALSE(excluded(row));
+      expanded.insert(row);
+      // A triangle's side is about twice the bounding radius, 0.63 m, and at most two triangles lie between.
+      CHECK(std::hypot(nodes[row][0] - q[0], nodes[row][1] - q[1]) < 2.5);
+    }
+    const Configuration near = nodes[row == no_node ? 0 : row];
+    Outcome outcome = failed(q, near);
+    if (lead.parent->validity->state(q)) {
+      const auto id = static_cast<std::uint32_t>(nodes.size());
+      nodes.push_back(q);
+      outcome.fate = Fate::reached;
+      outcome.added = nodes.back();
+      outcome.added_row = id;
+      outcome.from_goal = id % 2 == 0;
+      outcome.connected = id % 5 != 0;
+    }
+    lead.h->observe(outcome, true);
+  }
+  // Seldom the same one.
+  CHECK(expanded.size() > 40);
+  lead.h->select_tree(TreeSide::goal);
+  lead.h->sample(stream, q);
+  CHECK(lead.h->vertex() == no_node);
+}
+
+TEST_CASE("a lead is abandoned when it improves no coverage, and after so many expansions", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  Stream stream(2, "", "abandon");
+  Configuration q(3);
+  {
+    Lead lead(problem, {{"explore", 0.0}, {"abandon", 1.0}});
+    lead.h->sample(stream, q);
+    Configuration first = problem.start;
+    first[1] += 0.5;
+    Outcome outcome = failed(q, problem.start);
+    outcome.fate = Fate::advanced;
+    outcome.added = first;
+    outcome.added_row = 1;
+    lead.h->observe(outcome, true);
+    CHECK_FALSE(lead.h->stale());
+    // The same place again is no news.
+    lead.h->sample(stream, q);
+    outcome.added_row = 2;
+    lead.h->observe(outcome, true);
+    CHECK(lead.h->stale());
+  }
+  Lead lead(problem, {{"explore", 0.0}, {"abandon", 0.0}, {"expansions", std::int64_t{30}}});
+  for (int i = 0; i < 30; ++i) {
+    CHECK_FALSE(lead.h->stale());
+    lead.h->sample(stream, q);
+    // What others draw is not the lead's.
+    lead.h->observe(failed(q, problem.start), false);
+    lead.h->observe(failed(q, problem.start), true);
+  }
+  CHECK(lead.h->stale());
+}
+
+TEST_CASE("leads are shortest paths but for a share of random ones", "[guide][decomposition]") {
+  const auto problem = test::cup_problem();
+  Stream stream(3, "", "leads");
+  Configuration q(3);
+  for (const double share : {0.0, 1.0}) {
+    Lead lead(problem, {{"random_leads", share}});
+    const Configurations shortest = lead.h->lifted_path();
+    int other = 0;
+    for (int i = 0; i < 5; ++i) {
+      lead.h->sample(stream, q);
+      const auto again = lead.guide->heuristic(*lead.parent, lead.sub.get(), &lead.found);
+      const Configurations path = again->lifted_path();
+      CHECK(path.front()[0] == problem.start[0]);
+      CHECK(path.back()[0] == problem.goal[0]);
+      other += same(path, shortest) ? 0 : 1;
+    }
+    CHECK(other == (share > 0.0 ? 5 : 0));
+  }
+}
+
+TEST_CASE("what is found invalid makes leads through it costly", "[guide][decomposition]") {
+  // Two homotopy classes, above and below a wall; above is shorter.
+  auto problem = test::make_problem("two passages", test::rectangle_world({{4, 2, 6, 8.5}}), test::rectangle_robot(),
+                                    {2, 6, 0}, {8, 6, 0});
+  Lead lead(problem, {{"random_leads", 0.0}, {"size", 1.0}});
+  const auto highest = [&] {
+    double y = 0.0;
+    for (std::size_t i = 0; i < lead.found.path.size(); ++i) y = std::max(y, lead.found.path[i][1]);
+    return y;
+  };
+  const bool above = highest() > 8.5;
+  Stream stream(4, "", "invalid");
+  Configuration q(3), blocked(3);
+  // Whatever is tried on that side of the wall fails.
+  for (int i = 0; i < 4000; ++i) {
+    lead.h->sample(stream, q);
+    blocked = {stream.uniform(4, 6), above ? stream.uniform(8.5, 10) : stream.uniform(0, 2), 0};
+    Outcome outcome = failed(q, problem.start);
+    outcome.blocked_at = blocked;
+    lead.h->observe(outcome, true);
+  }
+  lead.guide->before_resolve();
+  lead.solve();
+  CHECK((highest() > 8.5) != above);
+}

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What makes a hierarchy worth its cost: bounded loss, findings that reach the level above, f of the instance as it
+// stands now, and motions that are checked once.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/custom.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/refuses.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+/// A guide made by a function: what a user may write who means no good.
+class Adversary final : public CustomGuide {
+ public:
+  using Make = std::unique_ptr<Guide> (*)();
+  Adversary(const std::string& name, const std::string& planner, Make maker)
+      : CustomGuide({.name = name, .identity = name, .default_planner = planner, .resolves = 1000000}), make_(maker) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override { return make_(); }
+
+ private:
+  Make make_;
+};
+
+/// h that draws one configuration for ever.
+class PointHeuristic : public Heuristic {
+ public:
+  explicit PointHeuristic(Configuration point) : point_(std::move(point)) {}
+  Source sample(Stream&, MutableView out) override {
+    std::copy(point_.begin(), point_.end(), out.begin());
+    return 0;
+  }
+  [[nodiscard]] double density(View) const override { return 0.0; }
+  [[nodiscard]] double atom_mass() const override { return 1.0; }
+  void record(DensityRecord& record, double share) const override { record.add_atoms(share); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"one point"}; }
+
+ private:
+  Configuration point_;
+};
+
+class UniformDraws final : public Heuristic {
+ public:
+  explicit UniformDraws(const Space& space) : uniform_(space) {}
+  Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
+  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
+  void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"garbage"}; }
+
+ private:
+  UniformGuidance uniform_;
+};
+
+/// S = {0}.
+class Bias : public Guide {
+ public:
+  std::unique_ptr<Instance> project(const Instance&) override { return nullptr; }
+  void project(View, MutableView) const override {}
+  void lift(View, Stream&, MutableView) const override {}
+  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
+};
+class Garbage final : public Bias {
+ public:
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return std::make_unique<UniformDraws>(parent.space);
+  }
+};
+/// The goal itself, whatever is in between: a path through all walls.
+class ThroughWalls final : public Bias {
+ public:
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return std::make_unique<PointHeuristic>(parent.goal);
+  }
+};
+
+/// Everything is valid but what crosses a circle about the goal: a search that never ends.
+class MoatValidity final : public Validity {
+ public:
+  MoatValidity(Space space, Configuration goal) : space_(std::move(space)), goal_(std::move(goal)) {}
+  [[nodiscard]] bool state(View q) override {
+    return space_.distance(q, goal_) <= inner || space_.distance(q, goal_) >= outer;
+  }
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    Configuration q(a.size());
+    constexpr int pieces = 20;
+    for (int i = 1; i <= pieces; ++i) {
+      space_.interpolate(a, b, static_cast<double>(i) / pieces, q);
+      if (!state(q)) return {false, static_cast<std::uint32_t>(i), static_cast<double>(i) / pieces};
+    }
+    return {true, pieces, std::numeric_limits<double>::quiet_NaN()};
+  }
+  [[nodiscard]] double clearance(View) override { return 0.0; }
+
+ private:
+  static constexpr double inner = 0.2;
+  static constexpr double outer = 0.8;
+  Space space_;
+  Configuration goal_;
+};
+
+/// S = C as spaces.
+class Same : public Guide {
+ public:
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    auto instance = std::make_unique<Instance>(parent);
+    instance->checks = {};
+    return instance;
+  }
+  void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
+  void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
+  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return std::make_unique<UniformDraws>(parent.space);
+  }
+};
+class NeverFinds final : public Same {
+ public:
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    auto instance = Same::project(parent);
+    instance->validity = std::make_shared<MoatValidity>(parent.space, parent.goal);
+    return instance;
+  }
+};
+/// Solves the whole instance anew after each proposal of its own.
+class ChangesItsMind final : public Same {
+ public:
+  class Fickle final : public PointHeuristic {
+   public:
+    using PointHeuristic::PointHeuristic;
+    void observe(const Outcome&, bool mine) override { stale_ = stale_ || mine; }
+    [[nodiscard]] bool stale() const override { return stale_; }
+
+   private:
+    bool stale_ = false;
+  };
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    return std::make_unique<Fickle>(parent.start);
+  }
+};
+
+template <class G>
+GuideSpec adversary(const std::string& name, const std::string& planner = "") {
+  return GuideSpec::make(
+      std::make_shared<Adversary>(name, planner, []() -> std::unique_ptr<Guide> { return std::make_unique<G>(); }));
+}
+
+std::vector<GuideSpec> adversaries() {
+  return {adversary<Garbage>("garbage"), adversary<ThroughWalls>("through walls"),
+          adversary<NeverFinds>("never finds", "rrt"), adversary<ChangesItsMind>("changes its mind", "rrt"),
+          adversary<ChangesItsMind>("changes two minds", "rrt_connect") >> adversary<NeverFinds>("never finds", "rrt")};
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+double work(const LevelRecord& level) {
+  return static_cast<double>(level.search.checks.validity) + static_cast<double>(level.search.proposals.size());
+}
+
+/// Proposals of the parts of h that a guide is: after the goal, uniform and an informed path.
+double guided_proposals(const LevelRecord& level) {
+  return static_cast<double>(std::count_if(level.search.proposal_sources.begin(), level.search.proposal_sources.end(),
+                                           [](auto source) { return source >= 3; }));
+}
+
+StrategySpec over(const GuideSpec& guide, const std::string& planner) {
+  return {PlannerSpec::make(planner, {{"step", 0.5}}), guide};
+}
+
+}  // namespace
+
+TEST_CASE("the work of guided proposals and of all levels below is bounded by that of unguided ones",
+          "[strategy][bound]") {
+  for (const auto& problem : {test::simple_passage_problem(), test::cup_problem()}) {
+    for (const std::string planner : {"rrt", "rrt_connect"}) {
+      for (const auto& guide : adversaries()) {
+        CAPTURE(problem.name, planner, guide.text());
+        for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+          const RunRecord run = execute(over(guide, planner), problem, seed);
+          const LevelRecord& root = run.levels.front();
+          const double guided = static_cast<double>(root.guided_checks) + guided_proposals(root);
+          double below = 0.0;
+          for (std::size_t i = 1; i < run.levels.size(); ++i) below += work(run.levels[i]);
+          const double unguided = work(root) - guided;
+          const double grant = 1.5 * problem.space.distance(problem.start, problem.goal) / problem.resolution;
+          // A search pauses between two proposals: the last of them, at each level, and the least slice may be beyond.
+          const double beyond = 32.0 + 200.0 * static_cast<double>(run.levels.size());
+          CHECK(guided + below <= unguided + grant + beyond);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("whatever a guide does, its strategy spends about twice what the planner spends alone, at most",
+          "[strategy][bound]") {
+  constexpr std::uint64_t seeds = 15;
+  const auto guides = adversaries();
+  std::vector<double> log_ratio(guides.size(), 0.0);
+  int worlds = 0;
+  for (const auto& problem : {test::trap_problem(), test::cup_problem()}) {
+    const auto spent = [&](const StrategySpec& strategy) {
+      std::vector<double> checks;
+      for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const RunRecord run = execute(strategy, problem, seed);
+        CHECK(run.solved);
+        checks.push_back(static_cast<double>(run.validity_checks));
+      }
+      return median(checks);
+    };
+    for (const std::string planner : {"rrt", "rrt_connect"}) {
+      const double alone = spent(PlannerSpec::make(planner, {{"step", 0.5}}));
+      ++worlds;
+      for (std::size_t i = 0; i < guides.size(); ++i) {
+        const double ratio = spent(over(guides[i], planner)) / alone;
+        CAPTURE(problem.name, planner, guides[i].text(), alone);
+        // The tree is shared, so chance has a part in each.
+        CHECK(ratio <= 3.0);
+        log_ratio[i] += std::log(ratio);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < guides.size(); ++i) {
+    CAPTURE(guides[i].text());
+    CHECK(std::exp(log_ratio[i] / worlds) <= 2.2);
+  }
+}
+
+TEST_CASE("without a bound a guide may spend what it likes", "[strategy][bound]") {
+  const auto problem = test::cup_problem();
+  const StrategySpec bounded = over(adversary<Garbage>("garbage"), "rrt");
+  const StrategySpec free = {PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}}), adversary<Garbage>("garbage")};
+  const auto share = [&](const StrategySpec& strategy) {
+    double guided = 0.0;
+    double all = 0.0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const RunRecord run = execute(strategy, problem, seed);
+      guided += static_cast<double>(run.levels.front().guided_checks) + guided_proposals(run.levels.front());
+      all += work(run.levels.front());
+    }
+    return guided / all;
+  };
+  CHECK(share(free) > 0.85);
+  CHECK(share(bounded) < 0.6);
+}
+
+TEST_CASE("another solution in S gives other proposals in C", "[strategy][pairs]") {
+  const auto problem = test::simple_passage_problem();
+  const auto path_of = [](const RunRecord& run) {
+    const auto& values = run.levels[1].solution.path.values();
+    return std::vector<double>(values.begin(), values.end());
+  };
+  const auto proposals_of = [](const RunRecord& run) {
+    const auto& values = run.levels.front().search.proposals.values();
+    return std::vector<double>(values.begin(), values.end());
+  };
+  int different = 0;
+  int pairs = 0;
+  for (const auto& guided : guide_kinds()) {
+    if (guided.default_planner.empty() || guided.component->name == "experience") continue;
+    const auto small = [](const GuideKind& kind) {
+      return kind.default_planner.empty()
+                 ? GuideSpec::make(kind.component->name, {})
+                 : GuideSpec::make(kind.component->name, {},
+                                   PlannerSpec::make(kind.default_planner, {{"proposals", std::int64_t{400}}}));
+    };
+    const RunRecord alone = execute(over(small(guided), "rrt"), problem, 2);
+    for (const std::string above : {"identity", "shrink", "goal_bias", "skeleton"}) {
+      const GuideKind& kind = *find_guide(above);
+      if (test::refuses(kind, guided, problem)) continue;
+      CAPTURE(above, guided.component->name);
+      const RunRecord nested = execute(over(small(kind) >> small(guided), "rrt"), problem, 2);
+      ++pairs;
+      if (path_of(nested) == path_of(alone)) continue;
+      if (guided_proposals(nested.levels.front()) + guided_proposals(alone.levels.front()) == 0.0) continue;
+      ++different;
+      CHECK(proposals_of(nested) != proposals_of(alone));
+    }
+  }
+  CHECK(different > pairs / 2);
+}
+
+TEST_CASE("what comes back into the world of a level comes back into the worlds of the levels below it",
+          "[strategy][project]") {
+  const auto problem = test::cup_problem();
+  for (const std::string below : {"skeleton", "shrink"}) {
+    CAPTURE(below);
+    const RunRecord run = execute(over(GuideSpec::make(below, {}) >> GuideSpec::make("drop", {}), "rrt"), problem, 1);
+    REQUIRE(run.levels.size() == 3);
+    const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->world.obstacles().size(); };
+    CHECK(obstacles(1) > 0);
+    CHECK(run.levels[2].solves > 1);
+    if (below == "shrink") CHECK(obstacles(2) == obstacles(1));
+  }
+}
+
+TEST_CASE("a path that lazy validated is not checked again", "[strategy][lazy]") {
+  const auto problem = test::cup_problem();
+  const auto planner = PlannerSpec::make("rrt", {{"step", 0.5}, {"goal_bias", 0.0}, {"uniform", 0.0}});
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const RunRecord run =
+        execute({planner, GuideSpec::make("skeleton", {}) >> GuideSpec::make("lazy", {})}, problem, seed);
+    REQUIRE(run.solved);
+    const LevelRecord& root = run.levels.front();
+    // No more motions than the edges of the candidate paths: those that the tree drives along cost none.
+    std::size_t candidates = 0;
+    for (const auto& turn : run.turns) {
+      if (turn.level == 1 && turn.solve_ended && !turn.path.empty()) candidates += turn.path.size() - 1;
+    }
+    CHECK(root.search.checks.motion <= candidates + 1);
+    CHECK(root.search.proposals.size() >= 20);
+  }
+}
+
+TEST_CASE("a false gap is found out before anything is drawn towards it", "[strategy][sparse]") {
+  // One gap that half the robot passes, and one for the robot itself.
+  const auto problem = test::make_problem(
+      "two gaps", test::rectangle_world({{4.5, 0, 5.5, 4.925}, {4.5, 5.075, 5.5, 8.5}, {4.5, 9.5, 5.5, 10}}),
+      test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  int tries = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const RunRecord run = execute(
+        over(GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}), "rrt"), problem, seed);
+    REQUIRE(run.solved);
+    const LevelRecord& root = run.levels.front();
+    for (std::size_t i = 0; i < root.search.proposals.size(); ++i) {
+      if (root.search.proposal_sources[i] < 3) continue;
+      const View q = root.search.proposals[i];
+      if (q[0] > 4.0 && q[0] < 6.0 && std::abs(q[1] - 5.0) < 0.3) ++tries;
+    }
+    CHECK(run.levels[1].solves > 1);
+  }
+  CHECK(tries == 0);
+}
