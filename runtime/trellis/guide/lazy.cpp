@@ -18,7 +18,7 @@ struct LazySettings : PathGuideSettings {
   double margin = 0.0;
   double sparse = 0.0;
   std::string selector = "alternate";
-  double effort = 0.99;
+  double lambda = 0.99;
 };
 
 const Settings<LazySettings>& lazy_settings() {
@@ -33,7 +33,7 @@ const Settings<LazySettings>& lazy_settings() {
                   "order in which the edges of a candidate path are validated: \"alternate\", from both ends inwards; "
                   "\"forward\", from the start; \"backward\", from the goal")
           .number(
-              "effort", &LazySettings::effort, "share", {.lo = 0, .hi = 1, .open_hi = true},
+              "effort", &LazySettings::lambda, "share", {.lo = 0, .hi = 1, .open_hi = true},
               "lambda: share of the effort to validate an edge in its cost for a search of a roadmap in S; the rest "
               "is its length. An edge validated before has no effort. Without effect where a tree searches S")
           .number("sparse", &LazySettings::sparse, "m in the metric", Range::non_negative(),
@@ -99,7 +99,7 @@ class Lazy final : public PathGuide {
     auto instance = same_instance(parent);
     verified_ = std::make_shared<VerifiedMotions>(parent.space);
     // What was found invalid in a world that has changed may be valid now.
-    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.effort, verified_);
+    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, verified_);
     checked_ = parent.validity;
     margin_ = margin(parent);
     instance->validity = validity_;
