@@ -27,7 +27,7 @@ inline testing::Trial tried(StrategySpec strategy, const Problem& problem) {
 }
 
 /// Of the validity checks of runs beside those of the same seeds without guidance, the median ratio is at most `most`:
-/// a guide may mislead, but its loss is bounded. A run without a path counts as infinitely dear where the other found
+/// a guide may mislead, but its loss is bounded. A run without a path counts as infinite where the other found
 /// one.
 class BoundedLoss final : public trial::Matcher {
  public:

@@ -248,3 +248,23 @@ TEST_CASE("a part of a verified motion is covered, in both directions, and nothi
     }
   }
 }
+
+TEST_CASE("what was verified holds until the instance changes", "[instance][verified]") {
+  const auto problem = test::cup_problem();
+  const auto instance = make_instance(problem);
+  const auto excluding =
+      std::make_shared<ExcludingValidity>(instance->validity, problem.space, 0.3, std::vector<std::size_t>{0, 1}, 0.2);
+  instance->validity = excluding;
+  instance->verified = std::make_shared<VerifiedMotions>(problem.space);
+  const Configuration a = {1, 5, 0};
+  const Configuration b = {2.5, 5, 0};
+  instance->verified->hold_at(instance->epoch());
+  REQUIRE(instance->motion(a, b).valid);
+  instance->verified->add(a, b);
+  const auto spent = instance->checks.validity;
+  CHECK(instance->motion(a, b).valid);
+  CHECK(instance->checks.validity == spent);
+  REQUIRE(excluding->exclude_place(Configuration{1.8, 5, 0}, {}));
+  CHECK_FALSE(instance->is_verified(a, b));
+  CHECK_FALSE(instance->motion(a, b).valid);
+}

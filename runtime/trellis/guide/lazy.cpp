@@ -110,6 +110,7 @@ class Lazy final : public PathGuide {
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
     parent.verified = verified_;
+    verified_->hold_at(parent.epoch());
     const bool holds = !found->solved() || validated(found->path);
     refuted_before_ = refuted_before_ || !holds;
     auto h = PathGuide::heuristic(parent, sub, found);

@@ -152,7 +152,7 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
       evidence_(evidence),
       reached_(reached) {
   const auto& points = tube_.path();
-  exact_ = points.size() > 1 && parent.verified && parent.verified->cover(points[0], points[1]);
+  exact_ = points.size() > 1 && parent.is_verified(points[0], points[1]);
   back_ = points.size() - 1;
   lengths_.reserve(points.size());
   lengths_.push_back(0.0);
@@ -190,7 +190,7 @@ void WaypointHeuristic::record(DensityRecord& record, double share) const {
 
 void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
   const std::size_t before = at_;
-  // A node on the way to a waypoint of a verified path is what the next extension goes on from.
+  // A node between waypoints of a verified path is what the next extension goes on from.
   if (exact_ && mine && drew_itself_ && !outcome.added.empty()) (backwards_ ? back_row_ : row_) = outcome.added_row;
   if (exact_ && outcome.from_goal && !outcome.added.empty()) {
     if (back_ > 0 && parent_.space.distance(tube_.path()[back_ - 1], outcome.added) <= parent_.goal_tolerance) {
@@ -231,7 +231,7 @@ void WaypointHeuristic::go_on() {
     tube_.activate({{0.0, tube_.length()}});
     return;
   }
-  const bool known = parent_.verified && parent_.verified->cover(path[at_], path[at_]);
+  const bool known = parent_.is_verified(path[at_], path[at_]);
   draw_ = known || parent_.valid(path[at_]) ? Draw::itself : Draw::near;
   tube_.activate({{lengths_[at_], lengths_[at_]}});
 }

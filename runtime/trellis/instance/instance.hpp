@@ -122,9 +122,13 @@ class Instance {
     if (validity->spends_checks()) ++checks.validity;
     return validity->state(q);
   }
+  /// Whether the motion is part of one that was verified since the instance changed last.
+  [[nodiscard]] bool is_verified(View a, View b) const {
+    return verified && verified->epoch() == epoch() && verified->cover(a, b);
+  }
   /// Counted, unless it is part of a motion that was verified before.
   [[nodiscard]] MotionReport motion(View a, View b) {
-    if (verified && verified->cover(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
+    if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     const MotionReport report = validity->motion(a, b);
     if (validity->spends_checks()) {
       checks.validity += report.checks;

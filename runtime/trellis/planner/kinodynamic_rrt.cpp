@@ -67,12 +67,10 @@ class KinodynamicRrt final : public Planner {
       epoch_ = instance.epoch();
       if (tree_) begin_repair();
     }
-    if (!tree_) {
-      plant();
-    } else if (repair_ && !solved_) {
+    if (tree_ && repair_ && !solved_) {
       if (const auto reason = repair(meter))
         return {*reason, path_of_start(instance), {Configurations(model_.controls().size()), {}, model_.dt()}};
-    } else if (solved_) {
+    } else if (!tree_ || solved_) {
       // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
       plant();
     }

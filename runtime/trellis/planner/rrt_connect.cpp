@@ -46,11 +46,9 @@ class RrtConnect final : public Planner {
       epoch_ = instance.epoch();
       if (trees_[0]) begin_repair();
     }
-    if (!trees_[0]) {
-      plant();
-    } else if (repairing_) {
+    if (trees_[0] && repairing_) {
       if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
-    } else if (bridge_) {
+    } else if (!trees_[0] || bridge_) {
       plant();
     }
     while (!bridge_) {
