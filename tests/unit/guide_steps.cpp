@@ -7,6 +7,7 @@
 
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/path_steps.hpp>
+#include <trellis/guide/relaxed.hpp>
 #include <trellis/instance/verified_motions.hpp>
 
 #include "support/catch.hpp"
@@ -224,28 +225,23 @@ TEST_CASE("excluded places hold every configuration with a position near them, u
   CHECK(still.checks == 0);
 }
 
-TEST_CASE("a part of a verified motion is covered, in both directions, and nothing beside it", "[instance][verified]") {
+TEST_CASE("a verified motion is known in both directions; a part of it is another motion", "[instance][verified]") {
   const auto space = test::cup_problem().space;
-  VerifiedMotions verified(space);
+  VerifiedMotions verified;
   Stream stream(3, "0", "verified");
   Configuration a(3);
   Configuration b(3);
   Configuration p(3);
-  Configuration q(3);
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 200; ++i) {
     space.sample_uniform(stream, a);
     space.sample_uniform(stream, b);
-    CHECK_FALSE(verified.cover(a, b));
+    CHECK_FALSE(verified.contain(a, b));
     verified.add(a, b);
+    CHECK(verified.contain(a, b));
     CHECK(verified.contain(b, a));
-    for (int k = 0; k < 20; ++k) {
-      space.interpolate(a, b, stream.uniform(), p);
-      space.interpolate(a, b, stream.uniform(), q);
-      CHECK(verified.cover(p, q));
-      CHECK(verified.cover(q, p));
-      q[1] += q[1] < 5 ? 1e-3 : -1e-3;
-      CHECK_FALSE(verified.cover(p, q));
-    }
+    space.interpolate(a, b, 0.5, p);
+    CHECK_FALSE(verified.contain(a, p));
+    CHECK_FALSE(verified.contain(p, b));
   }
 }
 
@@ -255,7 +251,7 @@ TEST_CASE("what was verified holds until the instance changes", "[instance][veri
   const auto excluding =
       std::make_shared<ExcludingValidity>(instance->validity, problem.space, 0.3, std::vector<std::size_t>{0, 1}, 0.2);
   instance->validity = excluding;
-  instance->verified = std::make_shared<VerifiedMotions>(problem.space);
+  instance->verified = std::make_shared<VerifiedMotions>();
   const Configuration a = {1, 5, 0};
   const Configuration b = {2.5, 5, 0};
   instance->verified->hold_at(instance->epoch());
@@ -267,4 +263,154 @@ TEST_CASE("what was verified holds until the instance changes", "[instance][veri
   REQUIRE(excluding->exclude_place(Configuration{1.8, 5, 0}, {}));
   CHECK_FALSE(instance->is_verified(a, b));
   CHECK_FALSE(instance->motion(a, b).valid);
+}
+
+TEST_CASE("a motion towards a guided proposal is checked once for C and the space that relaxes it",
+          "[guide][relaxed]") {
+  const auto problem = test::cup_problem();
+  const auto c = make_instance(problem);
+  const auto smaller = std::make_shared<Scene>(Scene{problem.scene->world, problem.scene->robot.scaled(0.2)});
+  RelaxedValidity relaxed(c->validity_in(smaller), c->validity_in(problem.scene));
+  const auto alone = c->validity_in(smaller);
+  const auto whole = c->validity_in(problem.scene);
+  Stream stream(5, "0", "relaxed");
+  Configuration a(3);
+  Configuration b(3);
+  int in_both = 0;
+  int in_s_only = 0;
+  for (int i = 0; i < 2000; ++i) {
+    problem.space.sample_uniform(stream, a);
+    problem.space.sample_uniform(stream, b);
+    problem.space.interpolate(a, b, 0.1, b);
+    if (!whole->state(a)) continue;
+    const MotionReport in_s = alone->motion(a, b);
+    const MotionReport in_c = whole->motion(a, b);
+    // What nothing guides is checked in S alone.
+    relaxed.expect_guided(false);
+    const MotionReport unguided = relaxed.motion(a, b);
+    CHECK(unguided.valid == in_s.valid);
+    CHECK(unguided.checks == in_s.checks);
+    CHECK_FALSE(relaxed.valid_in_c(a, b));
+    // A new one for each motion: it stops asking C where C says no.
+    RelaxedValidity fresh(c->validity_in(smaller), c->validity_in(problem.scene));
+    fresh.expect_guided(true);
+    const MotionReport guided = fresh.motion(a, b);
+    CHECK(guided.valid == in_s.valid);
+    CHECK(guided.checks == (in_c.valid ? in_c.checks : in_c.checks + in_s.checks));
+    CHECK(fresh.valid_in_c(b, a) == in_c.valid);
+    // The second time it is known.
+    if (in_c.valid) CHECK(fresh.motion(a, b).checks == 0);
+    in_both += in_c.valid ? 1 : 0;
+    in_s_only += in_s.valid && !in_c.valid ? 1 : 0;
+  }
+  CHECK(in_both > 100);
+  CHECK(in_s_only > 10);
+}
+
+TEST_CASE("C is asked about few motions where it finds most of them invalid", "[guide][relaxed]") {
+  const auto problem = test::cup_problem();
+  const auto c = make_instance(problem);
+  // Everything is valid in S.
+  const auto nothing = std::make_shared<Scene>(Scene{World(problem.scene->world.bounds(), {}), problem.scene->robot});
+  const auto in_c = c->validity_in(problem.scene);
+  RelaxedValidity relaxed(c->validity_in(nothing), in_c);
+  const auto alone = c->validity_in(nothing);
+  relaxed.expect_guided(true);
+  Stream stream(6, "0", "relaxed");
+  Configuration a(3);
+  Configuration b(3);
+  int asked = 0;
+  int motions = 0;
+  while (motions < 400) {
+    problem.space.sample_uniform(stream, a);
+    problem.space.sample_uniform(stream, b);
+    if (!in_c->state(a) || in_c->motion(a, b).valid) continue;
+    const MotionReport report = relaxed.motion(a, b);
+    const auto expected = alone->motion(a, b);
+    CHECK(report.valid == expected.valid);
+    asked += report.checks > expected.checks ? 1 : 0;
+    ++motions;
+  }
+  CHECK(asked < 60);
+}
+
+TEST_CASE("along edges that were verified their ends are proposed themselves", "[guide][steps][verified]") {
+  const auto problem = test::cup_problem();
+  Configurations path(3);
+  for (double x = 1.0; x <= 9.0; x += 0.5) path.push(std::vector<double>{x, 5, 0});
+  const std::size_t edges = path.size() - 1;
+  std::vector<char> verified(edges, 1);
+  verified[4] = verified[5] = 0;
+  StepHeuristic h("path", problem.space, path, {.radius = 0.16, .step = 0.5, .evidence = 60}, {nullptr, nullptr},
+                  verified);
+  Stream stream(1, "0", "steps");
+  Configuration q(3);
+  std::size_t vertex = 0;
+  for (; vertex < 4; ++vertex) {
+    CHECK(h.atom_mass() == 1.0);
+    h.sample(stream, q);
+    CHECK(q == Configuration(path[vertex + 1].begin(), path[vertex + 1].end()));
+    CHECK(h.density(q) == 0.0);
+    // A node half way is on the edge too.
+    Configuration half = q;
+    half[0] -= 0.25;
+    h.observe(reached(half, static_cast<std::uint32_t>(2 * vertex + 1)), true);
+    h.sample(stream, q);
+    CHECK(q == Configuration(path[vertex + 1].begin(), path[vertex + 1].end()));
+    h.observe(reached(q, static_cast<std::uint32_t>(2 * vertex + 2)), true);
+    CHECK(h.vertex() == 2 * vertex + 2);
+  }
+  // Nothing is known of the next edge: proposals are near the path, a step ahead.
+  CHECK(h.atom_mass() == 0.0);
+  h.sample(stream, q);
+  CHECK(h.density(q) > 0.0);
+  h.observe(reached(std::vector<double>{3.4, 5.02, 0.1}, 20), true);
+  // The end of what is not known is near: from there the edges are verified again.
+  h.observe(reached(std::vector<double>{3.8, 5.02, 0.1}, 21), true);
+  h.sample(stream, q);
+  CHECK(q == Configuration{4.0, 5, 0});
+  // Where that is blocked, what is near it is proposed.
+  h.observe(blocked(q), true);
+  CHECK(h.atom_mass() == 0.0);
+}
+
+TEST_CASE("trees along a verified path meet where both have come", "[guide][steps][verified]") {
+  const auto problem = test::cup_problem();
+  Configurations path(3);
+  for (double x = 1.0; x <= 4.0; x += 0.5) path.push(std::vector<double>{x, 5, 0});
+  StepHeuristic h("path", problem.space, path, {.radius = 0.16, .step = 0.5, .evidence = 60}, {nullptr, nullptr},
+                  std::vector<char>(path.size() - 1, 1));
+  Stream stream(1, "0", "steps");
+  Configuration q(3);
+  for (std::uint32_t row = 1; row <= 3; ++row) {
+    h.select_tree(TreeSide::start);
+    h.sample(stream, q);
+    CHECK(q == Configuration{1.0 + 0.5 * row, 5, 0});
+    h.observe(reached(q, row), true);
+    CHECK_FALSE(h.worth_connecting(q, q));
+    h.select_tree(TreeSide::goal);
+    h.sample(stream, q);
+    CHECK(q == Configuration{4.0 - 0.5 * row, 5, 0});
+    h.observe(reached(q, row, true), true);
+    CHECK(h.worth_connecting(q, q) == (row == 3));
+  }
+}
+
+TEST_CASE("a path through an excluded place is refuted without a check", "[guide][sparse]") {
+  const auto problem = test::cup_problem();
+  const auto instance = make_instance(problem);
+  const auto excluding =
+      std::make_shared<ExcludingValidity>(instance->validity, problem.space, 0.3, std::vector<std::size_t>{0, 1}, 0.05);
+  instance->validity = excluding;
+  const auto path = straight(9.5);
+  // Between two points of the path that are checked.
+  REQUIRE(excluding->exclude_place(Configuration{2.6, 9.5, 0}, {}));
+  SparseValidation sparse(problem.space, 0.8);
+  instance->start = {1, 9.5, 0};
+  instance->goal = {9, 9.5, 0};
+  const SparsePath found = sparse.validate(*instance, path, true, as_it_is);
+  REQUIRE(found.refuted);
+  CHECK((*found.refuted)[0] == Approx(2.6).margin(0.06));
+  CHECK(found.refuted_at == Approx(1.6).margin(0.06));
+  CHECK(instance->checks.validity <= 12);
 }

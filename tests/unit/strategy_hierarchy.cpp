@@ -325,6 +325,29 @@ TEST_CASE("a path that lazy validated is not checked again", "[strategy][lazy]")
   }
 }
 
+TEST_CASE("a path that the search of a smaller robot's space validated in C is not checked again",
+          "[strategy][relaxed]") {
+  // Wide passages, so that the smaller robot's path holds for the whole one.
+  const auto problem = test::cup_problem();
+  std::vector<double> nested;
+  std::vector<double> alone;
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    const auto skeleton = GuideSpec::make("skeleton", {});
+    const RunRecord both = execute(over(skeleton >> GuideSpec::make("shrink", {{"scale", 0.5}}), "rrt"), problem, seed);
+    const RunRecord one = execute(over(skeleton, "rrt"), problem, seed);
+    REQUIRE(both.solved);
+    REQUIRE(one.solved);
+    nested.push_back(static_cast<double>(both.validity_checks));
+    alone.push_back(static_cast<double>(one.validity_checks));
+    // The root goes along what was verified.
+    CHECK(3 * both.levels.front().search.checks.validity < one.levels.front().search.checks.validity);
+    CHECK(both.levels.front().search.proposals.size() >= 20);
+  }
+  std::sort(nested.begin(), nested.end());
+  std::sort(alone.begin(), alone.end());
+  CHECK(nested[4] <= 1.3 * alone[4]);
+}
+
 TEST_CASE("a false gap is found out before anything is drawn towards it", "[strategy][sparse]") {
   // One gap that half the robot passes, and one for the robot itself.
   const auto problem = test::make_problem(
@@ -333,7 +356,8 @@ TEST_CASE("a false gap is found out before anything is drawn towards it", "[stra
   int tries = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const RunRecord run = execute(
-        over(GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {{"scale", 0.5}}), "rrt"), problem, seed);
+        over(GuideSpec::make("skeleton", {{"prune", false}}) >> GuideSpec::make("shrink", {{"scale", 0.5}}), "rrt"),
+        problem, seed);
     REQUIRE(run.solved);
     const LevelRecord& root = run.levels.front();
     for (std::size_t i = 0; i < root.search.proposals.size(); ++i) {
@@ -344,4 +368,24 @@ TEST_CASE("a false gap is found out before anything is drawn towards it", "[stra
     CHECK(run.levels[1].solves > 1);
   }
   CHECK(tries == 0);
+}
+
+TEST_CASE("what guides the search for a smaller robot leaves out passages too narrow for the whole one",
+          "[strategy][needed]") {
+  const auto problem = test::make_problem(
+      "two gaps", test::rectangle_world({{4.5, 0, 5.5, 4.925}, {4.5, 5.075, 5.5, 8.5}, {4.5, 9.5, 5.5, 10}}),
+      test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  const auto shrunken = GuideSpec::make("shrink", {{"scale", 0.5}});
+  // Below two levels the robot is a quarter as large; it is the root's robot that has to pass.
+  for (const auto& below : {shrunken, shrunken >> shrunken}) {
+    const RunRecord run = execute(over(GuideSpec::make("skeleton", {}) >> below, "rrt"), problem, 1);
+    REQUIRE(run.solved);
+    for (std::size_t i = 1; i < run.levels.size(); ++i) CHECK(run.levels[i].solves == 1);
+    for (const auto& turn : run.turns) {
+      for (std::size_t i = 0; i < turn.path.size(); ++i) {
+        const View q = turn.path[i];
+        if (q[0] > 4.5 && q[0] < 5.5) CHECK(q[1] > 8.5);
+      }
+    }
+  }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -35,9 +36,11 @@ class Configurations {
     const auto id = static_cast<std::uint32_t>(size());
     if (data_.size() + dimension_ > data_.capacity()) {
       const Configuration copy(q.begin(), q.end());
+      data_.reserve(std::max(data_.size() + dimension_, 2 * data_.capacity()));
       data_.insert(data_.end(), copy.begin(), copy.end());
     } else {
-      data_.insert(data_.end(), q.begin(), q.end());
+      // A row is a few numbers: cheaper one by one than as a range.
+      for (const double x : q) data_.push_back(x);
     }
     return id;
   }

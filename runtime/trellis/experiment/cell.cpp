@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -82,27 +81,14 @@ bool same(const Turn& x, const Turn& y) {
 
 }  // namespace
 
-namespace {
-
-/// CPU time of the calling thread, seconds.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  constexpr double nanosecond = 1e-9;
-  return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
-}
-
-}  // namespace
-
 RunResult run_cell(const std::string& name, const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                    const ExecuteOptions& options) {
   RunResult result;
   result.problem = problem.name;
   result.strategy = name;
   result.seed = seed;
-  const double begin = thread_seconds();
   result.run = execute(strategy, problem, seed, options);
-  result.cpu_seconds = thread_seconds() - begin;
+  result.cpu_seconds = result.run.cpu_seconds;
   result.levels.reserve(result.run.levels.size());
   for (auto& record : result.run.levels) result.levels.push_back({.record = std::move(record)});
   result.run.levels.clear();

@@ -67,6 +67,11 @@ class ExcludingValidity final : public Validity {
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
   [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + inner_->epoch(); }
+  [[nodiscard]] std::optional<double> excluded(View a, View b) override {
+    const auto at = entered(a, b);
+    return at ? at : inner_->excluded(a, b);
+  }
+  void expect_guided(bool guided) override { inner_->expect_guided(guided); }
 
  private:
   [[nodiscard]] bool in_place(View q);

@@ -97,7 +97,10 @@ class Lazy final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    verified_ = std::make_shared<VerifiedMotions>(parent.space);
+    verified_ = std::make_shared<VerifiedMotions>();
+    verified_->hold_at(parent.epoch());
+    // What guides the search of S may have verified motions, too.
+    instance->verified = verified_;
     // What was found invalid in a world that has changed may be valid now.
     validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, verified_);
     checked_ = parent.validity;
@@ -152,7 +155,7 @@ class Lazy final : public PathGuide {
       for (std::size_t i = 0; i < edges; ++i) {
         const View a = path[ordered(i)];
         const View b = path[ordered(i) + 1];
-        if (parent_->verified->cover(a, b)) continue;
+        if (parent_->verified->contain(a, b)) continue;
         if (whole) {
           const MotionReport report = parent_->motion(a, b);
           if (report.valid) {

@@ -231,7 +231,7 @@ void WaypointHeuristic::go_on() {
     tube_.activate({{0.0, tube_.length()}});
     return;
   }
-  const bool known = parent_.is_verified(path[at_], path[at_]);
+  const bool known = at_ > 0 && parent_.is_verified(path[at_ - 1], path[at_]);
   draw_ = known || parent_.valid(path[at_]) ? Draw::itself : Draw::near;
   tube_.activate({{lengths_[at_], lengths_[at_]}});
 }
@@ -330,6 +330,10 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   instance->checks = {};
   instance->revision = 0;
   instance->verified = nullptr;
+  instance->shared_resolution = 0.0;
+  if (parent.scene->robot.translates()) {
+    instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
+  }
   // An explicit graph is a way of searching the parent's space, not part of what is projected.
   instance->graph = nullptr;
   return instance;
@@ -341,6 +345,13 @@ void PathGuide::learn(const Outcome& outcome) {
 
 std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   auto instance = reduced(parent);
+  relaxed_ = nullptr;
+  if (relaxes() && instance->validity->spends_checks() && !parent.motion_model) {
+    relaxed_ = std::make_shared<RelaxedValidity>(
+        instance->validity, parent.validity->spends_checks() ? parent.validity : parent.validity_in(parent.scene));
+    instance->validity = relaxed_;
+    instance->shared_resolution = parent.resolution;
+  }
   if (path_settings_.paths > 1 || excludes()) {
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
@@ -415,8 +426,16 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
     parent.space.interpolate(s, drawn, std::min(1.0, static_cast<double>(attempt) / near), q);
     return true;
   };
-  SparsePath sparse = sparse_->validate(parent, chosen, whole, lift);
-  auto follower = follow_path(name_, path_settings_, parent, sparse.waypoints, reached_.both());
+  const StepHeuristic::Settings steps = {
+      .radius = tube_radius(settings, parent), .step = step_of(parent), .evidence = settings.evidence};
+  const VerifiedStretches verified(parent, chosen);
+  if (verified.all()) {
+    return std::make_unique<StepHeuristic>(name_, parent.space, chosen, steps, reached_.both(), verified.edges());
+  }
+  SparsePath sparse = sparse_->validate(parent, chosen, whole, lift, [&](double at) { return verified.contains(at); });
+  auto [waypoints, edges] = verified.merged_into(sparse);
+  auto follower =
+      std::make_unique<StepHeuristic>(name_, parent.space, std::move(waypoints), steps, reached_.both(), edges);
   if (sparse.refuted && !std::exchange(last_, false)) {
     refuted_ = std::move(sparse.refuted);
     follower->refute();
@@ -434,11 +453,25 @@ std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Config
   return follower_of_one(parent, path, whole);
 }
 
+void PathGuide::share_verified(Instance& parent, const Configurations& path) {
+  if (!relaxed_) return;
+  // What is presumed is verified by whoever presumes it, if at all.
+  if (parent.validity->spends_checks()) {
+    if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
+    parent.verified->hold_at(parent.epoch());
+  }
+  if (!parent.verified) return;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    if (relaxed_->valid_in_c(path[i], path[i + 1])) parent.verified->add(path[i], path[i + 1]);
+  }
+}
+
 std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {
   if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goal);
   current_ = nullptr;
   refuted_.reset();
   if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
+  share_verified(parent, found->path);
   auto h = follower(parent, found->path, found->solved());
   current_ = h.get();
   return h;

@@ -13,6 +13,7 @@
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/kernels.hpp>
+#include <trellis/guide/relaxed.hpp>
 #include <trellis/planner/nearest.hpp>
 
 namespace trellis {
@@ -348,6 +349,9 @@ class PathGuide : public Guide {
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
 
+  /// What of the path found in S is known to be valid in C need not be checked there again.
+  void share_verified(Instance& parent, const Configurations& path);
+
   std::string name_;
   PathGuideSettings path_settings_;
   PathFollower* current_ = nullptr;  ///< the last one made, owned by whoever asked for it
@@ -356,6 +360,7 @@ class PathGuide : public Guide {
   ReachedNodes reached_;  ///< made when the space is known
   std::shared_ptr<SparseValidation> sparse_;
   std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
+  std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
   // Where several paths are wanted:
   std::vector<Configurations> paths_;  ///< found since h was made last

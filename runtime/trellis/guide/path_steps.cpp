@@ -33,6 +33,9 @@ void point_at(const Space& space, const Configurations& path, const std::vector<
   space.interpolate(path[i], path[i + 1], span > 0.0 ? std::clamp((at - lengths[i]) / span, 0.0, 1.0) : 0.0, out);
 }
 
+/// Two configurations are the same where they are nearer than this share of a step.
+constexpr double meeting = 1e-6;
+
 }  // namespace
 
 bool SparseValidation::valid(Instance& parent, View q) {
@@ -54,13 +57,27 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   const double piece = lengths.back() / static_cast<double>(pieces);
   // Points 0 and `pieces` are the start and, of a whole path, the goal.
   std::array<Configurations, 2> chains = {Configurations(dimension), Configurations(dimension)};
+  std::array<std::vector<double>, 2> places;
   chains[0].push(parent.start);
-  if (whole) chains[1].push(parent.goal);
+  places[0].push_back(0.0);
+  if (whole) {
+    chains[1].push(parent.goal);
+    places[1].push_back(lengths.back());
+  }
   std::array<std::size_t, 2> next = {1, whole ? pieces - 1 : pieces};
   Stream stream(++calls_, "", "lift waypoints");
   Configuration s(s_.dimension());
   Configuration ahead(s_.dimension());
   Configuration q(dimension);
+  // A place that was excluded may lie between two points.
+  const auto refuted_between = [&](double from, View a, double to, View b) {
+    const auto at = parent.validity->excluded(a, b);
+    if (!at) return false;
+    result.refuted_at = from + *at * (to - from);
+    point_at(s_, path, lengths, result.refuted_at, s);
+    result.refuted = s;
+    return true;
+  };
   std::size_t side = 0;
   while (next[0] <= next[1] && next[1] > 0) {
     const std::size_t at = next[side];
@@ -95,13 +112,65 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
       result.refuted_at = piece * static_cast<double>(at);
       break;
     }
+    if (refuted_between(places[side].back(), std::as_const(chains[side]).back(), piece * static_cast<double>(at), q))
+      break;
     chains[side].push(q);
+    places[side].push_back(piece * static_cast<double>(at));
     side == 0 ? ++next[0] : --next[1];
     if (whole) side = 1 - side;
   }
+  if (whole && !result.refuted) {
+    refuted_between(places[0].back(), std::as_const(chains[0]).back(), places[1].back(),
+                    std::as_const(chains[1]).back());
+  }
   result.waypoints = std::move(chains[0]);
   for (std::size_t i = chains[1].size(); i-- > 0;) result.waypoints.push(std::as_const(chains[1])[i]);
+  result.at = std::move(places[0]);
+  result.at.insert(result.at.end(), places[1].rbegin(), places[1].rend());
   return result;
+}
+
+VerifiedStretches::VerifiedStretches(const Instance& instance, const Configurations& path)
+    : path_(path), lengths_(arc_lengths(instance.space, path)), edges_(path.size() - 1, 0) {
+  if (!instance.verified) return;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    edges_[i] = instance.verified->contain(path[i], path[i + 1]) ? 1 : 0;
+  }
+}
+
+bool VerifiedStretches::all() const {
+  return std::all_of(edges_.begin(), edges_.end(), [](char verified) { return verified != 0; });
+}
+
+bool VerifiedStretches::contains(double at) const {
+  const auto it = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, at);
+  return edges_[static_cast<std::size_t>(it - lengths_.begin()) - 1] != 0;
+}
+
+std::pair<Configurations, std::vector<char>> VerifiedStretches::merged_into(const SparsePath& sparse) const {
+  Configurations points(path_.dimension());
+  std::vector<char> verified;  // of the edge that ends at each point
+  std::size_t next = 0;        // waypoint
+  const auto waypoints_up_to = [&](double at) {
+    for (; next < sparse.at.size() && sparse.at[next] < at; ++next) {
+      if (contains(sparse.at[next])) continue;
+      points.push(sparse.waypoints[next]);
+      verified.push_back(0);
+    }
+  };
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (edges_[i] == 0) continue;
+    if (i == 0 || edges_[i - 1] == 0) {
+      waypoints_up_to(lengths_[i]);
+      points.push(path_[i]);
+      verified.push_back(0);
+    }
+    points.push(path_[i + 1]);
+    verified.push_back(1);
+  }
+  waypoints_up_to(std::numeric_limits<double>::infinity());
+  verified.erase(verified.begin());
+  return {std::move(points), std::move(verified)};
 }
 
 double StepHeuristic::edge_factor(View a, View b) const {
@@ -119,31 +188,46 @@ double StepHeuristic::edge_factor(View a, View b) const {
 }
 
 StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurations path, const Settings& settings,
-                             const std::array<const NearestIndex*, 2>& reached)
+                             const std::array<const NearestIndex*, 2>& reached, std::vector<char> verified)
     : source_(std::move(source)),
       space_(space),
       path_(std::move(path)),
       lengths_(arc_lengths(space_, path_)),
       settings_(settings),
+      verified_(std::move(verified)),
       centres_(space.dimension()) {
   constexpr double most_bins = 1024.0;
   const double bins =
       std::clamp(std::ceil(length() / std::min(settings_.radius, 0.25 * settings_.step)), 1.0, most_bins);
   bin_ = length() / bins;
+  const auto last = static_cast<std::size_t>(bins);
   Configuration centre(space_.dimension());
-  for (std::size_t i = 0; i <= static_cast<std::size_t>(bins); ++i) {
-    point_at(space_, path_, lengths_, bin_ * static_cast<double>(i), centre);
+  std::size_t leg = 0;
+  for (std::size_t i = 0; i <= last; ++i) {
+    const double at = bin_ * static_cast<double>(i);
+    while (leg + 2 < lengths_.size() && lengths_[leg + 1] <= at) ++leg;
+    const double span = path_.size() > 1 ? lengths_[leg + 1] - lengths_[leg] : 0.0;
+    space_.interpolate(path_[leg], path_[std::min(leg + 1, path_.size() - 1)],
+                       span > 0.0 ? std::clamp((at - lengths_[leg]) / span, 0.0, 1.0) : 0.0, centre);
     centres_.push(centre);
   }
   for (std::size_t side = 0; side < 2; ++side) {
     Front& front = fronts_[side];
     front.ahead = settings_.step;
+    front.exact = true;
     const NearestIndex* nodes = reached[side];
-    for (std::size_t i = centres_.size(); nodes != nullptr && nodes->size() > 1 && i-- > 1;) {
-      const std::size_t bin = side == 0 ? i : centres_.size() - 1 - i;
+    for (std::size_t i = last; nodes != nullptr && nodes->size() > 1 && i >= 1;) {
+      const std::size_t bin = side == 0 ? i : last - i;
       const double near = very_near();
-      if (nodes->nearest(std::as_const(centres_)[bin]).squared_distance > near * near) continue;
+      const double distance = std::sqrt(nodes->nearest(std::as_const(centres_)[bin]).squared_distance);
+      if (distance > near) {
+        // No node is near to a centre that is nearer to this one than the nodes are.
+        const auto passed = bin_ > 0.0 ? static_cast<std::size_t>((distance - near) / bin_) : std::size_t{0};
+        i -= std::min(i, std::max<std::size_t>(1, passed));
+        continue;
+      }
       front.at = bin_ * static_cast<double>(i);
+      front.exact = false;
       break;
     }
     aim(side);
@@ -151,7 +235,12 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
 }
 
 Guidance::Source StepHeuristic::sample(Stream& stream, MutableView out) {
-  fronts_[side_].kernels[fronts_[side_].size]->sample(stream, out);
+  if (const auto& vertex = target()) {
+    const View point = vertex_of(side_, *vertex);
+    std::copy(point.begin(), point.end(), out.begin());
+    return 0;
+  }
+  current().sample(stream, out);
   return 0;
 }
 
@@ -163,11 +252,49 @@ std::uint32_t StepHeuristic::vertex() const {
 
 bool StepHeuristic::worth_connecting(View from, View to) const {
   const double reach = 2.0 * settings_.step;
+  // Trees along what was verified meet where both have come.
+  if (fronts_[0].target && fronts_[1].target && fronts_[0].exact && fronts_[1].exact &&
+      length() - fronts_[0].at - fronts_[1].at > meeting * settings_.step) {
+    return false;
+  }
   return length() - fronts_[0].at - fronts_[1].at <= reach || space_.squared_distance(from, to) <= reach * reach;
+}
+
+std::optional<std::size_t> StepHeuristic::next_target(std::size_t side) const {
+  const Front& front = fronts_[side];
+  if (verified_.empty() || front.failures > 0 || front.at >= length()) return std::nullopt;
+  if (front.exact && verified_after(side, front.vertex)) return front.vertex + 1;
+  const double within = std::min(length(), front.at + front.ahead);
+  for (std::size_t i = front.vertex + 1; i < path_.size() && length_to(side, i) <= within; ++i) {
+    if (length_to(side, i) > front.at && verified_after(side, i)) return i;
+  }
+  return std::nullopt;
+}
+
+bool StepHeuristic::follow_target(std::size_t side, const Outcome& outcome) {
+  Front& front = fronts_[side];
+  if (!front.target) return false;
+  const double left = space_.distance(outcome.added, vertex_of(side, *front.target));
+  const double end = length_to(side, *front.target);
+  const bool there = left <= meeting * settings_.step;
+  if (!there && !front.exact) return false;
+  const double to = there ? end : end - left;
+  if (to <= front.at) return false;
+  progress_ += to - front.at;
+  front.at = to;
+  front.row = outcome.added_row;
+  front.failures = 0;
+  front.blocked = 0;
+  front.exact = true;
+  if (there) front.vertex = *front.target;
+  return true;
 }
 
 void StepHeuristic::aim(std::size_t side) {
   Front& front = fronts_[side];
+  ++epoch_;
+  front.target = next_target(side);
+  if (front.target) return;
   const std::int64_t f = front.failures;
   // Radii of a quarter, a half, 1, 2 and 4 times the radius.
   std::size_t size = f < 2 ? 0 : f < 5 ? 1 : f < 10 ? 2 : f < 20 ? 3 : 4;
@@ -185,15 +312,25 @@ void StepHeuristic::aim(std::size_t side) {
     size = 2;
   }
   front.size = size;
-  auto& kernel = front.kernels[size];
-  if (!kernel) kernel.emplace(space_, path_, settings_.radius * 0.25 * std::exp2(static_cast<double>(size)));
+  front.aimed = false;
   if (side == 1) {
     const double begin = length() - to;
     to = length() - from;
     from = begin;
   }
-  kernel->activate({{from, to}});
-  ++epoch_;
+  front.from = from;
+  front.to = to;
+}
+
+TubeKernel& StepHeuristic::current() const {
+  Front& front = fronts_[side_];
+  auto& kernel = front.kernels[front.size];
+  if (!kernel) {
+    kernel.emplace(space_, path_, settings_.radius * 0.25 * std::exp2(static_cast<double>(front.size)));
+    front.aimed = false;
+  }
+  if (!std::exchange(front.aimed, true)) kernel->activate({{front.from, front.to}});
+  return *kernel;
 }
 
 std::optional<double> StepHeuristic::place(std::size_t side, View q, bool far) const {
@@ -224,14 +361,22 @@ void StepHeuristic::observe(const Outcome& outcome, bool mine) {
   if (!outcome.added.empty() && outcome.connected) {
     const std::size_t side = outcome.from_goal ? 1 : 0;
     Front& front = fronts_[side];
+    if (mine && side == side_ && follow_target(side, outcome)) {
+      aim(side);
+      return;
+    }
     const auto to = front.at < length() ? place(side, outcome.added, !mine) : std::nullopt;
-    if (to && *to > front.at) {
+    // A node beside the path gives way to one on what was verified unless it is a step ahead.
+    const bool keep = front.target && front.exact && to && *to < front.at + settings_.step;
+    if (to && *to > front.at && !keep) {
       progress_ += *to - front.at;
       // Rounding must not leave the end of the path just ahead for ever.
       front.at = *to > length() - 0.5 * bin_ ? length() : *to;
       front.row = outcome.added_row;
       front.failures = 0;
       front.blocked = 0;
+      front.exact = false;
+      while (front.vertex + 1 < path_.size() && length_to(side, front.vertex + 1) <= front.at) ++front.vertex;
       front.ahead = std::min(2.0 * front.ahead, most_ahead * settings_.step);
       aim(side);
       return;

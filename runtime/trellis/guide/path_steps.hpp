@@ -30,7 +30,8 @@ using PointIsFree = std::function<bool(double at)>;
 struct SparsePath {
   /// In C from start to goal, each valid; where `refuted` is set, the valid points before and after it.
   Configurations waypoints;
-  std::optional<Configuration> refuted;  ///< a point of the path in S of which no lift was valid
+  std::vector<double> at;                ///< of each waypoint, the arc length in S of the point that it lifts
+  std::optional<Configuration> refuted;  ///< a point of the path in S of which no lift was valid, or that is excluded
   double refuted_at = 0.0;               ///< its arc length in S
 };
 
@@ -61,9 +62,30 @@ class SparseValidation {
   std::uint64_t calls_ = 0;
 };
 
+/// The stretches of a path that are known to be valid as they are, edge by edge.
+class VerifiedStretches {
+ public:
+  VerifiedStretches(const Instance& instance, const Configurations& path);
+  /// Of each edge, whether it was verified.
+  [[nodiscard]] const std::vector<char>& edges() const { return edges_; }
+  [[nodiscard]] bool all() const;
+  /// Whether the point at an arc length lies on one.
+  [[nodiscard]] bool contains(double at) const;
+  /// The waypoints of a sparse path between them, and their own points, in order; of each edge, whether it was
+  /// verified.
+  [[nodiscard]] std::pair<Configurations, std::vector<char>> merged_into(const SparsePath& sparse) const;
+
+ private:
+  const Configurations& path_;
+  std::vector<double> lengths_;
+  std::vector<char> edges_;
+};
+
 /// h along a path in C in steps of the planner: a point of the path a little ahead of the node that has come farthest
 /// along it, then uniform on a ball about it. The balls are small at first and grow where nothing is added; so does the
 /// stretch that proposals are drawn from, backwards. Two trees have two ends to go on from.
+///
+/// Where an edge of the path was verified, its end is proposed itself, for a node on the edge.
 ///
 /// Evidence refutes a path: so many guided proposals in a row at one place of it that were found blocked.
 class StepHeuristic final : public PathFollower {
@@ -73,9 +95,10 @@ class StepHeuristic final : public PathFollower {
     double step = 0.5;           ///< metres in the metric, longest extension of the planner
     std::int64_t evidence = 60;  ///< blocked proposals that refute; 0: none do
   };
-  /// \param reached  the nodes of the tree from the start, and of the one from the goal, that there are already
+  /// \param reached   the nodes of the tree from the start, and of the one from the goal, that there are already
+  /// \param verified  of each edge of the path, whether it is known to be valid; empty: none is
   StepHeuristic(std::string source, const Space& space, Configurations path, const Settings& settings,
-                const std::array<const NearestIndex*, 2>& reached);
+                const std::array<const NearestIndex*, 2>& reached, std::vector<char> verified = {});
 
   void select_tree(TreeSide side) override {
     if (std::exchange(side_, static_cast<std::size_t>(side)) != side_) ++epoch_;
@@ -87,9 +110,16 @@ class StepHeuristic final : public PathFollower {
   /// An edge away from the path costs five times its length; one that takes a short cut from one part of it to another,
   /// what the path does between them, up to that.
   [[nodiscard]] double edge_factor(View a, View b) const override;
-  [[nodiscard]] double density(View q) const override { return current().density(q); }
+  [[nodiscard]] double density(View q) const override { return target() ? 0.0 : current().density(q); }
+  [[nodiscard]] double atom_mass() const override { return target() ? 1.0 : 0.0; }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
-  void record(DensityRecord& record, double share) const override { record.add(current().density(), share); }
+  void record(DensityRecord& record, double share) const override {
+    if (target()) {
+      record.add_atoms(share);
+    } else {
+      record.add(current().density(), share);
+    }
+  }
   void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
   [[nodiscard]] Configurations lifted_path() const override { return path_; }
@@ -102,19 +132,43 @@ class StepHeuristic final : public PathFollower {
   static constexpr double most_ahead = 1.0;
   /// The end of what is connected, seen from one tree.
   struct Front {
-    double at = 0.0;              ///< arc length from that tree's end of the path
-    std::uint32_t row = no_node;  ///< the node there
-    double ahead = 0.0;           ///< how far ahead proposals are
-    std::int64_t failures = 0;    ///< guided proposals in a row without progress
-    std::int64_t blocked = 0;     ///< of these, found blocked
+    double at = 0.0;                    ///< arc length from that tree's end of the path
+    std::uint32_t row = no_node;        ///< the node there
+    double ahead = 0.0;                 ///< how far ahead proposals are
+    std::int64_t failures = 0;          ///< guided proposals in a row without progress
+    std::int64_t blocked = 0;           ///< of these, found blocked
+    std::size_t vertex = 0;             ///< of the path, counted from that tree's end, that it passed last
+    bool exact = false;                 ///< the node there lies on the edge after `vertex`
+    std::optional<std::size_t> target;  ///< the vertex that is proposed itself, counted likewise
     std::array<std::optional<TubeKernel>, sizes> kernels;
     std::size_t size = 0;  ///< of the kernel in use
+    bool aimed = false;    ///< it draws from [from, to]
+    double from = 0.0;     ///< arc length from the path's first point
+    double to = 0.0;
   };
 
-  [[nodiscard]] const TubeKernel& current() const { return *fronts_[side_].kernels[fronts_[side_].size]; }
+  /// What a proposal is drawn from where no vertex is proposed itself; made when it is asked for.
+  [[nodiscard]] TubeKernel& current() const;
   [[nodiscard]] double length() const { return lengths_.back(); }
   /// So near to the path that a node counts for it wherever on the path that is.
   [[nodiscard]] double very_near() const { return 0.5 * settings_.radius; }
+  /// The vertex that is proposed itself, if any.
+  [[nodiscard]] const std::optional<std::size_t>& target() const { return fronts_[side_].target; }
+  /// A vertex of the path, and its arc length, counted from a side's end.
+  [[nodiscard]] View vertex_of(std::size_t side, std::size_t i) const {
+    return std::as_const(path_)[side == 0 ? i : path_.size() - 1 - i];
+  }
+  [[nodiscard]] double length_to(std::size_t side, std::size_t i) const {
+    return side == 0 ? lengths_[i] : length() - lengths_[path_.size() - 1 - i];
+  }
+  /// Whether the edge after a vertex, seen from a side, was verified.
+  [[nodiscard]] bool verified_after(std::size_t side, std::size_t i) const {
+    return i + 1 < path_.size() && !verified_.empty() && verified_[side == 0 ? i : path_.size() - 2 - i] != 0;
+  }
+  /// The vertex that a side's next proposal is, where it goes along what was verified or comes to it.
+  [[nodiscard]] std::optional<std::size_t> next_target(std::size_t side) const;
+  /// A front has come to the vertex that was proposed itself, or part of the way. Whether it has.
+  bool follow_target(std::size_t side, const Outcome& outcome);
   /// Chooses the stretch and the balls that a side's next proposals are drawn from.
   void aim(std::size_t side);
   /// Where a node is along the path: the nearest place within the window ahead of a front.
@@ -126,10 +180,11 @@ class StepHeuristic final : public PathFollower {
   Configurations path_;
   std::vector<double> lengths_;
   Settings settings_;
+  std::vector<char> verified_;  ///< per edge; empty: none
   double bin_ = 0.0;
   Configurations centres_;                       ///< of bins along the path
   mutable std::unique_ptr<NearestIndex> index_;  ///< of these, made when it is asked for
-  std::array<Front, 2> fronts_;
+  mutable std::array<Front, 2> fronts_;          ///< their kernels are made when they are asked for
   std::size_t side_ = 0;
   double progress_ = 0.0;
   std::uint64_t epoch_ = 0;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <queue>
+#include <tuple>
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
@@ -52,7 +53,7 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           .boolean(
               "prune", &SkeletonSettings::prune,
               "leave out edges that are narrower than the largest disc about the reference point inside the robot, "
-              "which it cannot pass")
+              "which it cannot pass, or inside a larger robot of a level above, which its path would not help")
           .number(
               "spacing", &SkeletonSettings::spacing, "m", Range::non_negative(),
               "distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the "
@@ -130,13 +131,18 @@ class GraphBuilder {
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
       const auto& points = std::as_const(graph_.edges[e].points);
       for (std::size_t i = 0; i < points.size(); ++i) {
-        sights.push_back({instance_.space.distance(q, points[i]), e, i});
+        sights.push_back({std::hypot(points[i][0] - q[0], points[i][1] - q[1]), e, i});
       }
     }
-    std::stable_sort(sights.begin(), sights.end(),
-                     [](const Sight& a, const Sight& b) { return a.distance < b.distance; });
-    if (sights.size() > most_sights) sights.resize(most_sights);
-    for (const auto& sight : sights) {
+    // A heap, as the nearest is seen most often: then the others need no order.
+    const auto farther = [](const Sight& a, const Sight& b) {
+      return std::tie(a.distance, a.edge, a.point) > std::tie(b.distance, b.edge, b.point);
+    };
+    std::make_heap(sights.begin(), sights.end(), farther);
+    for (std::size_t tried = 0; tried < most_sights && !sights.empty(); ++tried) {
+      std::pop_heap(sights.begin(), sights.end(), farther);
+      const Sight sight = sights.back();
+      sights.pop_back();
       const View p = std::as_const(graph_.edges[sight.edge].points)[sight.point];
       if (sight.distance > 0.0 && !instance_.motion(q, p).valid) continue;
       Configurations way(2);
@@ -507,7 +513,10 @@ class SkeletonGuide final : public Guide {
     auto instance = projection_->point_instance(parent);
     double clearance = settings_.clearance;
     // The axis is made of points: at those its clearance is right to within rounding.
-    if (settings_.prune) clearance = std::max(clearance, (1.0 - 1e-6) * parent.scene->robot.inscribed_radius());
+    if (settings_.prune) {
+      const double needed = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
+      clearance = std::max(clearance, (1.0 - 1e-6) * needed);
+    }
     GraphBuilder builder(*cached_medial_axis(parent.scene->world), clearance, *instance);
     graph_ = std::make_shared<Graph>(builder.take());
     clearances_ = builder.take_clearances();

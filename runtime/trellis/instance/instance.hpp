@@ -43,6 +43,16 @@ class Validity {
     static_cast<void>(b);
     return 1.0;
   }
+  /// Where on the motion from a to b, in [0, 1], it enters a place that was excluded as a whole; none where it does
+  /// not. Costs no check.
+  [[nodiscard]] virtual std::optional<double> excluded(View a, View b) {
+    static_cast<void>(a);
+    static_cast<void>(b);
+    return std::nullopt;
+  }
+  /// Told whether the motions that follow go towards a guided proposal, so that they are likely to be on the path
+  /// found.
+  virtual void expect_guided(bool guided) { static_cast<void>(guided); }
   /// A lower bound on the distance in the metric from q, invalid, to the nearest valid configuration; 0 where it is not
   /// known.
   [[nodiscard]] virtual double invalid_radius(View q) {
@@ -99,6 +109,10 @@ class Instance {
   Configurations further_goals;  ///< each of them would do as well; none of most instances
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
+  double shared_resolution = 0.0;  ///< of C, where motions of this space are checked there too; 0: they are not
+  /// What the reference point's path keeps from all obstacles, metres, at least, in every solution of the instances
+  /// that this one was projected from: a path in this space that does not helps none of them.
+  double needed_clearance = 0.0;
   std::string collision = "planar";
   double step = 0.0;  ///< longest extension of the planner that searches it, metres in the metric; 0: it has none
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states
@@ -106,6 +120,10 @@ class Instance {
   /// Makes validity for a scene where the axes are not the robot's; empty where they are.
   std::function<std::shared_ptr<Validity>(const std::shared_ptr<const Scene>&)> validity_of;
 
+  /// Validity checks of a motion one metre long.
+  [[nodiscard]] double checks_per_metre() const {
+    return 1.0 / resolution + (shared_resolution > 0.0 ? 1.0 / shared_resolution : 0.0);
+  }
   [[nodiscard]] std::size_t goals() const { return 1 + further_goals.size(); }
   /// `goal` first, then the further ones.
   [[nodiscard]] View goal_at(std::size_t i) const { return i == 0 ? View(goal) : further_goals[i - 1]; }
@@ -122,11 +140,11 @@ class Instance {
     if (validity->spends_checks()) ++checks.validity;
     return validity->state(q);
   }
-  /// Whether the motion is part of one that was verified since the instance changed last.
+  /// Whether the motion was verified since the instance changed last.
   [[nodiscard]] bool is_verified(View a, View b) const {
-    return verified && verified->epoch() == epoch() && verified->cover(a, b);
+    return verified && verified->epoch() == epoch() && verified->contain(a, b);
   }
-  /// Counted, unless it is part of a motion that was verified before.
+  /// Counted, unless the motion was verified before.
   [[nodiscard]] MotionReport motion(View a, View b) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     const MotionReport report = validity->motion(a, b);

@@ -79,7 +79,8 @@ struct Turn {
 struct RunRecord {
   Status status = Status::untried;
   bool solved = false;
-  double seconds = 0.0;
+  double seconds = 0.0;               ///< to set up and plan, all levels; not to complete the record
+  double cpu_seconds = 0.0;           ///< of the thread, for the same
   Configurations path;                ///< from start to goal; empty when unsolved
   double length = 0.0;                ///< of `path` in the metric
   Trajectory trajectory;              ///< how the path is driven, where the problem has a motion model

@@ -105,30 +105,9 @@ class LevelGuidance final : public Guidance {
     if (open_ != was_open) ++epoch_;
   }
   Source sample(Stream& stream, MutableView out) override {
-    prepare();
-    prepared_ = false;
-    double u = stream.uniform();
-    drawn_ = Part::goal;
-    if (u < common_.goal_bias) return goal_.sample(stream, out);
-    if (!open_) {
-      drawn_ = Part::uniform;
-      uniform_.sample(stream, out);
-      return 1;
-    }
-    u = (u - common_.goal_bias) / (1.0 - common_.goal_bias);
-    if (u < common_.uniform) {
-      drawn_ = Part::uniform;
-      uniform_.sample(stream, out);
-      return 1;
-    }
-    u = (u - common_.uniform) / (1.0 - common_.uniform);
-    if (hint_ && (guide_ == nullptr || u < hint_share)) {
-      drawn_ = Part::hint;
-      hint_->sample(stream, out);
-      return 2;
-    }
-    drawn_ = Part::guide;
-    return static_cast<Source>(3 + guide_->sample(stream, out));
+    const Source source = draw(stream, out);
+    if (guided()) instance_.validity->expect_guided(drawn_ == Part::guide || drawn_ == Part::hint);
+    return source;
   }
   [[nodiscard]] std::uint32_t vertex() const override { return drawn_ == Part::guide ? guide_->vertex() : no_node; }
   [[nodiscard]] bool worth_connecting(View from, View to) const override {
@@ -180,7 +159,7 @@ class LevelGuidance final : public Guidance {
   /// Limits what the levels below may spend in the present slice: they pause when this returns 0.
   void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
   /// What progress along guiding paths has earned, in work.
-  [[nodiscard]] double earned() const { return progress_rate / instance_.resolution * progress(); }
+  [[nodiscard]] double earned() const { return progress_rate * instance_.checks_per_metre() * progress(); }
   /// What a level spent on one kind of proposals.
   struct Spent {
     double checks = 0.0;
@@ -208,6 +187,32 @@ class LevelGuidance final : public Guidance {
   /// The least that a level below may spend before it pauses.
   static constexpr double least_slice = 32.0;
 
+  Source draw(Stream& stream, MutableView out) {
+    prepare();
+    prepared_ = false;
+    double u = stream.uniform();
+    drawn_ = Part::goal;
+    if (u < common_.goal_bias) return goal_.sample(stream, out);
+    if (!open_) {
+      drawn_ = Part::uniform;
+      uniform_.sample(stream, out);
+      return 1;
+    }
+    u = (u - common_.goal_bias) / (1.0 - common_.goal_bias);
+    if (u < common_.uniform) {
+      drawn_ = Part::uniform;
+      uniform_.sample(stream, out);
+      return 1;
+    }
+    u = (u - common_.uniform) / (1.0 - common_.uniform);
+    if (hint_ && (guide_ == nullptr || u < hint_share)) {
+      drawn_ = Part::hint;
+      hint_->sample(stream, out);
+      return 2;
+    }
+    drawn_ = Part::guide;
+    return static_cast<Source>(3 + guide_->sample(stream, out));
+  }
   [[nodiscard]] Spent own() const {
     return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size())};
   }
@@ -218,7 +223,7 @@ class LevelGuidance final : public Guidance {
     side.checks += now.checks - counted_.checks;
     side.proposals += now.proposals - counted_.proposals;
   }
-  [[nodiscard]] double grant() const { return grant_rate * direct_ / instance_.resolution; }
+  [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
 
   /// The probabilities that `sample` gives the parts.
   struct Shares {

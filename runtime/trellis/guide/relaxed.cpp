@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/relaxed.hpp>
+
+namespace trellis {
+
+MotionReport RelaxedValidity::motion(View a, View b) {
+  // A share below this says that what guides the search leads where C is invalid.
+  constexpr double least_success = 0.6;
+  constexpr double memory = 0.5;
+  constexpr int every = 8;
+  if (!guided_) return own_->motion(a, b);
+  if (valid_in_c(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
+  if (success_ < least_success && ++passed_over_ < every) return own_->motion(a, b);
+  passed_over_ = 0;
+  const MotionReport in_c = c_->motion(a, b);
+  success_ = memory * success_ + (in_c.valid ? 1.0 - memory : 0.0);
+  if (in_c.valid) {
+    valid_.insert(motion_digest(a, b));
+    return in_c;
+  }
+  MotionReport report = own_->motion(a, b);
+  report.checks += in_c.checks;
+  return report;
+}
+
+bool RelaxedValidity::valid_in_c(View a, View b) {
+  if (c_epoch_ != c_->epoch()) {
+    c_epoch_ = c_->epoch();
+    valid_.clear();
+  }
+  return valid_.contains(motion_digest(a, b));
+}
+
+}  // namespace trellis

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <unordered_set>
+
+#include <trellis/instance/instance.hpp>
+
+namespace trellis {
+
+/// Validity in a space S that relaxes C and has its coordinates: a motion that is valid in C is valid in S.
+///
+/// A motion towards a guided proposal is likely to be on the path that will be found. C is asked about it first: where
+/// it is valid there, one check serves both spaces, and the path is not checked again in C. Where C found too many of
+/// the last motions invalid, it is asked about few.
+class RelaxedValidity final : public Validity {
+ public:
+  /// \param own  of S
+  /// \param c    of C, by collision checks
+  RelaxedValidity(std::shared_ptr<Validity> own, std::shared_ptr<Validity> c)
+      : own_(std::move(own)), c_(std::move(c)), c_epoch_(c_->epoch()) {}
+
+  [[nodiscard]] bool state(View q) override { return own_->state(q); }
+  [[nodiscard]] MotionReport motion(View a, View b) override;
+  /// The checks of motions are those of both spaces.
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b) override {
+    return valid_in_c(a, b) ? MotionReport{true, 0, std::numeric_limits<double>::quiet_NaN()}
+                            : own_->motion_still_valid(a, b);
+  }
+  [[nodiscard]] double clearance(View q) override { return own_->clearance(q); }
+  [[nodiscard]] bool spends_checks() const override { return own_->spends_checks(); }
+  [[nodiscard]] std::optional<Contact> contact(View q) override { return own_->contact(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return own_->epoch(); }
+  [[nodiscard]] double effort_factor(View a, View b) const override { return own_->effort_factor(a, b); }
+  [[nodiscard]] double invalid_radius(View q) override { return own_->invalid_radius(q); }
+  [[nodiscard]] std::optional<double> excluded(View a, View b) override { return own_->excluded(a, b); }
+  void expect_guided(bool guided) override { guided_ = guided; }
+
+  /// Whether the motion, as it is, was found valid in C.
+  [[nodiscard]] bool valid_in_c(View a, View b);
+
+ private:
+  std::shared_ptr<Validity> own_;
+  std::shared_ptr<Validity> c_;
+  std::uint64_t c_epoch_;                    ///< when the motions were checked
+  std::unordered_set<std::uint64_t> valid_;  ///< digests of motions
+  bool guided_ = false;
+  double success_ = 1.0;  ///< share of the last motions that C found valid
+  int passed_over_ = 0;   ///< motions since C was asked last
+};
+
+}  // namespace trellis
