@@ -75,6 +75,11 @@ void push_level(Stack& call, const LevelResult& level) {
   count("nodes", record.search.nodes.size());
   count("checks", record.search.checks.validity);
   count("motion_checks", record.search.checks.motion);
+  if (record.guided) {
+    count("guided_checks", record.guided_checks);
+    count("unguided_checks", record.unguided_checks);
+    count("checks_below", record.checks_below);
+  }
   call.push(record.search.seconds);
   call.set_field(table, "seconds");
   call.push(record.solution.solved());

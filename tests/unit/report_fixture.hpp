@@ -112,6 +112,21 @@ inline RunResult plain_run(const std::string& problem_name, std::uint64_t seed, 
   return run;
 }
 
+/// Each level guided by the next: two thirds of its checks by guided proposals, which are those of its second source.
+inline void guide(std::vector<LevelResult>& levels) {
+  for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
+    LevelRecord& r = levels[i].record;
+    r.guided = true;
+    r.guided_checks = r.search.checks.validity / 3 * 2;
+    r.unguided_checks = r.search.checks.validity - r.guided_checks;
+    for (const auto source : r.search.proposal_sources) r.guided_proposals += source;
+    for (std::size_t k = i + 1; k < levels.size(); ++k) {
+      r.checks_below += levels[k].record.search.checks.validity;
+      r.proposals_below += levels[k].record.search.proposals.size();
+    }
+  }
+}
+
 inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed, bool solved) {
   RunResult run{problem_name, "nested", seed, {}, {}, {}};
   const Space se2 = Space::se2({0, 10}, {0, 10});
@@ -146,6 +161,7 @@ inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed,
     }
   }
   run.levels = {std::move(root), std::move(lazy), std::move(shrink), std::move(skeleton)};
+  guide(run.levels);
   total(run, solved);
   return run;
 }

@@ -151,6 +151,12 @@ TEST_CASE("the page is one file, well formed, and asks nobody for anything", "[r
     CHECK(html.compare(at, 26, "http://www.w3.org/2000/svg") == 0);
   }
   CHECK(held(html) == 4);
+  // What guides spent, in the table of the strategy that has some.
+  const std::size_t nested = html.find("<template id=\"levels-0-1\">");
+  REQUIRE(nested != std::string::npos);
+  CHECK(html.find("checks by") > nested);
+  CHECK(html.find("guided proposals", nested) != std::string::npos);
+  CHECK(html.find(" proposals\">", nested) != std::string::npos);
   for (const char* id : {"data", "run-0", "run-3", "figures-0-0", "figures-0-1"}) {
     CAPTURE(id);
     CHECK(Json::accept(script(html, id)));

@@ -86,6 +86,16 @@ TEST_CASE("JSON holds every run and level", "[report][json]") {
       CHECK(level.at("nodes") == record.search.nodes.size());
       CHECK(level.at("validity_checks") == record.search.checks.validity);
       CHECK(level.at("motion_checks") == record.search.checks.motion);
+      const json& spent = level.at("spent");
+      CHECK(spent.is_null() != record.guided);
+      if (record.guided) {
+        CHECK(spent.at("guided").at("validity_checks") == record.guided_checks);
+        CHECK(spent.at("guided").at("proposals") == record.guided_proposals);
+        CHECK(spent.at("unguided").at("validity_checks") == record.unguided_checks);
+        CHECK(spent.at("unguided").at("proposals") == record.search.proposals.size() - record.guided_proposals);
+        CHECK(spent.at("below").at("validity_checks") == record.checks_below);
+        CHECK(spent.at("below").at("proposals") == record.proposals_below);
+      }
       CHECK(level.at("time_s").get<double>() == record.search.seconds);
       CHECK(level.at("solved") == record.solution.solved());
       if (record.level == 0) {
@@ -148,6 +158,17 @@ TEST_CASE("JSON summary", "[report][json]") {
   CHECK(figure.at("statistic") == "median");
   CHECK(figure.at("infinite") == 1);
   CHECK(figure.at("lo").is_null());
+
+  // Two thirds of the checks of 92 nodes, at the median seed; a level that nothing guides has no sides.
+  const json& levels = document.at("summary").at(1).at("levels");
+  const json& spent = levels.at(0).at("spent_median");
+  CHECK(spent.at("guided").at("validity_checks") == 1840.0);
+  CHECK(spent.at("unguided").at("validity_checks") == 920.0);
+  CHECK(spent.at("below").at("validity_checks") == 2760.0 + 750.0);
+  CHECK(spent.at("guided").at("proposals").get<double>() + spent.at("unguided").at("proposals").get<double>() == 184.0);
+  CHECK(spent.at("below").at("proposals") == 92.0 + 184.0);
+  CHECK(levels.at(3).at("spent_median").is_null());
+  CHECK(plain.at("levels").at(0).at("spent_median").is_null());
 
   // Several problems: one more entry per strategy, over all of them.
   const auto [experiment, result] = fixture::queries();

@@ -76,6 +76,15 @@ TEST_CASE("parts of the report are what the report has of them", "[report]") {
   CHECK(levels_text(unsolved).find("0/1") != std::string::npos);
 }
 
+TEST_CASE("the report says what guides spent, where there are any", "[report]") {
+  const auto [experiment, result] = fixture::passage();
+  const std::string guided = levels_text(result.runs.back());
+  CHECK(guided.find("validity checks by") != std::string::npos);
+  const std::string alone = levels_text(result.runs.front());
+  CHECK(alone.find("validity checks by") == std::string::npos);
+  CHECK(alone.find("guided") == std::string::npos);
+}
+
 TEST_CASE("without a measure the report has no efficiency", "[report]") {
   auto [experiment, result] = fixture::passage();
   experiment.measure.reset();

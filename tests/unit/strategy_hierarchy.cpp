@@ -205,6 +205,47 @@ TEST_CASE("the work of guided proposals and of all levels below is bounded by th
   }
 }
 
+TEST_CASE("the sides of bounded loss are all that a level and those below it spent", "[strategy][bound]") {
+  const auto problem = test::simple_passage_problem();
+  const GuideSpec skeleton = GuideSpec::make("skeleton", {});
+  const GuideSpec shrink = GuideSpec::make("shrink", {{"scale", 0.5}});
+  const PlannerSpec rrt = PlannerSpec::make("rrt", {{"step", 0.5}});
+  const RunRecord run = execute((skeleton >> shrink) + GuideSpec::make("goal_bias", {}) >> rrt, problem, 3);
+  REQUIRE(run.levels.size() == 3);
+  for (const LevelRecord& level : run.levels) {
+    CAPTURE(level.name);
+    CHECK(level.guided_checks + level.unguided_checks == level.search.checks.validity);
+    CHECK(level.guided_proposals <= level.search.proposals.size());
+  }
+  const LevelRecord& root = run.levels[0];
+  CHECK(root.guided);
+  CHECK(static_cast<double>(root.guided_proposals) == guided_proposals(root));
+  CHECK(root.guided_proposals > 0);
+  CHECK(root.checks_below == run.levels[1].search.checks.validity + run.levels[2].search.checks.validity);
+  CHECK(root.proposals_below == run.levels[1].search.proposals.size() + run.levels[2].search.proposals.size());
+  CHECK(root.unguided_checks + root.guided_checks + root.checks_below == run.validity_checks);
+  CHECK(run.levels[1].guided);
+  CHECK(run.levels[1].checks_below == run.levels[2].search.checks.validity);
+  // A graph is searched, which nothing guides.
+  CHECK_FALSE(run.levels[2].guided);
+  CHECK(run.levels[2].guided_checks == 0);
+  CHECK(run.levels[2].checks_below == 0);
+
+  // The halves of a divided instance are below it, but no guide of it searches them; what they draw is its own too.
+  const PlannerSpec divided = split(rrt);
+  const RunRecord halves = execute(skeleton >> divided, problem, 3);
+  std::uint64_t below = 0;
+  for (const LevelRecord& level : halves.levels) {
+    if (level.key == "0/0") below += level.search.checks.validity;
+  }
+  REQUIRE(halves.levels.size() > 3);
+  CHECK(halves.levels.front().checks_below == below);
+  const RunRecord beneath = execute(GuideSpec::make("shrink", {{"scale", 0.5}}, divided) >> rrt, problem, 3);
+  REQUIRE(beneath.levels.size() > 3);
+  CHECK(beneath.levels.front().checks_below == beneath.validity_checks - beneath.levels.front().search.checks.validity);
+  CHECK(beneath.levels.front().proposals_below == beneath.levels[1].search.proposals.size());
+}
+
 TEST_CASE("whatever a guide does, its strategy spends about twice what the planner spends alone, at most",
           "[strategy][bound]") {
   constexpr std::uint64_t seeds = 15;

@@ -51,7 +51,7 @@ Settings<S> with_common(Settings<S> settings) {
   settings.number("bound", &S::bound, "factor", Range::non_negative(),
                   "work (validity checks and proposals) of guided proposals and of the levels below, per work of "
                   "unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; "
-                  "0: without bound");
+                  "0: without bound; the report prints the validity checks of either side");
   settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
                   "budget: proposals of this level, over all its solves");
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),

@@ -93,6 +93,13 @@ std::string figure_cell(const Figure& figure, Marks& marks) {
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
 
+/// Validity checks, with the proposals for whoever points at them.
+std::string spent_cell(const SpentSummary& spent) {
+  if (std::isnan(spent.validity_checks)) return cell("-");
+  return fmt::format(R"(<td title="{} proposals">{}</td>)", count_text(spent.proposals),
+                     count_text(spent.validity_checks));
+}
+
 std::string milliseconds(double seconds) {
   return std::isfinite(seconds) ? fixed(1000.0 * seconds, decimals_for(1000.0 * seconds)) : "-";
 }
@@ -194,6 +201,9 @@ std::string level_table(const RunsSummary& summary, bool measured) {
   for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
   std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
                                   {"medians", {"re-solves", "proposals", "nodes", "checks", "time, ms"}}};
+  const bool guided =
+      std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& l) { return l.guided; });
+  if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided", "levels below"}});
   if (measured) {
     const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
                                                    : std::vector<std::string>{"own space", "lifted"};
@@ -216,6 +226,11 @@ std::string level_table(const RunsSummary& summary, bool measured) {
       body += cell(count_text(count));
     }
     body += cell(milliseconds(level.seconds));
+    if (guided) {
+      for (const SpentSummary* spent : {&level.by_guided, &level.by_unguided, &level.by_below}) {
+        body += spent_cell(*spent);
+      }
+    }
     if (measured) {
       for (const auto role : {&FigurePair::tree, &FigurePair::expansion}) {
         body += figure_cell(level.own.*role, marks) + figure_cell(level.root.*role, marks);

@@ -182,6 +182,29 @@ Json sources_json(const Search& search) {
   return out;
 }
 
+Json spent_json(std::uint64_t checks, std::uint64_t proposals) {
+  return {{"validity_checks", checks}, {"proposals", proposals}};
+}
+
+/// What either side of bounded loss spent.
+Json spent_json(const LevelRecord& r) {
+  if (!r.guided) return nullptr;
+  return {{"guided", spent_json(r.guided_checks, r.guided_proposals)},
+          {"unguided", spent_json(r.unguided_checks, r.search.proposals.size() - r.guided_proposals)},
+          {"below", spent_json(r.checks_below, r.proposals_below)}};
+}
+
+Json spent_json(const SpentSummary& spent) {
+  return {{"validity_checks", number(spent.validity_checks)}, {"proposals", number(spent.proposals)}};
+}
+
+Json spent_json(const LevelSummary& level) {
+  if (!level.guided) return nullptr;
+  return {{"guided", spent_json(level.by_guided)},
+          {"unguided", spent_json(level.by_unguided)},
+          {"below", spent_json(level.by_below)}};
+}
+
 Json level_json(const LevelResult& level) {
   const LevelRecord& r = level.record;
   std::size_t accepted = 0;
@@ -201,6 +224,7 @@ Json level_json(const LevelResult& level) {
           {"nodes", r.search.nodes.size()},
           {"validity_checks", r.search.checks.validity},
           {"motion_checks", r.search.checks.motion},
+          {"spent", spent_json(r)},
           {"time_s", number(r.search.seconds)},
           {"status", status_name(r.solution.status)},
           {"solved", r.solution.solved()},
@@ -369,6 +393,7 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"nodes_median", number(level.nodes)},
                       {"validity_checks_median", number(level.validity_checks)},
                       {"motion_checks_median", number(level.motion_checks)},
+                      {"spent_median", spent_json(level)},
                       {"time_s_median", number(level.seconds)},
                       {"efficiency", pair_json(level.own)},
                       {"root_efficiency", pair_json(level.root)},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -262,6 +263,19 @@ LevelSummary summarise_level(const LevelResults& levels) {
   result.validity_checks = median_of(levels, [&](R r) { return count(r.search.checks.validity); });
   result.motion_checks = median_of(levels, [&](R r) { return count(r.search.checks.motion); });
   result.seconds = median_of(levels, [&](R r) { return r.search.seconds; });
+  LevelResults guided;
+  std::copy_if(levels.begin(), levels.end(), std::back_inserter(guided),
+               [](const LevelResult* level) { return level->record.guided; });
+  result.guided = !guided.empty();
+  if (result.guided) {
+    result.by_guided = {median_of(guided, [&](R r) { return count(r.guided_checks); }),
+                        median_of(guided, [&](R r) { return count(r.guided_proposals); })};
+    result.by_unguided = {median_of(guided, [&](R r) { return count(r.unguided_checks); }), median_of(guided, [&](R r) {
+                            return count(r.search.proposals.size() - r.guided_proposals);
+                          })};
+    result.by_below = {median_of(guided, [&](R r) { return count(r.checks_below); }),
+                       median_of(guided, [&](R r) { return count(r.proposals_below); })};
+  }
   result.own = figures(levels, &LevelResult::own);
   result.root = figures(levels, &LevelResult::root);
   result.own_cross = figures(levels, &LevelResult::own_cross);

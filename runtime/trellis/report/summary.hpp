@@ -59,6 +59,12 @@ struct MetricsSummary {
   Interval invalid, trapped, redundant, useful;
 };
 
+/// What one side of bounded loss spent: medians over the runs in which the level had a guide.
+struct SpentSummary {
+  double validity_checks = std::numeric_limits<double>::quiet_NaN();
+  double proposals = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// One level of a hierarchy over the runs of a group. Medians are over all the runs that reached the level.
 struct LevelSummary {
   std::string key;
@@ -75,6 +81,10 @@ struct LevelSummary {
   double validity_checks = std::numeric_limits<double>::quiet_NaN();
   double motion_checks = std::numeric_limits<double>::quiet_NaN();
   double seconds = std::numeric_limits<double>::quiet_NaN();
+  bool guided = false;     ///< in some run
+  SpentSummary by_guided;  ///< by guided proposals, the validation of guiding paths included
+  SpentSummary by_unguided;
+  SpentSummary by_below;  ///< by the levels that guide it
   FigurePair own;
   FigurePair root;
   FigurePair own_cross;

@@ -243,6 +243,13 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
                                         number_column({"validity", "checks"}),
                                         number_column({"motion", "checks"}),
                                         number_column({"time", "ms"})};
+  const bool guided = std::any_of(levels.begin(), levels.end(), [](const LevelSummary& l) { return l.guided; });
+  if (guided) {
+    const std::string by = "validity checks by";
+    columns.insert(columns.end(),
+                   {number_column({"guided", "proposals"}, by), number_column({"unguided", "proposals"}, by),
+                    number_column({"levels", "below"}, by)});
+  }
   double slowest = 1000.0 * summary.seconds;
   for (const auto& level : levels) slowest = std::max(slowest, 1000.0 * level.seconds);
   const int decimals = decimals_for(slowest);
@@ -250,10 +257,23 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
   Table table(columns);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const LevelSummary& level = levels[i];
-    table.add({labels[i], level.space.empty() ? "several" : fmt::format("{} {}", level.space, level.dimension),
-               level.planner, fmt::format("{}/{}", level.solved, level.runs), count_text(level.resolves),
-               count_text(level.proposals), count_text(level.nodes), count_text(level.validity_checks),
-               count_text(level.motion_checks), fixed(1000.0 * level.seconds, decimals)});
+    std::vector<std::string> cells = {
+        labels[i],
+        level.space.empty() ? "several" : fmt::format("{} {}", level.space, level.dimension),
+        level.planner,
+        fmt::format("{}/{}", level.solved, level.runs),
+        count_text(level.resolves),
+        count_text(level.proposals),
+        count_text(level.nodes),
+        count_text(level.validity_checks),
+        count_text(level.motion_checks),
+        fixed(1000.0 * level.seconds, decimals)};
+    if (guided) {
+      for (const SpentSummary* spent : {&level.by_guided, &level.by_unguided, &level.by_below}) {
+        cells.push_back(count_text(spent->validity_checks));
+      }
+    }
+    table.add(std::move(cells));
   }
   if (levels.size() > 1) {
     std::vector<std::string> cells(columns.size());

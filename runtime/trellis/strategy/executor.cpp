@@ -12,6 +12,32 @@
 
 namespace trellis {
 
+namespace {
+
+/// Whether a level, or one above it, is searched by the guide of another. A level that is divided has its halves below
+/// it, too: the last number of a half's key is that of its try, from 1 on, and a guide's begins with 0.
+bool searched_by_guide_of(const LevelRecord& above, const LevelRecord& level) {
+  return level.key.starts_with(above.key + "/0");
+}
+
+/// Whether a level is a half of a divided one, whose proposals are its own as well.
+bool is_half(const LevelRecord& level) {
+  const std::size_t last = level.key.rfind('/');
+  return last != std::string::npos && level.key[last + 1] != '0';
+}
+
+void add_spent_below(std::vector<LevelRecord>& levels) {
+  for (LevelRecord& above : levels) {
+    for (const LevelRecord& level : levels) {
+      if (!searched_by_guide_of(above, level)) continue;
+      above.checks_below += level.search.checks.validity;
+      if (!is_half(level)) above.proposals_below += level.search.proposals.size();
+    }
+  }
+}
+
+}  // namespace
+
 std::string level_path(const LevelRecord& level, const std::function<const LevelRecord&(int)>& at) {
   std::string path;
   const LevelRecord* record = &level;
@@ -76,6 +102,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
     record.length = path_length(problem.space, record.path);
   }
   for (Level* level : run.levels) record.levels.push_back(level->take_record());
+  add_spent_below(record.levels);
   // The root's own path is the one that is reported.
   if (record.solved) record.levels.front().solution.path = record.path;
   record.turns = std::move(run.turns);

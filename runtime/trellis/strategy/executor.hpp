@@ -31,9 +31,16 @@ struct LevelRecord {
   std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
-  /// Validity checks of this level that guided proposals spent, or validating what guides; and the others.
+  /// Whether a guide, or a path that a guide left, drew proposals for it.
+  bool guided = false;
+  /// What either side of bounded loss spent. Validity checks of guided proposals and of validating what guides; those
+  /// of the other proposals; those of all levels that the guide searches, and of the levels below these.
   std::uint64_t guided_checks = 0;
   std::uint64_t unguided_checks = 0;
+  std::uint64_t checks_below = 0;
+  /// The same of proposals: the unguided ones are the others of `search`.
+  std::uint64_t guided_proposals = 0;
+  std::uint64_t proposals_below = 0;
   Search search;      ///< proposals, nodes, their fates, checks and time, over all solves
   Solution solution;  ///< the last one found
   /// Validity in S as it was when the run ended, of configurations and of the straight motion from a valid one; counted

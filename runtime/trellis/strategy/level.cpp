@@ -130,8 +130,12 @@ LevelRecord Level::take_record() {
   record_.scene = instance_->scene;
   record_.search.checks = instance_->checks;
   const LevelGuidance::BothSpent spent = guidance_.spent();
-  record_.guided_checks = guidance_.guided() ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
+  record_.guided = guidance_.guided();
+  record_.guided_checks = record_.guided ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
   record_.unguided_checks = instance_->checks.validity - std::min(record_.guided_checks, instance_->checks.validity);
+  const auto& sources = record_.search.proposal_sources;
+  record_.guided_proposals = static_cast<std::uint64_t>(
+      std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
   record_.search.sources = guidance_.sources();
   record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
   record_.root_proposals = lifted(record_.search.proposals, "lift proposals");

@@ -148,6 +148,8 @@ class LevelGuidance final : public Guidance {
     if (guide_ != nullptr) guide_->found(length);
   }
 
+  /// Whether a proposal of a source is a guided one: not the goal, nor a uniform one.
+  [[nodiscard]] static bool is_guided(Source source) { return source >= 2; }
   [[nodiscard]] std::vector<std::string> sources() const override {
     std::vector<std::string> all = {"goal", "uniform", "informed path"};
     if (guide_ != nullptr) {
