@@ -86,8 +86,12 @@ const Construct& guiding_space_construct() {
            {"observe", "fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function?", "a function",
             "told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on"},
            {"stale", "fun(): boolean", "a function",
-            "asked after each outcome whether S is to be solved again; h made of along(path) asks for that by "
-            "itself too"}},
+            "whether S is to be solved again before the next proposal; called when h was made, before each proposal "
+            "and "
+            "after each outcome, so it must change nothing; h made of along(path) asks for that by itself too"},
+           {"restart", "fun()", "a function",
+            "called when the planner in C removed nodes: 'observe' then receives those that are left as outcomes that "
+            "are not mine, and 'heuristic' is called again before the next proposal"}},
       .options = guiding_space_settings().component(),
       .returns = "trellis.Guide"};
   return construct;
@@ -389,8 +393,9 @@ std::string identity_of(const GuideSpec& distribution) {
 }  // namespace
 
 std::string_view slot_name(Slot slot) {
-  constexpr std::array<std::string_view, slots> names = {"space", "project",   "lift",    "valid",   "robot", "world",
-                                                         "graph", "heuristic", "density", "observe", "stale"};
+  constexpr std::array<std::string_view, slots> names = {"space",   "project", "lift",  "valid",
+                                                         "robot",   "world",   "graph", "heuristic",
+                                                         "density", "observe", "stale", "restart"};
   return names[static_cast<std::size_t>(slot)];
 }
 

@@ -35,6 +35,7 @@ enum class Slot : std::uint8_t {
   density,
   observe,
   stale,
+  restart,
   count
 };
 inline constexpr auto slots = static_cast<std::size_t>(Slot::count);

@@ -476,11 +476,16 @@ class ScriptHeuristic final : public Heuristic {
     h_->sample(stream, out);
     return 0;
   }
-  void select_tree(TreeSide side) override { h_->select_tree(side); }
+  void select_tree(TreeSide side) override {
+    side_ = side;
+    h_->select_tree(side);
+  }
   [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
+  void restart() override { h_->restart(); }
+  void found(double length) override { h_->found(length); }
   [[nodiscard]] double density(View q) const override { return h_->density(q); }
   [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
@@ -498,6 +503,7 @@ class ScriptHeuristic final : public Heuristic {
   std::uint64_t epoch_ = 0;
   std::uint64_t told_ = 0;  ///< outcomes
   double progress_ = 0.0;   ///< along what it returned before
+  TreeSide side_ = TreeSide::start;
 };
 
 /// A distribution of the registry, with the guide that made it.
@@ -505,7 +511,12 @@ class OwnedHeuristic final : public Heuristic {
  public:
   OwnedHeuristic(std::unique_ptr<Guide> guide, Instance& instance)
       : guide_(std::move(guide)), h_(guide_->heuristic(instance, nullptr, nullptr)) {}
+  void select_tree(TreeSide side) override { h_->select_tree(side); }
   Source sample(Stream& stream, MutableView out) override { return h_->sample(stream, out); }
+  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
+  [[nodiscard]] double progress() const override { return h_->progress(); }
+  [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   [[nodiscard]] double density(View q) const override { return h_->density(q); }
   [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
@@ -514,8 +525,14 @@ class OwnedHeuristic final : public Heuristic {
     guide_->learn(outcome);
     h_->observe(outcome, mine);
   }
+  void restart() override {
+    guide_->restart();
+    h_->restart();
+  }
+  void found(double length) override { h_->found(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return h_->sources(); }
   [[nodiscard]] bool stale() const override { return h_->stale(); }
+  [[nodiscard]] Configurations lifted_path() const override { return h_->lifted_path(); }
 
  private:
   std::unique_ptr<Guide> guide_;
@@ -525,10 +542,16 @@ class OwnedHeuristic final : public Heuristic {
 /// The nodes that a planner has added, as what follows a path asks for them.
 class Reached {
  public:
+  /// No nodes but the start. An index that was asked for stays where it is.
   void begin(const Space& space, View start) {
     space_ = space;
     nodes_ = Configurations(space.dimension());
-    nodes_.push(start);
+    if (index_) {
+      index_.emplace(space_);
+      index_->add(start);
+    } else {
+      nodes_.push(start);
+    }
   }
   void add(View q) {
     if (index_) {
@@ -559,12 +582,14 @@ class ScriptGuide final : public Guide {
       : calls_(std::move(calls)), checking_(site.seed, site.key, "check lift") {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override;
+  void attach(Instance& sub) override { sub_ = &sub; }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
   [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
   [[nodiscard]] bool closed_fibre() const override { return projection_->closed_form(); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
+  void restart() override;
   void before_resolve() override {
     if (validity_) validity_->changed();
   }
@@ -617,6 +642,7 @@ void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
   epoch_ = epoch() + 1;
   progress_ += h_->progress();
   h_ = guide_.make(*returned);
+  h_->select_tree(side_);
 }
 
 bool ScriptHeuristic::stale() const {
@@ -833,6 +859,17 @@ void ScriptGuide::learn(const Outcome& outcome) {
   reached_in_s_.add(s);
 }
 
+void ScriptGuide::restart() {
+  // Before h was made the first time there was nothing to believe.
+  if (parent_ == nullptr) return;
+  reached_.begin(parent_->space, parent_->start);
+  if (sub_ != nullptr) reached_in_s_.begin(*s_, sub_->start);
+  if (!calls_->has(Slot::restart)) return;
+  calls_->call(
+      Slot::restart, *calls_->definition()[Slot::restart], [] { return std::string("restart"); },
+      [](Stack&) { return 0; }, [](Stack&) {});
+}
+
 Returned ScriptGuide::read_returned(Stack& stack) const {
   Returned returned;
   const int count = stack.size();
@@ -907,7 +944,7 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
   return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
-                                           compose(lift->distribution(), true));
+                                           compose(lift->distribution(), true), parent_->start, parent_->goal);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

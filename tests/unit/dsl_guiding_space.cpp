@@ -254,6 +254,76 @@ TEST_CASE("h is told what became of its proposals, may change by that, and asks 
   CHECK(far);
 }
 
+TEST_CASE("what is lifted from a space with C's axes guides as it does over C") {
+  for (const std::string follow : {"steps", "tube", "waypoints"}) {
+    const auto guide = [&](const std::string& h) {
+      return "guiding_space { name = 'same', valid = 'parent', planner = rrt { step = 0.5 },\n"
+             "  heuristic = function(found) return " +
+             h + " end }";
+    };
+    const std::string along =
+        "along(found.path, { follow = '" + follow + "', radius = 0.3, window = 1, evidence = 20 })";
+    for (const std::string strategy : {"g >> rrt { step = 0.5 }", "g >> rrt_connect { step = 0.5 }"}) {
+      for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        CAPTURE(follow, strategy, seed);
+        const RunRecord plain = run_of(guide(along), strategy, seed);
+        const RunRecord lifted = run_of(guide("lifted(" + along + ")"), strategy, seed);
+        REQUIRE(lifted.levels.size() == plain.levels.size());
+        for (std::size_t i = 0; i < plain.levels.size(); ++i) {
+          CHECK((all(lifted.levels[i].search.proposals) == all(plain.levels[i].search.proposals)));
+          CHECK((all(lifted.levels[i].search.nodes) == all(plain.levels[i].search.nodes)));
+        }
+        CHECK(lifted.validity_checks == plain.validity_checks);
+      }
+    }
+  }
+}
+
+TEST_CASE("a distribution that a script returns hears of everything that it would hear of by itself") {
+  const std::string planner = " >> rrt_star { step = 0.5, proposals = 1500, uniform = 0, bound = 0 }";
+  for (const std::string distribution : {"informed()", "halton()", "goal_bias()", "gaussian()", "uniform()"}) {
+    CAPTURE(distribution);
+    const RunRecord alone = run_of("0", distribution + planner);
+    const RunRecord returned =
+        run_of("guiding_space { name = 'mine', space = {}, heuristic = function() return " + distribution + " end }",
+               "g" + planner);
+    CHECK(alone.solved);
+    CHECK((all(returned.levels[0].search.proposals) == all(alone.levels[0].search.proposals)));
+    CHECK((all(returned.path) == all(alone.path)));
+  }
+}
+
+TEST_CASE("where the planner lost nodes a script is told so, hears of those that are left, and makes h anew") {
+  // What blocks the way is dropped, and comes back: the tree in that space loses branches.
+  const std::string strategy = "g >> drop { planner = rrt { step = 0.5 } } >> rrt { step = 0.5 }";
+  const auto guide = [](const std::string& restart, const std::string& more) {
+    return "(function() local lost = false\n"
+           "return guiding_space { name = 'mine', space = {}, restart = function() " +
+           restart +
+           " end,\n"
+           "  heuristic = function(found, instance) assert(not lost, 'made anew') return uniform() end" +
+           more + " } end)()";
+  };
+  CHECK_THAT(run_failure(guide("error('lost nodes')", ""), strategy), Contains("restart: ") && Contains("lost nodes"));
+  CHECK_THAT(run_failure(guide("lost = true", ""), strategy), Contains("made anew"));
+  CHECK_THAT(run_failure(guide("lost = true",
+                               ",\n  observe = function(o) assert(not lost or o.mine, 'a node that is left: ' .. "
+                               "o.fate .. ' ' .. #o.added) end"),
+                         strategy),
+             Contains("a node that is left: reached 3"));
+  // With a space, too, which is projected anew where the world changed.
+  for (const std::string h : {"along(found.path)", "lifted(along(found.path))"}) {
+    const RunRecord run = run_of(
+        "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end, "
+        "heuristic = function(found) return " +
+            h + " end }",
+        strategy);
+    CHECK(run.solved);
+    REQUIRE(run.levels.size() == 3);
+    CHECK(run.levels[2].solves > 1);
+  }
+}
+
 TEST_CASE("what a function leaves behind reaches no other run, and any number of jobs gives the same") {
   const std::string counting = script(
       "local n = 0\n"

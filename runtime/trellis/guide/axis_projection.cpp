@@ -63,6 +63,13 @@ AxisProjection::AxisProjection(Space parent, Space s)
   }
 }
 
+bool AxisProjection::contracts() const {
+  for (std::size_t j = 0; j < kept_.size(); ++j) {
+    if (space_.axes()[j].weight > parent_.axes()[kept_[j]].weight) return false;
+  }
+  return true;
+}
+
 bool AxisProjection::identity() const {
   for (std::size_t j = 0; j < kept_.size(); ++j) {
     if (kept_[j] != j) return false;

@@ -33,6 +33,7 @@ class AxisProjection : public Projection {
   [[nodiscard]] double log_fibre_density(View q) const override {
     return parent_.contains(q) ? -log_fibre_volume_ : -std::numeric_limits<double>::infinity();
   }
+  [[nodiscard]] bool contracts() const override;
   [[nodiscard]] const Space& space() const { return space_; }
   [[nodiscard]] const Space& parent() const { return parent_; }
   /// Of each axis of S the axis of the parent.
@@ -42,7 +43,7 @@ class AxisProjection : public Projection {
   /// Per volume in metric coordinates of C and S: where S weighs an axis otherwise it holds the Jacobian too.
   [[nodiscard]] double log_fibre_volume() const { return log_fibre_volume_; }
   /// A path in S with the other coordinates turned evenly from those of `start` to those of `goal`.
-  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const;
+  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
 
  private:
   Space parent_;

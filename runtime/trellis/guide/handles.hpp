@@ -27,6 +27,7 @@ class HandleLift final : public Projection {
   void lift(View s, Stream& stream, MutableView q) const override;
   [[nodiscard]] bool closed_form() const override { return true; }
   [[nodiscard]] double log_fibre_density(View q) const override;
+  [[nodiscard]] bool contracts() const override { return position_->contracts(); }
 
   /// Sets the angles of q, whose position is set, to the likeliest.
   void settle(MutableView q) const;

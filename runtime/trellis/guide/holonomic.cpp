@@ -43,64 +43,28 @@ const Settings<HolonomicSettings>& holonomic_settings() {
 }
 
 /// h over configurations with the velocities drawn from the fibre.
-class FibredHeuristic final : public Heuristic {
+class FibredHeuristic final : public ProjectedHeuristic {
  public:
   FibredHeuristic(std::shared_ptr<const AxisProjection> projection, std::unique_ptr<Heuristic> h, Configuration start,
                   Configuration goal)
-      : projection_(std::move(projection)),
-        h_(std::move(h)),
-        start_(std::move(start)),
-        goal_(std::move(goal)),
-        proposal_(projection_->space().dimension()),
-        near_(proposal_.size()),
-        added_(proposal_.size()),
-        blocked_(proposal_.size()) {}
+      : ProjectedHeuristic(projection, projection->space().dimension(), std::move(start), std::move(goal)),
+        axes_(std::move(projection)),
+        h_(std::move(h)) {}
 
-  void select_tree(TreeSide side) override { h_->select_tree(side); }
-  Source sample(Stream& stream, MutableView out) override {
-    h_->sample(stream, proposal_);
-    projection_->lift(proposal_, stream, out);
-    return 0;
-  }
-  [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
-  [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double density(View q) const override {
-    if (!projection_->parent().contains(q)) return 0.0;
-    Configuration s(proposal_.size());
-    projection_->project(q, s);
-    return h_->density(s) * std::exp(-projection_->log_fibre_volume());
+    if (!axes_->parent().contains(q)) return 0.0;
+    Configuration s(dimension());
+    axes_->project(q, s);
+    return h_->density(s) * std::exp(-axes_->log_fibre_volume());
   }
-  /// An atom of h fills its fibre: where there are velocities it is singular all the same.
-  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
-  [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
   void record(DensityRecord& record, double share) const override {
     record.add_lifted(*h_, share, [this](const std::shared_ptr<const Density>& density) { return fibred(density); });
   }
-  void observe(const Outcome& outcome, bool mine) override {
-    Outcome below;
-    below.fate = outcome.fate;
-    below.from_goal = outcome.from_goal;
-    below.connected = outcome.connected;
-    below.added_row = outcome.added_row;
-    below.proposal = projected(outcome.proposal, proposal_);
-    below.near = projected(outcome.near, near_);
-    below.added = projected(outcome.added, added_);
-    below.blocked_at = projected(outcome.blocked_at, blocked_);
-    h_->observe(below, mine);
-  }
-  [[nodiscard]] std::vector<std::string> sources() const override { return h_->sources(); }
-  [[nodiscard]] bool stale() const override { return h_->stale(); }
-  [[nodiscard]] Configurations lifted_path() const override {
-    return projection_->lifted(h_->lifted_path(), start_, goal_);
-  }
+
+ protected:
+  [[nodiscard]] Heuristic& inner() const override { return *h_; }
 
  private:
-  [[nodiscard]] View projected(View q, Configuration& s) const {
-    if (q.empty()) return {};
-    projection_->project(q, s);
-    return s;
-  }
-
   /// The same object for the same density, as long as it was among the last few.
   [[nodiscard]] std::shared_ptr<const Density> fibred(const std::shared_ptr<const Density>& density) const {
     constexpr std::size_t few = 64;
@@ -108,20 +72,13 @@ class FibredHeuristic final : public Heuristic {
       if (base == density) return made;
     }
     if (made_.size() == few) made_.clear();
-    made_.emplace_back(density, std::make_shared<LiftedDensity>(projection_, proposal_.size(), density));
+    made_.emplace_back(density, std::make_shared<LiftedDensity>(axes_, dimension(), density));
     return made_.back().second;
   }
 
-  std::shared_ptr<const AxisProjection> projection_;
+  std::shared_ptr<const AxisProjection> axes_;
   std::unique_ptr<Heuristic> h_;
-  Configuration start_;
-  Configuration goal_;
   mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> made_;
-  // What is projected, so that drawing and observing allocate nothing.
-  Configuration proposal_;
-  Configuration near_;
-  Configuration added_;
-  Configuration blocked_;
 };
 
 class Holonomic final : public PathGuide {

@@ -152,48 +152,25 @@ class Reduction {
 };
 
 /// h along a path in S: a tube about it, with uniform values of the axes that were dropped.
-class JointsHeuristic final : public Heuristic {
+class JointsHeuristic final : public ProjectedHeuristic {
  public:
-  JointsHeuristic(std::shared_ptr<const AxisProjection> projection, std::unique_ptr<PathHeuristic> below,
-                  Configurations lifted)
-      : projection_(std::move(projection)),
-        below_(std::move(below)),
-        lifted_(std::move(lifted)),
-        s_(projection_->space().dimension()),
-        added_(s_.size()) {}
+  JointsHeuristic(const std::shared_ptr<const AxisProjection>& projection, std::unique_ptr<PathHeuristic> below,
+                  const Instance& parent)
+      : ProjectedHeuristic(projection, projection->space().dimension(), parent.start, parent.goal),
+        below_(std::move(below)) {}
 
-  Source sample(Stream& stream, MutableView out) override {
-    below_->sample(stream, s_);
-    projection_->lift(s_, stream, out);
-    return 0;
-  }
-  [[nodiscard]] double density(View q) const override {
-    return LiftedDensity(projection_, s_.size(), below_->tube_density()).at(q);
-  }
-  [[nodiscard]] std::uint64_t epoch() const override { return below_->epoch(); }
+  [[nodiscard]] double density(View q) const override { return lifted().at(q); }
   void record(DensityRecord& record, double share) const override {
-    record.add(std::make_shared<LiftedDensity>(projection_, s_.size(), below_->tube_density()), share);
+    record.add(std::make_shared<LiftedDensity>(lifted()), share);
   }
-  void observe(const Outcome& outcome, bool mine) override {
-    // Only what was added counts for progress along the path.
-    Outcome seen = outcome;
-    if (!outcome.added.empty()) {
-      projection_->project(outcome.added, added_);
-      seen.added = added_;
-    }
-    below_->observe(seen, mine);
-  }
-  [[nodiscard]] std::vector<std::string> sources() const override { return below_->sources(); }
-  [[nodiscard]] bool stale() const override { return below_->stale(); }
-  [[nodiscard]] double progress() const override { return below_->progress(); }
-  [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
+
+ protected:
+  [[nodiscard]] Heuristic& inner() const override { return *below_; }
 
  private:
-  std::shared_ptr<const AxisProjection> projection_;
+  [[nodiscard]] LiftedDensity lifted() const { return {projection(), dimension(), below_->tube_density()}; }
+
   std::unique_ptr<PathHeuristic> below_;
-  Configurations lifted_;
-  Configuration s_;
-  Configuration added_;
 };
 
 class Joints final : public Guide {
@@ -237,8 +214,8 @@ class Joints final : public Guide {
       if (place != axes.end()) instance->position_axes.push_back(static_cast<std::size_t>(place - axes.begin()));
     }
     if (instance->position_axes.size() != parent.position_axes.size()) instance->position_axes.clear();
-    reached_.emplace(projection_->space());
-    reached_->add(instance->start);
+    start_ = instance->start;
+    restart();
     added_.resize(axes.size());
     return instance;
   }
@@ -252,6 +229,10 @@ class Joints final : public Guide {
     projection_->project(outcome.added, added_);
     reached_->add(added_);
   }
+  void restart() override {
+    reached_.emplace(projection_->space());
+    reached_->add(start_);
+  }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
@@ -259,14 +240,14 @@ class Joints final : public Guide {
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);
-    return std::make_unique<JointsHeuristic>(projection_, std::move(below),
-                                             projection_->lifted(found->path, parent.start, parent.goal));
+    return std::make_unique<JointsHeuristic>(projection_, std::move(below), parent);
   }
 
  private:
   JointsSettings settings_;
   std::shared_ptr<const AxisProjection> projection_;
   std::optional<NearestIndex> reached_;  ///< by the planner's nodes, in S
+  Configuration start_;                  ///< in S
   Configuration added_;
 };
 

@@ -18,6 +18,13 @@ class ConstantDensity final : public Density {
   double value_;
 };
 
+/// f of q in `s`; nothing of nothing.
+View projected(const Projection& projection, View q, Configuration& s) {
+  if (q.empty()) return {};
+  projection.project(q, s);
+  return s;
+}
+
 }  // namespace
 
 LiftedDensity::LiftedDensity(std::shared_ptr<const Projection> projection, std::size_t dimension,
@@ -45,33 +52,61 @@ std::shared_ptr<const Density> LiftedDensity::sum(const std::vector<Term>& terms
   return std::make_shared<LiftedDensity>(projection_, dimension_, density_->sum(inner));
 }
 
+ProjectedHeuristic::ProjectedHeuristic(std::shared_ptr<const Projection> projection, std::size_t dimension,
+                                       Configuration start, Configuration goal)
+    : projection_(std::move(projection)),
+      start_(std::move(start)),
+      goal_(std::move(goal)),
+      proposal_(dimension),
+      near_(dimension),
+      added_(dimension),
+      blocked_(dimension) {}
+
+Guidance::Source ProjectedHeuristic::sample(Stream& stream, MutableView out) {
+  const Source source = inner().sample(stream, proposal_);
+  projection_->lift(proposal_, stream, out);
+  return source;
+}
+
+bool ProjectedHeuristic::worth_connecting(View from, View to) const {
+  return inner().worth_connecting(projected(*projection_, from, proposal_), projected(*projection_, to, near_));
+}
+
+double ProjectedHeuristic::edge_factor(View a, View b) const {
+  return inner().edge_factor(projected(*projection_, a, proposal_), projected(*projection_, b, near_));
+}
+
+void ProjectedHeuristic::observe(const Outcome& outcome, bool mine) {
+  // Fates, rows and sides are the planner's.
+  Outcome in_s = outcome;
+  in_s.proposal = projected(*projection_, outcome.proposal, proposal_);
+  in_s.near = projected(*projection_, outcome.near, near_);
+  in_s.added = projected(*projection_, outcome.added, added_);
+  in_s.blocked_at = projected(*projection_, outcome.blocked_at, blocked_);
+  inner().observe(in_s, mine);
+}
+
 LiftedHeuristic::LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
-                                 std::unique_ptr<Heuristic> inner)
-    : source_(std::move(source)),
-      projection_(std::move(projection)),
+                                 std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal)
+    : ProjectedHeuristic(std::move(projection), s.dimension(), std::move(start), std::move(goal)),
+      source_(std::move(source)),
       inner_(std::move(inner)),
-      uniform_(std::make_shared<LiftedDensity>(projection_, s.dimension(),
+      uniform_(std::make_shared<LiftedDensity>(this->projection(), s.dimension(),
                                                std::make_shared<ConstantDensity>(std::exp(-s.log_volume())))),
       s_(s.dimension()) {}
 
-Guidance::Source LiftedHeuristic::sample(Stream& stream, MutableView out) {
-  inner_->sample(stream, s_);
-  projection_->lift(s_, stream, out);
-  return 0;
-}
-
 double LiftedHeuristic::density(View q) const {
-  if (!projection_->closed_form()) return std::numeric_limits<double>::quiet_NaN();
-  projection_->project(q, s_);
+  if (!projection()->closed_form()) return std::numeric_limits<double>::quiet_NaN();
+  projection()->project(q, s_);
   const double p = inner_->density(s_);
-  return p > 0.0 ? p * std::exp(projection_->log_fibre_density(q)) : p;
+  return p > 0.0 ? p * std::exp(projection()->log_fibre_density(q)) : p;
 }
 
 void LiftedHeuristic::record(DensityRecord& record, double share) const {
   DensityRecord now;
   now.served(*inner_);
   // A single point of S is no single point of C: where S lacks an axis, its fibre has no density of its own.
-  if (!projection_->closed_form() || now.atoms() > 0.0 || !now.exact()) {
+  if (!projection()->closed_form() || now.atoms() > 0.0 || !now.exact()) {
     record.add_unknown(share);
     return;
   }
@@ -84,23 +119,11 @@ void LiftedHeuristic::record(DensityRecord& record, double share) const {
         std::find_if(lifted_.begin(), lifted_.end(), [&of = density](const auto& pair) { return pair.first == of; });
     lifted.emplace_back(density, known != lifted_.end()
                                      ? known->second
-                                     : std::make_shared<LiftedDensity>(projection_, s_.size(), density));
+                                     : std::make_shared<LiftedDensity>(projection(), s_.size(), density));
     record.add(lifted.back().second, share * weight);
   }
   record.add(uniform_, share * now.uniform());
   lifted_ = std::move(lifted);
-}
-
-void LiftedHeuristic::observe(const Outcome& outcome, bool mine) {
-  // Of an outcome in C, what guides the search of S by a path goes by: the node.
-  Outcome in_s;
-  in_s.fate = outcome.fate;
-  in_s.from_goal = outcome.from_goal;
-  if (!outcome.added.empty()) {
-    projection_->project(outcome.added, s_);
-    in_s.added = s_;
-  }
-  inner_->observe(in_s, mine);
 }
 
 }  // namespace trellis

@@ -24,6 +24,16 @@ class Projection {
   [[nodiscard]] virtual bool closed_form() const = 0;
   /// As Guide's; minus infinity outside of C.
   [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
+  /// Whether no two configurations are farther apart in S than in C, each in its own metric: lengths in S then hold in
+  /// C as lower bounds.
+  [[nodiscard]] virtual bool contracts() const { return false; }
+  /// A path in S from f(start) to f(goal), in C; empty where the fibres are known by draws only.
+  [[nodiscard]] virtual Configurations lifted(const Configurations& path, View start, View goal) const {
+    static_cast<void>(path);
+    static_cast<void>(start);
+    static_cast<void>(goal);
+    return {};
+  }
 
  protected:
   Projection(const Projection&) = default;
@@ -47,24 +57,73 @@ class LiftedDensity final : public Density {
   std::shared_ptr<const Density> density_;
 };
 
-/// A heuristic over S whose draws are lifted to C.
-class LiftedHeuristic final : public Heuristic {
+/// A heuristic over S that guides a planner in C: draws are lifted, and whatever the planner reports or asks is
+/// projected to S. Nodes keep their rows in the planner's Search.
+class ProjectedHeuristic : public Heuristic {
  public:
-  LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
-                  std::unique_ptr<Heuristic> inner);
+  /// \param dimension  of S
+  /// \param start, goal  in C: the ends of the path along which it guides
+  ProjectedHeuristic(std::shared_ptr<const Projection> projection, std::size_t dimension, Configuration start,
+                     Configuration goal);
 
+  void select_tree(TreeSide side) override { inner().select_tree(side); }
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override;
-  [[nodiscard]] double atom_mass() const override { return inner_->atom_mass(); }
-  [[nodiscard]] std::uint64_t epoch() const override { return inner_->epoch(); }
-  void record(DensityRecord& record, double share) const override;
+  [[nodiscard]] std::uint32_t vertex() const override { return inner().vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override;
+  /// 0 where lengths in S say nothing of those in C.
+  [[nodiscard]] double progress() const override { return projection_->contracts() ? inner().progress() : 0.0; }
+  [[nodiscard]] double edge_factor(View a, View b) const override;
+  void restart() override { inner().restart(); }
+  /// A path of C is no longer in S where f contracts; elsewhere its length is none in S.
+  void found(double length) override {
+    if (projection_->contracts()) inner().found(length);
+  }
+  [[nodiscard]] double atom_mass() const override { return inner().atom_mass(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return inner().epoch(); }
   void observe(const Outcome& outcome, bool mine) override;
+  [[nodiscard]] std::vector<std::string> sources() const override { return inner().sources(); }
+  [[nodiscard]] bool stale() const override { return inner().stale(); }
+  [[nodiscard]] Configurations lifted_path() const override {
+    return projection_->lifted(inner().lifted_path(), start_, goal_);
+  }
+
+ protected:
+  /// The heuristic over S.
+  [[nodiscard]] virtual Heuristic& inner() const = 0;
+  [[nodiscard]] std::size_t dimension() const { return proposal_.size(); }
+  [[nodiscard]] const std::shared_ptr<const Projection>& projection() const { return projection_; }
+
+ private:
+  std::shared_ptr<const Projection> projection_;
+  Configuration start_;
+  Configuration goal_;
+  // What is projected, so that drawing and observing allocate nothing.
+  mutable Configuration proposal_;
+  mutable Configuration near_;
+  Configuration added_;
+  Configuration blocked_;
+};
+
+/// A heuristic over S whose draws are lifted to C.
+class LiftedHeuristic final : public ProjectedHeuristic {
+ public:
+  /// \param start, goal  in C: the ends of the path along which it guides
+  LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
+                  std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal);
+
+  Source sample(Stream& stream, MutableView out) override {
+    ProjectedHeuristic::sample(stream, out);
+    return 0;
+  }
+  [[nodiscard]] double density(View q) const override;
+  void record(DensityRecord& record, double share) const override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
-  [[nodiscard]] bool stale() const override { return inner_->stale(); }
+
+ protected:
+  [[nodiscard]] Heuristic& inner() const override { return *inner_; }
 
  private:
   std::string source_;
-  std::shared_ptr<const Projection> projection_;
   std::unique_ptr<Heuristic> inner_;
   std::shared_ptr<const Density> uniform_;  ///< on S, lifted
   mutable Configuration s_;                 ///< scratch

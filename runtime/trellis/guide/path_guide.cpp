@@ -289,6 +289,12 @@ double SeveralPaths::progress() const {
   return sum;
 }
 
+double SeveralPaths::edge_factor(View a, View b) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t i : live_) least = std::min(least, parts_[i]->edge_factor(a, b));
+  return least;
+}
+
 std::optional<Configuration> SeveralPaths::refuted_place() const {
   for (const auto& part : parts_) {
     if (auto place = part->refuted_place()) return place;

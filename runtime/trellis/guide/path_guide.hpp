@@ -240,6 +240,14 @@ class SeveralPaths final : public PathFollower {
     return parts_[drawn_]->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override;
+  /// The least of what the paths in use say.
+  [[nodiscard]] double edge_factor(View a, View b) const override;
+  void restart() override {
+    for (auto& part : parts_) part->restart();
+  }
+  void found(double length) override {
+    for (auto& part : parts_) part->found(length);
+  }
   [[nodiscard]] std::optional<Configuration> refuted_place() const override;
   [[nodiscard]] double density(View q) const override;
   [[nodiscard]] double atom_mass() const override;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -37,17 +38,30 @@ class PieceGuide final : public Guide {
   void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no fibres"); }
   [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no fibres"); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
-    reached_.emplace(parent.space);
-    reached_->add(parent.start);
+    if (!reached_) {
+      space_ = parent.space;
+      start_ = parent.start;
+      forget_nodes();
+    }
     return piece_.over(parent, *reached_);
   }
   void learn(const Outcome& outcome) override {
     if (reached_ && !outcome.added.empty() && outcome.connected) reached_->add(outcome.added);
   }
+  void restart() override {
+    if (reached_) forget_nodes();
+  }
 
  private:
+  void forget_nodes() {
+    reached_.emplace(space_);
+    reached_->add(start_);
+  }
+
   const Piece& piece_;  // the spec has it, and lives longer
-  std::optional<NearestIndex> reached_;
+  Space space_;
+  Configuration start_;
+  std::optional<NearestIndex> reached_;  ///< the planner's nodes
 };
 
 class Along final : public Piece {
@@ -147,6 +161,30 @@ Guidance::Source SumHeuristic::sample(Stream& stream, MutableView out) {
   }
   parts_[drawn_].heuristic->sample(stream, out);
   return 0;
+}
+
+void SumHeuristic::select_tree(TreeSide side) {
+  for (Part& part : parts_) part.heuristic->select_tree(side);
+}
+
+double SumHeuristic::progress() const {
+  double sum = 0.0;
+  for (const Part& part : parts_) sum += part.heuristic->progress();
+  return sum;
+}
+
+double SumHeuristic::edge_factor(View a, View b) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Part& part : parts_) least = std::min(least, part.heuristic->edge_factor(a, b));
+  return least;
+}
+
+void SumHeuristic::restart() {
+  for (Part& part : parts_) part.heuristic->restart();
+}
+
+void SumHeuristic::found(double length) {
+  for (Part& part : parts_) part.heuristic->found(length);
 }
 
 double SumHeuristic::density(View q) const {

@@ -43,7 +43,17 @@ class SumHeuristic final : public Heuristic {
   /// \param parts  at least one
   SumHeuristic(std::string source, std::vector<Part> parts);
 
+  void select_tree(TreeSide side) override;
   Source sample(Stream& stream, MutableView out) override;
+  [[nodiscard]] std::uint32_t vertex() const override { return parts_[drawn_].heuristic->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return parts_[drawn_].heuristic->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override;
+  /// The least of what the parts say.
+  [[nodiscard]] double edge_factor(View a, View b) const override;
+  void restart() override;
+  void found(double length) override;
   [[nodiscard]] double density(View q) const override;
   [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override;

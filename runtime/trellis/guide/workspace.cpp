@@ -130,47 +130,34 @@ Graph grid(const Instance& instance, double cell) {
 }
 
 /// h: positions near the path found for the point, everything else as the projection lifts it.
-class LiftedPath final : public Heuristic {
+class LiftedPath final : public ProjectedHeuristic {
  public:
-  LiftedPath(std::shared_ptr<const Projection> projection, const Space& plane, const Configurations& path,
-             double radius, double window, std::int64_t evidence, const NearestIndex& reached, Configurations lifted)
-      : projection_(std::move(projection)),
-        positions_("workspace", plane, path, radius, window, evidence, &reached),
+  LiftedPath(std::shared_ptr<const Projection> projection, std::unique_ptr<PathHeuristic> positions,
+             const Instance& parent, Configurations lifted)
+      : ProjectedHeuristic(std::move(projection), 2, parent.start, parent.goal),
+        positions_(std::move(positions)),
         lifted_(std::move(lifted)) {
     renew();
   }
 
-  Source sample(Stream& stream, MutableView out) override {
-    positions_.sample(stream, position_);
-    projection_->lift(position_, stream, out);
-    return 0;
-  }
   [[nodiscard]] double density(View q) const override { return density_->at(q); }
-  [[nodiscard]] std::uint64_t epoch() const override { return positions_.epoch(); }
   void record(DensityRecord& record, double share) const override { record.add(density_, share); }
   void observe(const Outcome& outcome, bool mine) override {
-    Outcome seen = outcome;
-    if (!outcome.added.empty()) {
-      projection_->project(outcome.added, position_);
-      seen.added = position_;
-    }
-    const std::uint64_t before = positions_.epoch();
-    positions_.observe(seen, mine);
-    if (positions_.epoch() != before) renew();
+    const std::uint64_t before = positions_->epoch();
+    ProjectedHeuristic::observe(outcome, mine);
+    if (positions_->epoch() != before) renew();
   }
-  [[nodiscard]] bool stale() const override { return positions_.stale(); }
-  [[nodiscard]] double progress() const override { return positions_.progress(); }
-  [[nodiscard]] std::vector<std::string> sources() const override { return positions_.sources(); }
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
- private:
-  void renew() { density_ = std::make_shared<LiftedDensity>(projection_, 2, positions_.tube_density()); }
+ protected:
+  [[nodiscard]] Heuristic& inner() const override { return *positions_; }
 
-  std::shared_ptr<const Projection> projection_;
-  PathHeuristic positions_;
+ private:
+  void renew() { density_ = std::make_shared<LiftedDensity>(projection(), 2, positions_->tube_density()); }
+
+  std::unique_ptr<PathHeuristic> positions_;
   std::shared_ptr<const Density> density_;  ///< over the planner's space
   Configurations lifted_;
-  std::array<double, 2> position_{};
 };
 
 class Workspace final : public Guide {
@@ -184,8 +171,8 @@ class Workspace final : public Guide {
     cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
     graph_ = std::make_shared<Graph>(grid(*instance, cell_));
     instance->graph = graph_;
-    reached_.emplace(projection_->space());
-    reached_->add(instance->start);
+    start_ = instance->start;
+    restart();
     if (settings_.lift == "handles") handles_ = std::make_shared<HandleLift>(projection_, parent);
     return instance;
   }
@@ -201,6 +188,10 @@ class Workspace final : public Guide {
     projection_->project(outcome.added, position);
     reached_->add(position);
   }
+  void restart() override {
+    reached_.emplace(projection_->space());
+    reached_->add(start_);
+  }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
     path_ = found->path;
@@ -210,15 +201,18 @@ class Workspace final : public Guide {
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
     const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
+    const auto positions = [&](const Configurations& path) {
+      return std::make_unique<PathHeuristic>("workspace", projection_->space(), path, radius_, window,
+                                             settings_.evidence, &*reached_);
+    };
     if (!handles_) {
-      return std::make_unique<LiftedPath>(projection_, projection_->space(), path_, radius_, window, settings_.evidence,
-                                          *reached_, projection_->lifted(path_, parent.start, parent.goal));
+      return std::make_unique<LiftedPath>(projection_, positions(path_), parent,
+                                          projection_->lifted(path_, parent.start, parent.goal));
     }
     const Configurations moved = handles_->on_axis(path_, *point_);
     Configurations lifted = projection_->lifted(moved, parent.start, parent.goal);
     for (std::size_t i = 1; i + 1 < lifted.size(); ++i) handles_->settle(lifted[i]);
-    return std::make_unique<LiftedPath>(handles_, projection_->space(), moved, radius_, window, settings_.evidence,
-                                        *reached_, std::move(lifted));
+    return std::make_unique<LiftedPath>(handles_, positions(moved), parent, std::move(lifted));
   }
 
   /// Ways along the part of the path that the planner did not reach become dearer.
@@ -244,6 +238,7 @@ class Workspace final : public Guide {
   Instance* point_ = nullptr;                  ///< S, which lives as long as this does
   std::shared_ptr<Graph> graph_;
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
+  Configuration start_;                  ///< its position
   Configurations path_;                  ///< found in S
   double cell_ = 0.0;
   double radius_ = 0.0;

@@ -52,7 +52,8 @@ class ComponentGuidance final : public Prepared {
   Advance prepare(const Slice& slice) override {
     // What was found in another world is searched for again.
     if (heuristic_ && level_ && parent_.instance().scene != projected_) renewing_ = true;
-    if (heuristic_ && level_ && !renewing_ && made_at_ != parent_.instance().epoch()) make_heuristic();
+    const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
+    if (heuristic_ && !renewing_ && outdated) make_heuristic();
     if (heuristic_ && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
       make_heuristic();
@@ -92,10 +93,12 @@ class ComponentGuidance final : public Prepared {
     side_ = side;
     if (heuristic_) heuristic_->select_tree(side);
   }
-  /// The nodes that are left are those that h goes on from.
+  /// The nodes that are left are those that h goes on from. Of a distribution of the registry nothing rests on nodes.
   void restart() override {
     guide_->restart();
-    if (heuristic_ && level_) made_at_ = never;
+    if (!heuristic_) return;
+    heuristic_->restart();
+    if (level_ || custom_) made_at_ = never;
   }
   [[nodiscard]] double edge_factor(View a, View b) const override {
     return heuristic_ ? heuristic_->edge_factor(a, b) : 1.0;
@@ -149,6 +152,7 @@ class ComponentGuidance final : public Prepared {
  private:
   void make(const GuideSpec& spec) {
     if (spec.custom()) {
+      custom_ = true;
       guide_ = told([&] { return spec.custom()->make(site_); });
       resolves_left_ = spec.custom()->description().resolves;
     } else {
@@ -228,6 +232,7 @@ class ComponentGuidance final : public Prepared {
   Level& parent_;
   std::string name_;
   GuideSite site_;
+  bool custom_ = false;  ///< not of the registry
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;

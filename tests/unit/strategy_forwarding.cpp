@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Between a level's planner and a guide's heuristic stand the level, whoever watches it, and what combines guides: each
+// passes on every call.
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/custom.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/spy_heuristic.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+using test::HeardCalls;
+using test::SpyHeuristic;
+
+namespace {
+
+/// What all spies of a strategy heard.
+struct Heard {
+  std::shared_ptr<HeardCalls> h = std::make_shared<HeardCalls>();
+  int guide_restarts = 0;
+  int heuristics = 0;
+};
+
+/// S = C, whose path guides a spy.
+class SpyGuide final : public Guide {
+ public:
+  SpyGuide(Heard& heard, bool spaceless) : heard_(heard), spaceless_(spaceless) {}
+  std::unique_ptr<Instance> project(const Instance& parent) override {
+    if (spaceless_) return nullptr;
+    auto sub = std::make_unique<Instance>(parent);
+    sub->checks = {};
+    return sub;
+  }
+  void project(View q, MutableView s) const override { std::copy(q.begin(), q.end(), s.begin()); }
+  void lift(View s, Stream&, MutableView q) const override { std::copy(s.begin(), s.end(), q.begin()); }
+  [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
+  std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
+    ++heard_.heuristics;
+    return std::make_unique<SpyHeuristic>(parent.space, heard_.h, no_node);
+  }
+  void restart() override { ++heard_.guide_restarts; }
+
+ private:
+  Heard& heard_;
+  bool spaceless_;
+};
+
+class Spied final : public CustomGuide {
+ public:
+  Spied(Heard& heard, const std::string& name, bool spaceless)
+      : CustomGuide({.name = name, .identity = name, .default_planner = spaceless ? "" : "rrt", .resolves = 10}),
+        heard_(heard),
+        spaceless_(spaceless) {}
+  [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite&) const override {
+    return std::make_unique<SpyGuide>(heard_, spaceless_);
+  }
+
+ private:
+  Heard& heard_;
+  bool spaceless_;
+};
+
+GuideSpec spied(Heard& heard, const std::string& name, bool spaceless = false) {
+  return GuideSpec::make(std::make_shared<Spied>(heard, name, spaceless));
+}
+
+}  // namespace
+
+TEST_CASE("every call of a planner reaches the heuristic, whatever stands between", "[strategy][forwarding]") {
+  const Problem problem = test::simple_passage_problem();
+  struct Case {
+    const char* name;
+    GuideSpec (*combine)(Heard&);
+  };
+  const std::vector<Case> cases = {
+      {"alone", [](Heard& heard) { return spied(heard, "a"); }},
+      {"S = {0}", [](Heard& heard) { return spied(heard, "a", true); }},
+      {"mixture", [](Heard& heard) { return spied(heard, "a") + spied(heard, "b", true); }},
+      {"sequence",
+       [](Heard& heard) {
+         return sequence({spied(heard, "a"), spied(heard, "b", true)});
+       }},
+      {"blend",
+       [](Heard& heard) {
+         return blend({spied(heard, "a"), spied(heard, "b", true)});
+       }},
+      {"schedule",
+       [](Heard& heard) {
+         return schedule({spied(heard, "a"), spied(heard, "b")});
+       }},
+      {"race",
+       [](Heard& heard) {
+         return race({spied(heard, "a"), spied(heard, "b")});
+       }},
+  };
+  for (const Case& one : cases) {
+    for (const bool watched : {false, true}) {
+      CAPTURE(one.name, watched);
+      ExecuteOptions options;
+      if (watched) options.watch = [](const LevelRecord&, const Guidance&) {};
+      const auto run = [&](Heard& heard, const PlannerSpec& planner) {
+        return execute(one.combine(heard) >> planner, problem, 1, options);
+      };
+      Heard connect;
+      run(connect, PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"proposals", std::int64_t{2000}}}));
+      CHECK(std::count(connect.h->sides.begin(), connect.h->sides.end(), TreeSide::goal) > 0);
+      CHECK(std::count(connect.h->sides.begin(), connect.h->sides.end(), TreeSide::start) > 0);
+      CHECK(connect.h->vertices > 0);
+      CHECK_FALSE(connect.h->connections.empty());
+      CHECK(connect.h->progresses > 0);
+      CHECK_FALSE(connect.h->outcomes.empty());
+      CHECK(connect.guide_restarts > 0);
+      Heard roadmap;
+      run(roadmap, PlannerSpec::make("lazy_prm", {{"proposals", std::int64_t{2000}}}));
+      CHECK_FALSE(roadmap.h->edges.empty());
+      Heard anytime;
+      run(anytime, PlannerSpec::make("rrt_star", {{"step", 0.5}, {"proposals", std::int64_t{3000}}}));
+      CHECK_FALSE(anytime.h->lengths.empty());
+    }
+  }
+}
+
+TEST_CASE("a heuristic of one's own with S = {0} is made anew where the planner lost nodes", "[strategy][forwarding]") {
+  // `drop` puts an obstacle back, so the tree in its S loses branches.
+  const Problem problem = test::cup_problem();
+  int remade = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Heard heard;
+    const GuideSpec spy = spied(heard, "a", true);
+    const GuideSpec drop = GuideSpec::make("drop", {}, PlannerSpec::make("rrt", {{"step", 0.5}}));
+    execute(spy >> drop >> PlannerSpec::make("rrt", {{"step", 0.5}}), problem, seed);
+    // The first is of the tree that is planted.
+    CHECK(heard.guide_restarts >= 1);
+    if (heard.guide_restarts > 1) CHECK(heard.h->restarts > 0);
+    remade += heard.heuristics > 1 ? 1 : 0;
+  }
+  CHECK(remade > 0);
+}
