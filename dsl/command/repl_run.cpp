@@ -68,7 +68,7 @@ std::string fate_text(const LevelRecord& record, std::size_t row) {
   std::string text = "  became    ";
   if (fate != Fate::rejected && added != no_node) {
     text += fmt::format("node {} at {}{}\n", added, text_of(search.nodes[added]),
-                        fate == Fate::reached ? ", the proposal itself" : ", on the way to it");
+                        fate == Fate::reached ? ", the proposal itself" : ", a step towards it");
   } else if (fate != Fate::rejected) {
     text += "no node: it makes the edges near it cheaper\n";
   } else {

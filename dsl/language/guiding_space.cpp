@@ -434,7 +434,7 @@ std::vector<ObjectType> guiding_space_types() {
       {"path", "number[][]", "",
        "configurations of S from the start to the goal, or to what came nearest; empty where there is none"}};
   types.push_back({"trellis.Outcome", "what became of a proposal; the same table each time", "", {}, {}});
-  types.back().members = {{"fate", "string", "", R"("reached", "advanced" (a node on the way to it) or "rejected")"},
+  types.back().members = {{"fate", "string", "", R"("reached", "advanced" (a node towards it) or "rejected")"},
                           {"mine", "boolean", "", "whether this h drew it"},
                           {"proposal", configuration, "", "what was proposed, in C"},
                           {"near", configuration + "?", "", "the node that the extension started from"},

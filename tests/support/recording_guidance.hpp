@@ -67,7 +67,7 @@ class RecordingGuidance final : public Guidance {
   double goal_bias_;
 };
 
-/// Another validity, with obstacles that come and go, free of cost where it is told so.
+/// Validity with a region that a test makes invalid; by its flags it costs no checks, always or for repairs.
 class ChangingValidity final : public Validity {
  public:
   explicit ChangingValidity(std::shared_ptr<Validity> inner) : inner_(std::move(inner)) {}

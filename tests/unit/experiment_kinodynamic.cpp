@@ -53,6 +53,20 @@ TEST_CASE("a driven path is recorded as its controls, which give its states to t
   }
 }
 
+TEST_CASE("a default planner that becomes kinodynamic keeps the options that its guide sets", "[kinodynamic]") {
+  const Problem driven = test::driven(test::simple_passage_problem());
+  const auto goals = [&](const std::vector<GuideSpec>& guides) {
+    const RunRecord run = execute(strategy(guides), driven, 1);
+    const LevelRecord& level = run.levels.at(1);
+    CHECK(level.planner == "kinodynamic_rrt");
+    CHECK(level.search.proposals.size() > 100);
+    return std::count(level.search.proposal_sources.begin(), level.search.proposal_sources.end(), 0);
+  };
+  // lazy asks for a search without a goal bias where a guide stands below it; shrink asks for nothing.
+  CHECK(goals({GuideSpec::make("holonomic", {}), GuideSpec::make("lazy", {})}) == 0);
+  CHECK(goals({GuideSpec::make("holonomic", {}), GuideSpec::make("shrink", {})}) > 0);
+}
+
 TEST_CASE("a planner that cannot respect the motion model is refused, and one that drives where there is none",
           "[kinodynamic]") {
   const Problem driven = test::driven(test::cup_problem());

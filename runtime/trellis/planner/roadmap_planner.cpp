@@ -26,7 +26,7 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task tas
       sample_(dimension()),
       target_(dimension()),
       blocked_(dimension()) {
-  // What is presumed is looked at for nothing.
+  // Where validity is presumed, validating a node costs no checks.
   presumed_ = !task_.instance.validity->spends_checks();
   judged_ = mode_.lazy_nodes && !presumed_;
   task_.search.expands = !judged_ || task_.guided;

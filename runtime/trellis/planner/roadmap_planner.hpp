@@ -133,7 +133,7 @@ class RoadmapPlanner final : public Planner {
   std::unordered_set<std::uint64_t> pairs_;          ///< of nodes that were ever joined, once nodes are reconnected
   std::vector<std::uint32_t> lost_neighbour_;        ///< nodes that lost a neighbour since they were reconnected
   std::vector<std::uint32_t> refuted_;               ///< nodes or edges, to be removed together
-  std::vector<std::uint8_t> passes_;                 ///< of each edge how finely it was looked at
+  std::vector<std::uint8_t> passes_;                 ///< of each edge how finely it was validated
   std::vector<std::array<std::uint32_t, 2>> seeds_;  ///< ends of the edges that were removed
   Connectivity connectivity_;
   std::vector<Connectivity::Joined> joined_;  ///< not yet reported
@@ -148,7 +148,7 @@ class RoadmapPlanner final : public Planner {
   std::int64_t owed_ = 0;               ///< proposals to make before the next search
   double enhancements_ = 0.0;           ///< owed
   bool reconnecting_ = false;           ///< the proposals were spent, and nodes are reconnected
-  bool judged_ = false;                 ///< which nodes were looked at is kept
+  bool judged_ = false;                 ///< records which nodes were validated
   bool presumed_ = false;               ///< validity costs no checks: an edge that was not refuted counts as checked
   bool disconnected_ = false;           ///< an edge that counted as checked was removed since connectivity was computed
   std::uint64_t epoch_ = 0;

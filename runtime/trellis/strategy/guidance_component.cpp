@@ -25,15 +25,21 @@ class ComponentGuidance final : public Prepared {
     run.clock.switch_to(above);
     if (!sub) return;
     project_further_goals(*sub);
-    // A default planner must suit the instance: where it has a motion model, that is driven.
-    const bool drives = find_planner(spec.planner()->name())->kinodynamic;
-    const PlannerSpec planner = spec.planner_given() || drives || sub->graph || !sub->motion_model
-                                    ? *spec.planner()
-                                    : PlannerSpec::make("kinodynamic_rrt", {});
+    const PlannerSpec planner = planner_for(spec, *sub);
     level_ = told([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
     guide_->attach(level_->instance());
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
+  }
+
+  /// A default planner must suit the instance: where that has a motion model, it is kinodynamic, with the options that
+  /// the guide sets for a guided search.
+  static PlannerSpec planner_for(const GuideSpec& spec, const Instance& sub) {
+    const bool kinodynamic = find_planner(spec.planner()->name())->kinodynamic;
+    if (spec.planner_given() || kinodynamic || sub.graph || !sub.motion_model) return *spec.planner();
+    const bool guided = spec.below() != nullptr && !spec.custom();
+    return PlannerSpec::make("kinodynamic_rrt",
+                             guided ? find_guide(spec.name())->guided_planner.options : std::vector<Options::Entry>{});
   }
 
   /// f of the goals beyond the first, in a space that is not an explicit graph; those that it maps out of S are left

@@ -48,7 +48,7 @@ const rows = (text, axes) => {
 const fates = ['rejected', 'advanced', 'reached'];
 const stations = {
   reached: 'reached: a node was added at the proposal itself',
-  advanced: 'advanced: a node was added on the way towards it',
+  advanced: 'advanced: a node was added towards it',
   invalid: 'rejected: no node; the proposal itself is invalid',
   trapped: 'rejected: no node, though the proposal is valid; the way to it was blocked, or a node is there',
   rejected: 'rejected: no node',
