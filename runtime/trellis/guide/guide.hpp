@@ -65,6 +65,9 @@ class Guide {
   virtual void restart() {}
   /// Called when h was stale, before the instance in S is solved again: the time to change it.
   virtual void before_resolve() {}
+  /// Called when a search for another path found none: h goes on along the path that was found before, if there is one,
+  /// and is stale no more.
+  virtual void no_other_path() {}
 };
 
 /// One kind of guide: its description and how to make it.

@@ -159,17 +159,17 @@ class JointsHeuristic final : public ProjectedHeuristic {
       : ProjectedHeuristic(projection, projection->space().dimension(), parent.start, parent.goal),
         below_(std::move(below)) {}
 
-  [[nodiscard]] double density(View q) const override { return lifted().at(q); }
+  [[nodiscard]] double density(View q) const override {
+    return LiftedDensity(projection(), dimension(), below_->tube_density()).at(q);
+  }
   void record(DensityRecord& record, double share) const override {
-    record.add(std::make_shared<LiftedDensity>(lifted()), share);
+    record.add(std::make_shared<LiftedDensity>(projection(), dimension(), below_->tube_density()), share);
   }
 
  protected:
   [[nodiscard]] Heuristic& inner() const override { return *below_; }
 
  private:
-  [[nodiscard]] LiftedDensity lifted() const { return {projection(), dimension(), below_->tube_density()}; }
-
   std::unique_ptr<PathHeuristic> below_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -397,10 +398,61 @@ void PathGuide::before_resolve() {
   last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal});
 }
 
+PointLift PathGuide::near_point(const Instance& parent) {
+  std::vector<std::size_t> headings;
+  const auto& positions = parent.position_axes;
+  for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
+    const bool moves = std::find(positions.begin(), positions.end(), j) != positions.end();
+    if (!moves && parent.space.axes()[j].periodic) headings.push_back(j);
+  }
+  const double reach = natural_distance(parent);
+  // The point itself; with the coordinates beside the position that the waypoint before it has; along the path, either
+  // way round; then farther and farther from it: near it, along the path near its position, anything at its position.
+  return [&parent, headings = std::move(headings), reach, ball = BallKernel(parent.space, reach),
+          drawn = Configuration(parent.space.dimension())](int attempt, View s, View previous, View ahead,
+                                                           Stream& stream, MutableView q) mutable {
+    const auto& position_axes = parent.position_axes;
+    const bool turns = position_axes.size() == 2 && !headings.empty();
+    const auto along_path = [&](bool backwards) {
+      const double angle =
+          std::atan2(ahead[position_axes[1]] - s[position_axes[1]], ahead[position_axes[0]] - s[position_axes[0]]);
+      for (const std::size_t axis : headings) q[axis] = angle + (backwards ? std::numbers::pi : 0.0);
+      parent.space.normalise(q);
+    };
+    const auto at_position = [&](View rest) {
+      std::copy(rest.begin(), rest.end(), q.begin());
+      for (const std::size_t axis : position_axes) q[axis] = s[axis];
+    };
+    constexpr int fixed = 4;
+    if (attempt >= lift_attempts) return false;
+    std::copy(s.begin(), s.end(), q.begin());
+    if (attempt == 0) return true;
+    const double share = std::min(1.0, static_cast<double>(attempt) / (0.5 * lift_attempts));
+    if (!position_axes.empty() && attempt == 1) {
+      at_position(previous);
+    } else if (turns && attempt < fixed) {
+      at_position(previous);
+      along_path(attempt == 3);
+    } else if (turns && attempt % 3 == 0) {
+      at_position(previous);
+      along_path(stream.uniform() < 0.5);
+      for (const std::size_t axis : position_axes) q[axis] += share * reach * stream.uniform(-1.0, 1.0);
+      parent.space.reflect(q);
+    } else if (!position_axes.empty() && share == 1.0 && attempt % 3 == 1) {
+      parent.space.sample_uniform(stream, drawn);
+      at_position(drawn);
+    } else {
+      ball.sample(s, stream, drawn);
+      parent.space.interpolate(s, drawn, share, q);
+    }
+    return true;
+  };
+}
+
 std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path, bool whole) {
   const Configurations chosen = followed(path);
   PathGuideSettings settings = path_settings_;
-  if (!relaxes()) settings.evidence = std::numeric_limits<std::int64_t>::max();
+  if (!relaxes() || only_path_) settings.evidence = std::numeric_limits<std::int64_t>::max();
   if (settings.follow != "steps" || !relaxes()) {
     return follow_path(name_, settings, parent, chosen, reached_.both());
   }
@@ -408,30 +460,7 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
     const double spacing = path_settings_.spacing > 0.0 ? path_settings_.spacing : sparse_spacing(parent);
     sparse_ = std::make_shared<SparseValidation>(parent.space, spacing);
   }
-  // The point itself; with the coordinates beside the position that the waypoint before it has; points ever farther
-  // from it; then anything at its position and near it.
-  const BallKernel ball(parent.space, natural_distance(parent));
-  Configuration drawn(parent.space.dimension());
-  const auto& positions = parent.position_axes;
-  const PointLift lift = [&](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
-    if (attempt >= lift_attempts) return false;
-    std::copy(s.begin(), s.end(), q.begin());
-    if (attempt == 0) return true;
-    constexpr int near = lift_attempts / 2;
-    if (!positions.empty() && (attempt == 1 || (attempt > near && attempt % 2 == 0))) {
-      if (attempt == 1) {
-        drawn.assign(previous.begin(), previous.end());
-      } else {
-        parent.space.sample_uniform(stream, drawn);
-      }
-      for (const std::size_t axis : positions) drawn[axis] = s[axis];
-      std::copy(drawn.begin(), drawn.end(), q.begin());
-      return true;
-    }
-    ball.sample(s, stream, drawn);
-    parent.space.interpolate(s, drawn, std::min(1.0, static_cast<double>(attempt) / near), q);
-    return true;
-  };
+  const PointLift lift = near_point(parent);
   const StepHeuristic::Settings steps = {
       .radius = tube_radius(settings, parent), .step = step_of(parent), .evidence = settings.evidence};
   const VerifiedStretches verified(parent, chosen);
@@ -442,7 +471,7 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
   auto [waypoints, edges] = verified.merged_into(sparse);
   auto follower =
       std::make_unique<StepHeuristic>(name_, parent.space, std::move(waypoints), steps, reached_.both(), edges);
-  if (sparse.refuted && !std::exchange(last_, false)) {
+  if (sparse.refuted && !std::exchange(last_, false) && !only_path_) {
     refuted_ = std::move(sparse.refuted);
     follower->refute();
   }

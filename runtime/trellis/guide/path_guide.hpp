@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,15 @@
 namespace trellis {
 
 class SparseValidation;
+
+/// Lifts a point of a path in S to C, in several attempts.
+/// \param attempt   0 for the first; each attempt gives another configuration
+/// \param s         the point of the path in S
+/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end
+/// \param ahead     the next point of the path in S in the direction of validation; `s` at the end
+/// \param q         receives the configuration
+/// \return false where there are no more attempts
+using PointLift = std::function<bool(int attempt, View s, View previous, View ahead, Stream& stream, MutableView q)>;
 
 struct PathGuideSettings {
   double radius = 0.0;
@@ -327,6 +337,7 @@ class PathGuide : public Guide {
   [[nodiscard]] double effort_again() const override { return static_cast<double>(path_settings_.effort); }
   /// Keeps the next path in S out of what was refuted.
   void before_resolve() override;
+  void no_other_path() override { only_path_ = true; }
 
  protected:
   /// f of the instance.
@@ -357,6 +368,8 @@ class PathGuide : public Guide {
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
 
+  /// Lifts of points of a path in S, which has the coordinates of C.
+  [[nodiscard]] static PointLift near_point(const Instance& parent);
   /// What of the path found in S is known to be valid in C need not be checked there again.
   void share_verified(Instance& parent, const Configurations& path);
 
@@ -364,8 +377,9 @@ class PathGuide : public Guide {
   PathGuideSettings path_settings_;
   PathFollower* current_ = nullptr;  ///< the last one made, owned by whoever asked for it
   Instance* sub_ = nullptr;
-  bool last_ = false;     ///< the next path is followed as it is: no other one can be had
-  ReachedNodes reached_;  ///< made when the space is known
+  bool only_path_ = false;  ///< a search for another one found none
+  bool last_ = false;       ///< the next path is followed as it is: no other one can be had
+  ReachedNodes reached_;    ///< made when the space is known
   std::shared_ptr<SparseValidation> sparse_;
   std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
   std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C

@@ -15,14 +15,6 @@
 
 namespace trellis {
 
-/// Lifts a point of a path in S to C, in several attempts.
-/// \param attempt   0 for the first; each attempt gives another configuration
-/// \param s         the point of the path in S
-/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end
-/// \param ahead     the next point of the path in S in the direction of validation; `s` at the end
-/// \param q         receives the configuration
-/// \return false where there are no more attempts
-using PointLift = std::function<bool(int attempt, View s, View previous, View ahead, Stream& stream, MutableView q)>;
 /// Whether every lift of the point of the path in S at an arc length is known to be valid without a check.
 using PointIsFree = std::function<bool(double at)>;
 

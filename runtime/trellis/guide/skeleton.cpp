@@ -108,6 +108,13 @@ class GraphBuilder {
     }
     graph_.start = join(instance.start);
     graph_.goal = join(instance.goal);
+    // A world without obstacles has no axis, and nothing is in the way.
+    if (instance.scene->world.obstacles().empty() && graph_.edges.empty()) {
+      Configurations straight(2);
+      straight.push(instance.start);
+      straight.push(instance.goal);
+      add_edge(graph_.start, graph_.goal, std::move(straight), {0.0, 0.0});
+    }
   }
   [[nodiscard]] Graph take() { return std::move(graph_); }
   /// Of each edge its points' clearance, metres; 0 where it is not known.

@@ -77,12 +77,15 @@ class ComponentGuidance final : public Prepared {
       const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
       const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
       if (advance == Advance::unfinished) return advance;
-      make_heuristic();
       const bool again = std::exchange(renewing_, false);
-      counted_ = false;
       found_ = advance == Advance::found;
-      // Without another path there is nothing to solve again for.
-      if (again && !found_) resolves_left_ = 0;
+      // Without another path there is nothing to solve again for; the one found before may serve for all that.
+      if (again && !found_) {
+        resolves_left_ = 0;
+        guide_->no_other_path();
+      }
+      make_heuristic();
+      counted_ = false;
       // A path whose points are invalid in C is refuted before anything is drawn.
       if (!heuristic_->stale()) return advance;
       ++refuted_;
