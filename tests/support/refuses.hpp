@@ -2,6 +2,7 @@
 #pragma once
 
 #include <trellis/guide/guide.hpp>
+#include <trellis/guide/position.hpp>
 #include <trellis/instance/instance.hpp>
 
 namespace trellis::test {
@@ -12,7 +13,8 @@ inline bool refuses(const GuideKind& above, const GuideKind& guided, const Probl
   const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);
   switch (above.claims.needs) {
     case GuideClaims::Needs::nothing: return false;
-    case GuideClaims::Needs::position: return sub->position_axes.size() != 2;
+    case GuideClaims::Needs::position: return !has_position(*sub);
+    case GuideClaims::Needs::position_axes: return sub->position_axes.size() != 2;
     case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
   }
   return false;

@@ -365,21 +365,6 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
   }
 }
 
-TEST_CASE("guides that look at the reference point refuse an arm that is fixed to its base", "[guide][workspace]") {
-  Body link;
-  link.parts = {Polygon{rectangle_vertices({{0, -0.1}, {1, 0.1}})}};
-  link.angle_axis = 0;
-  Body second = link;
-  second.parent = 0;
-  second.joint = {1, 0};
-  second.angle_axis = 1;
-  const Robot arm("arm", {link, second}, false, {5, 5});
-  const auto problem = test::make_problem("arm", test::rectangle_world({{8, 8, 9, 9}}), arm, {0, 0}, {1, 1});
-  for (const auto* name : {"workspace", "skeleton"}) {
-    CHECK_THROWS_WITH(work(name, {}, problem), Catch::Contains(name) && Catch::Contains("reference point moves"));
-  }
-}
-
 TEST_CASE("the point's way is the shortest on the grid, and keeps clear of obstacles", "[guide][workspace]") {
   const Work w = work("workspace", {{"cell", 0.5}}, test::cup_problem());
   REQUIRE(w.found.solved());

@@ -368,5 +368,6 @@ TEST_CASE("what cannot be projected is told with the whole way to it", "[executo
   CHECK_THROWS_WITH(
       execute(written >> guide("shrink") >> guide("lazy") >> rrt(), arm, 1),
       "script.lua:7: in skeleton() >> shrink(0.5) >> lazy() >> rrt, level 3 (problem 'arm', seed 1): skeleton: needs "
-      "a robot whose reference point moves in the plane; this space (SO(2)) has no position");
+      "a robot whose reference point moves in the plane, or an arm of two links or more that is fixed to its base; the "
+      "robot 'arm' has one joint, so that its tip stays on a circle");
 }

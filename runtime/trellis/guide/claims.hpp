@@ -21,8 +21,9 @@ struct GuideClaims {
   /// What a guide asks of the space that it guides in; it refuses any other.
   enum class Needs : std::uint8_t {
     nothing,
-    position,    ///< a reference point of the robot that moves in the plane
-    robot_axes,  ///< axes that are the robot's own
+    position,       ///< a reference point of the robot that moves in the plane, or the tip of an arm
+    position_axes,  ///< a reference point that two axes of the space move
+    robot_axes,     ///< axes that are the robot's own
   };
 
   Category category = Category::sampling;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -43,7 +44,7 @@ const Settings<DecompositionSettings>& decomposition_settings() {
           "planning")
           .number("size", &DecompositionSettings::size, "m", Range::non_negative(),
                   "length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's "
-                  "diagonal for a point")
+                  "diagonal for a point and an arm's tip")
           .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
                   "share that is spread evenly over all triangles; the rest keeps to the lead")
           .integer("ahead", &DecompositionSettings::ahead, "triangles", Range::at_least(1),
@@ -72,9 +73,18 @@ struct Decomposition {
     projection.project(q, s);
     return triangulation.find({s[0], s[1]});
   }
-  /// What a probability of a triangle is as a density over C.
-  [[nodiscard]] double density(std::uint32_t triangle) const {
-    return std::exp(-projection.log_fibre_volume()) / (scale * triangulation.triangles()[triangle].area);
+  /// The density over C, at q, of positions that are uniform in triangles. NaN where that of a lift is not known.
+  /// \param mass  probability of a triangle
+  template <class Mass>
+  [[nodiscard]] double density(View q, const Mass& mass) const {
+    if (!projection.closed_form()) return std::numeric_limits<double>::quiet_NaN();
+    std::array<double, 2> s{};
+    projection.project(q, s);
+    const double p = projection.folded(s, [&](View at) {
+      const auto triangle = triangulation.find({at[0], at[1]});
+      return triangle ? mass(*triangle) / (scale * triangulation.triangles()[*triangle].area) : 0.0;
+    });
+    return p > 0.0 ? p * std::exp(projection.log_fibre_density(q)) : p;
   }
 };
 
@@ -88,12 +98,11 @@ class TriangleDensity final : public Density {
       : decomposition_(std::move(decomposition)), masses_(std::move(masses)) {}
 
   [[nodiscard]] double at(View q) const override {
-    const auto triangle = decomposition_->find(q);
-    if (!triangle) return 0.0;
-    const auto mass = std::lower_bound(masses_.begin(), masses_.end(), *triangle,
-                                       [](const Mass& m, std::uint32_t t) { return m.first < t; });
-    if (mass == masses_.end() || mass->first != *triangle) return 0.0;
-    return mass->second * decomposition_->density(*triangle);
+    return decomposition_->density(q, [this](std::uint32_t triangle) {
+      const auto mass = std::lower_bound(masses_.begin(), masses_.end(), triangle,
+                                         [](const Mass& m, std::uint32_t t) { return m.first < t; });
+      return mass == masses_.end() || mass->first != triangle ? 0.0 : mass->second;
+    });
   }
   [[nodiscard]] bool akin(const Density& other) const override {
     const auto* same = dynamic_cast<const TriangleDensity*>(&other);
@@ -356,17 +365,19 @@ class LeadHeuristic final : public Heuristic {
   }
 
   [[nodiscard]] double density(View q) const override {
-    const auto triangle = decomposition_->find(q);
-    if (!triangle) return 0.0;
-    double sum = settings_.explore * densities_->everywhere()->at(q);
-    for (std::size_t i = 0; i < lead_.size(); ++i) {
-      if (lead_[i] != *triangle) continue;
-      sum += (1.0 - settings_.explore) * masses_[i] * decomposition_->density(*triangle);
-    }
-    return sum;
+    const double on_lead = decomposition_->density(q, [this](std::uint32_t triangle) {
+      double mass = 0.0;
+      for (std::size_t i = 0; i < lead_.size(); ++i) mass += lead_[i] == triangle ? masses_[i] : 0.0;
+      return mass;
+    });
+    return settings_.explore * densities_->everywhere()->at(q) + (1.0 - settings_.explore) * on_lead;
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
+    if (!decomposition_->projection.closed_form()) {
+      record.add_unknown(share);
+      return;
+    }
     record.add(densities_->everywhere(), share * settings_.explore);
     for (std::size_t i = 0; i < lead_.size(); ++i) {
       record.add(densities_->in(lead_[i]), share * (1.0 - settings_.explore) * masses_[i]);
@@ -469,19 +480,19 @@ class DecompositionGuide final : public Guide {
   explicit DecompositionGuide(const DecompositionSettings& settings) : settings_(settings) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    const World& world = parent.scene->world;
-    const auto& axes = parent.space.axes();
-    decomposition_ = std::make_shared<const Decomposition>(
-        Decomposition{Triangulation(world, side_length(parent)), PositionProjection("decomposition", parent),
-                      axes[parent.position_axes[0]].weight * axes[parent.position_axes[1]].weight});
+    PositionProjection projection("decomposition", parent);
+    auto instance = projection.point_instance(parent);
+    const auto& axes = instance->space.axes();
+    const double side = side_length(parent, projection.arm());
+    decomposition_ = std::make_shared<const Decomposition>(Decomposition{
+        Triangulation(instance->scene->world, side), std::move(projection), axes[0].weight * axes[1].weight});
     const auto& triangles = decomposition_->triangulation.triangles();
     if (triangles.empty()) throw Error("decomposition: the world leaves no free space");
     constexpr double cells = 4.0;  // of the coverage grid, along a triangle's side
-    exploration_ = std::make_shared<Exploration>(decomposition_, side_length(parent) / cells);
+    exploration_ = std::make_shared<Exploration>(decomposition_, side / cells);
     exploration_->plant(parent.start);
     densities_ = std::make_shared<TriangleDensities>(decomposition_);
 
-    auto instance = decomposition_->projection.point_instance(parent);
     make_graph(*instance);
     before_resolve();
     instance->graph = graph_;
@@ -490,7 +501,10 @@ class DecompositionGuide final : public Guide {
 
   void project(View q, MutableView s) const override { decomposition_->projection.project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { decomposition_->projection.lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View) const override { return -decomposition_->projection.log_fibre_volume(); }
+  [[nodiscard]] double log_fibre_density(View q) const override {
+    return decomposition_->projection.log_fibre_density(q);
+  }
+  [[nodiscard]] bool closed_fibre() const override { return decomposition_->projection.closed_fibre(); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
     Stream stream(luck_, "decomposition", "lead");
@@ -525,9 +539,10 @@ class DecompositionGuide final : public Guide {
   }
 
  private:
-  [[nodiscard]] double side_length(const Instance& parent) const {
+  /// \param tip  of an arm, which has no size
+  [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
     if (settings_.size > 0.0) return settings_.size;
-    const double robot = parent.scene->robot.bounding_radius();
+    const double robot = tip ? 0.0 : parent.scene->robot.bounding_radius();
     const Box2& bounds = parent.scene->world.bounds();
     return robot > 0.0 ? 2.0 * robot : 0.02 * norm(bounds.hi - bounds.lo);
   }
@@ -616,29 +631,31 @@ class DecompositionGuide final : public Guide {
 }  // namespace
 
 GuideKind decomposition_kind() {
-  return {&decomposition_settings().component(),
-          [](const Options& o) -> std::unique_ptr<Guide> {
-            return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
-          },
-          "graph_search",
-          [](const Options& o) { return decomposition_settings().read(o).resolves; },
-          {.category = GuideClaims::Category::robot,
-           .f = "q -> the position of the reference point, in a triangle of the free workspace",
-           .h = "a triangle of the lead that the tree has reached, by free volume, coverage and how often it was "
-                "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
-                "triangles, all else uniform; any triangle with a share of `explore`",
-           .closed_form = true,
-           .density = "of the mixture of triangles",
-           .feedback = "nodes, invalid configurations and crossings are counted by triangle; a lead is abandoned after "
-                       "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
-                       "another one searched, its costs by what was counted",
-           .relaxes = true,
-           .invalid_ends = "an end whose position is in no triangle is joined to none, so S has no path",
-           .fallback = GuideClaims::Fallback::own,
-           .no_path = "the lead goes to the triangle nearest to the goal that can be reached; uniform where the start "
-                      "is in none",
-           .example = "examples/kinodynamic.lua",
-           .needs = GuideClaims::Needs::position}};
+  return {
+      &decomposition_settings().component(),
+      [](const Options& o) -> std::unique_ptr<Guide> {
+        return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
+      },
+      "graph_search",
+      [](const Options& o) { return decomposition_settings().read(o).resolves; },
+      {.category = GuideClaims::Category::robot,
+       .f = "q -> the position of the reference point, in a triangle of the free workspace; of an arm that is fixed to "
+            "its base, that of its tip",
+       .h = "a triangle of the lead that the tree has reached, by free volume, coverage and how often it was "
+            "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
+            "triangles, all else uniform (of an arm, by inverse kinematics); any triangle with a share of `explore`",
+       .closed_form = true,
+       .density = "of the mixture of triangles",
+       .feedback = "nodes, invalid configurations and crossings are counted by triangle; a lead is abandoned after "
+                   "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
+                   "another one searched, its costs by what was counted",
+       .relaxes = true,
+       .invalid_ends = "an end whose position is in no triangle is joined to none, so S has no path",
+       .fallback = GuideClaims::Fallback::own,
+       .no_path = "the lead goes to the triangle nearest to the goal that can be reached; uniform where the start "
+                  "is in none",
+       .example = "examples/kinodynamic.lua",
+       .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis

@@ -33,7 +33,10 @@ std::string_view to_string(GuideClaims::Category category) {
 std::string_view to_string(GuideClaims::Needs needs) {
   switch (needs) {
     case GuideClaims::Needs::nothing: return "";
-    case GuideClaims::Needs::position: return "a robot whose reference point moves in the plane";
+    case GuideClaims::Needs::position:
+      return "a robot whose reference point moves in the plane, or an arm of two links or more that is fixed to its "
+             "base";
+    case GuideClaims::Needs::position_axes: return "a robot whose reference point moves in the plane";
     case GuideClaims::Needs::robot_axes: return "a space whose axes are the robot's";
   }
   throw Fault("unknown need of guides");

@@ -42,7 +42,7 @@ class Guide {
   /// lifted configuration at q, each with respect to volume in its own space's metric coordinates. 0 where S has the
   /// axes of C with their weights; other weights make it the Jacobian's. Not called where S = {0}.
   [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
-  /// Whether log_fibre_density is known.
+  /// Whether log_fibre_density is known, and gives the density of what is lifted from any density over S.
   [[nodiscard]] virtual bool closed_fibre() const { return true; }
   /// h: the distribution over C from the instance in S and what its search found. Called after every solve; keeps what
   /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at

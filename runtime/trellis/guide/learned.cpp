@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -98,8 +100,8 @@ class Learned final : public Guide {
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
     if (parent.position_axes.size() != 2) {
-      throw Error("learned: needs a robot whose reference point moves in the plane; this space (" +
-                  parent.space.name() + ") has no position");
+      throw Error(fmt::format("learned: needs {}; this space ({}) has no position",
+                              to_string(GuideClaims::Needs::position_axes), parent.space.name()));
     }
     model_ = known_model(settings_.model);
     return nullptr;
@@ -151,7 +153,7 @@ GuideKind learned_kind() {
        .fallback = GuideClaims::Fallback::none,
        .no_path = "nothing is searched",
        .example = "examples/real/learned.lua",
-       .needs = GuideClaims::Needs::position}};
+       .needs = GuideClaims::Needs::position_axes}};
 }
 
 }  // namespace trellis

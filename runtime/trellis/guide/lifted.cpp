@@ -34,7 +34,7 @@ LiftedDensity::LiftedDensity(std::shared_ptr<const Projection> projection, std::
 double LiftedDensity::at(View q) const {
   Configuration s(dimension_);
   projection_->project(q, s);
-  const double p = density_->at(s);
+  const double p = projection_->folded(s, [&](View at) { return density_->at(at); });
   return p > 0.0 ? p * std::exp(projection_->log_fibre_density(q)) : p;
 }
 
@@ -98,7 +98,7 @@ LiftedHeuristic::LiftedHeuristic(std::string source, std::shared_ptr<const Proje
 double LiftedHeuristic::density(View q) const {
   if (!projection()->closed_form()) return std::numeric_limits<double>::quiet_NaN();
   projection()->project(q, s_);
-  const double p = inner_->density(s_);
+  const double p = projection()->folded(s_, [&](View at) { return inner_->density(at); });
   return p > 0.0 ? p * std::exp(projection()->log_fibre_density(q)) : p;
 }
 

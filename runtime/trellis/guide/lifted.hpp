@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,6 +35,9 @@ class Projection {
     static_cast<void>(goal);
     return {};
   }
+  /// The density over f(C), at s, of what is drawn from a density over S: another one where lift moves what S has
+  /// beyond f(C) into it.
+  [[nodiscard]] virtual double folded(View s, const std::function<double(View)>& density) const { return density(s); }
 
  protected:
   Projection(const Projection&) = default;

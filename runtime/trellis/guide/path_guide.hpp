@@ -24,7 +24,8 @@ class SparseValidation;
 /// Lifts a point of a path in S to C, in several attempts.
 /// \param attempt   0 for the first; each attempt gives another configuration
 /// \param s         the point of the path in S
-/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end
+/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end; moved evenly
+///                  towards the waypoint at the other end of what is not yet validated, where that is asked for
 /// \param ahead     the next point of the path in S in the direction of validation; `s` at the end
 /// \param q         receives the configuration
 /// \return false where there are no more attempts

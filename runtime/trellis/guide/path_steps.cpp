@@ -78,6 +78,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
     result.refuted = s;
     return true;
   };
+  Configuration moved(dimension);
   std::size_t side = 0;
   while (next[0] <= next[1] && next[1] > 0) {
     const std::size_t at = next[side];
@@ -96,7 +97,12 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
     } else {
       const double onward = piece * (static_cast<double>(at) + (side == 0 ? 1.0 : -1.0));
       point_at(s_, path, lengths, std::clamp(onward, 0.0, lengths.back()), ahead);
-      const View previous = std::as_const(chains[side]).back();
+      View previous = std::as_const(chains[side]).back();
+      if (even_ && whole) {
+        const auto left = static_cast<double>(next[1] - next[0] + 1);
+        parent.space.interpolate(previous, std::as_const(chains[1 - side]).back(), 1.0 / (left + 1.0), moved);
+        previous = moved;
+      }
       if (free && free(piece * static_cast<double>(at)))
         valid = lift(0, s, previous, ahead, stream, q) && parent.space.contains(q);
       for (int attempt = 0; !valid && lift(attempt, s, previous, ahead, stream, q); ++attempt) {

@@ -33,7 +33,9 @@ struct SparsePath {
 class SparseValidation {
  public:
   /// \param spacing  metres in the metric of S between points that are checked, > 0
-  SparseValidation(const Space& s, double spacing) : s_(s), spacing_(spacing), known_(s), waypoints_(0) {}
+  /// \param even     moves what lifts start from evenly from one end to the other, so that both ends meet
+  SparseValidation(const Space& s, double spacing, bool even = false)
+      : s_(s), spacing_(spacing), even_(even), known_(s), waypoints_(0) {}
 
   /// \param path  in S, from f of the start to f of the goal, or only towards it
   /// \param whole  whether it ends at the goal
@@ -46,6 +48,7 @@ class SparseValidation {
 
   Space s_;
   double spacing_;
+  bool even_;
   std::shared_ptr<Validity> checked_;      ///< of a C that presumes validity
   NearestIndex known_;                     ///< points of S that were lifted
   Configurations waypoints_;               ///< the configurations that they were lifted to last

@@ -1,30 +1,148 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/position.hpp>
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/claims.hpp>
+#include <trellis/guide/path_guide.hpp>
 
 namespace trellis {
 
 namespace {
 
-const std::vector<std::size_t>& position_of(const std::string& guide, const Instance& parent) {
-  if (parent.position_axes.size() == 2) return parent.position_axes;
-  throw Error(guide + ": needs a robot whose reference point moves in the plane; this space (" + parent.space.name() +
-              ") has no position");
+/// Validity of a position as far as an arm reaches. Its world has what lies beyond as obstacles with straight sides;
+/// this takes out what is left between these and the circle.
+class ReachableValidity final : public Validity {
+ public:
+  ReachableValidity(std::shared_ptr<Validity> positions, std::shared_ptr<const ArmProjection> arm)
+      : positions_(std::move(positions)), arm_(std::move(arm)) {}
+  [[nodiscard]] bool state(View s) override { return arm_->reaches(s) && positions_->state(s); }
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    if (!arm_->reaches(b)) return {false, 1, 1.0};
+    return positions_->motion(a, b);
+  }
+  [[nodiscard]] double clearance(View s) override { return positions_->clearance(s); }
+  [[nodiscard]] std::optional<Contact> contact(View s) override { return positions_->contact(s); }
+  [[nodiscard]] double invalid_radius(View s) override { return positions_->invalid_radius(s); }
+
+ private:
+  std::shared_ptr<Validity> positions_;
+  std::shared_ptr<const ArmProjection> arm_;
+};
+
+/// Of the reference point: a position keeps the angles before, then takes those along the path, either way round, then
+/// any; at last positions near it are lifted too.
+PointLift lift_of_reference_point(const PositionProjection& projection, const Instance& parent) {
+  std::vector<std::size_t> headings;
+  for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
+    const bool kept =
+        std::find(parent.position_axes.begin(), parent.position_axes.end(), j) != parent.position_axes.end();
+    if (!kept && parent.space.axes()[j].periodic) headings.push_back(j);
+  }
+  const double wander = natural_distance(parent);
+  return [&projection, &parent, headings, wander](int attempt, View s, View previous, View ahead, Stream& stream,
+                                                  MutableView q) {
+    constexpr int here = 14;
+    constexpr int most = 26;
+    if (attempt >= most) return false;
+    if (attempt > 2) {
+      projection.lift(s, stream, q);
+    } else {
+      std::copy(previous.begin(), previous.end(), q.begin());
+      for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] = s[k];
+      if (attempt > 0) {
+        const double turn = attempt == 1 ? 0.0 : std::numbers::pi;
+        for (const std::size_t axis : headings) q[axis] = std::atan2(ahead[1] - s[1], ahead[0] - s[0]) + turn;
+        parent.space.normalise(q);
+      }
+    }
+    if (attempt >= here) {
+      const double r = wander * static_cast<double>(attempt - here + 1) / (most - here);
+      for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] += r * stream.uniform(-1.0, 1.0);
+      parent.space.reflect(q);
+    }
+    return true;
+  };
+}
+
+/// Of a tip: the configuration of the fibre nearest to the one before, then those nearest to ones more and more
+/// different from it, then any; at last positions near it are lifted too.
+PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int variation) {
+  return [&arm, &parent, variation](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
+    constexpr int any = 16;
+    constexpr int beside = 24;
+    constexpr int most = 32;
+    if (attempt >= most) return false;
+    if (attempt >= any && attempt < beside) {
+      arm.lift(s, stream, q);
+      return true;
+    }
+    std::array<double, 2> to{s[0], s[1]};
+    double share = std::min(1.0, static_cast<double>(attempt) / any + 0.2 * variation);
+    if (attempt >= beside) {
+      share = static_cast<double>(attempt - beside + 1) / (most - beside);
+      const double r = share * 0.02 * arm.space().diameter();
+      for (double& x : to) x += r * stream.uniform(-1.0, 1.0);
+    }
+    std::copy(previous.begin(), previous.end(), q.begin());
+    // Up to an eighth of a turn at each joint.
+    const double spread = 0.25 * std::numbers::pi * share;
+    if (spread > 0.0) {
+      for (double& x : q) x += spread * stream.normal();
+      parent.space.reflect(q);
+    }
+    if (!arm.follow(to, q)) arm.lift(s, stream, q);
+    return true;
+  };
 }
 
 }  // namespace
 
-PositionProjection::PositionProjection(const std::string& guide, const Instance& parent)
-    : AxisProjection(parent.space, position_of(guide, parent), "R^2") {}
+bool has_position(const Instance& instance) {
+  return instance.position_axes.size() == 2 || std::holds_alternative<ArmChain>(arm_chain(instance));
+}
+
+PositionProjection::PositionProjection(const std::string& guide, const Instance& parent) {
+  if (parent.position_axes.size() == 2) {
+    axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
+    return;
+  }
+  auto chain = arm_chain(parent);
+  if (const auto* why = std::get_if<std::string>(&chain)) {
+    throw Error(fmt::format("{}: needs {}; {}", guide, to_string(GuideClaims::Needs::position), *why));
+  }
+  arm_ = std::make_shared<ArmProjection>(parent, std::get<ArmChain>(std::move(chain)));
+}
+
+Configurations PositionProjection::lifted(const Configurations& path, View start, View goal) const {
+  return arm_ ? arm_->lifted(path, start, goal) : axes_->lifted(path, start, goal);
+}
+
+PointLift PositionProjection::point_lift(const Instance& parent, int variation) const {
+  return arm_ ? lift_of_tip(*arm_, parent, variation) : lift_of_reference_point(*this, parent);
+}
+
+double PositionProjection::spacing(const Instance& parent, const Instance& point) const {
+  // The planner's step is no distance of a tip.
+  return arm_ ? natural_distance(point) : sparse_spacing(parent);
+}
 
 std::unique_ptr<Instance> PositionProjection::point_instance(const Instance& parent) const {
   auto instance = std::make_unique<Instance>();
   instance->space = space();
-  instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, Robot::point()});
+  instance->scene = std::make_shared<Scene>(Scene{arm_ ? arm_->world() : parent.scene->world, Robot::point()});
   instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
+  if (arm_) instance->validity = std::make_shared<ReachableValidity>(instance->validity, arm_);
   instance->start.resize(2);
   instance->goal.resize(2);
   project(parent.start, instance->start);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <queue>
@@ -53,20 +52,22 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           .boolean(
               "prune", &SkeletonSettings::prune,
               "leave out edges that are narrower than the largest disc about the reference point inside the robot, "
-              "which it cannot pass, or inside a larger robot of a level above, which its path would not help")
+              "which it cannot pass, or inside a larger robot of a level above, which its path would not help; without "
+              "effect for an arm that is fixed to its base, whose tip is a point")
           .number(
               "spacing", &SkeletonSettings::spacing, "m", Range::non_negative(),
               "distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the "
-              "robot's bounding radius where that is more (2 % of the space's diameter for a point)")
+              "robot's bounding radius where that is more (2 % of the space's diameter for a point); 2 % of the "
+              "diameter of S for an arm that is fixed to its base")
           .number("radius", &SkeletonSettings::radius, "m in the metric", Range::non_negative(),
                   "radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding "
-                  "radius, or 1 % of the space's diameter for a point")
+                  "radius, or of the space's diameter 1 % for a point and 5 % for an arm that is fixed to its base")
           .integer("evidence", &SkeletonSettings::evidence, "proposals", Range::at_least(1),
                    "guided proposals at one place of the path that C found blocked, after which the path is refuted "
                    "there and the graph searched again")
-          .number(
-              "region", &SkeletonSettings::region, "bounding radii", Range::positive(),
-              "radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal")
+          .number("region", &SkeletonSettings::region, "bounding radii", Range::positive(),
+                  "radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of "
+                  "the world's diagonal")
           .number("explore", &SkeletonSettings::explore, "share of proposals", Range::share(),
                   "e: share that is spread evenly over the regions and the whole space; the rest follows the weights")
           .number("decay", &SkeletonSettings::decay, "factor", {.lo = 0, .hi = 1, .open_lo = true},
@@ -314,7 +315,7 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
-  DynamicRegions(std::shared_ptr<const AxisProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
+  DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
                  const Configurations& path, Configurations lifted, const SkeletonSettings& settings, double radius,
                  double robot, const NearestIndex& reached)
       : projection_(std::move(projection)),
@@ -348,18 +349,19 @@ class DynamicRegions final : public Heuristic {
   }
 
   [[nodiscard]] double density(View q) const override {
-    Configuration s(2);
-    projection_->project(q, s);
+    if (!regions_.empty() && !projection_->closed_form()) return std::numeric_limits<double>::quiet_NaN();
     double sum = whole_share() * uniform_density_;
     const double total = total_weight();
-    for (const auto& region : regions_) {
-      sum += share(region, total) * ball_.density(centre(region), s) * std::exp(-projection_->log_fibre_volume());
-    }
+    for (const auto& region : regions_) sum += share(region, total) * region.density->at(q);
     return sum;
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double weight) const override {
     record.add_uniform(weight * whole_share(), uniform_density_);
+    if (!regions_.empty() && !projection_->closed_form()) {
+      record.add_unknown(weight * (1.0 - whole_share()));
+      return;
+    }
     const double total = total_weight();
     for (const auto& region : regions_) record.add(region.density, weight * share(region, total));
   }
@@ -494,7 +496,7 @@ class DynamicRegions final : public Heuristic {
     }
   }
 
-  std::shared_ptr<const AxisProjection> projection_;
+  std::shared_ptr<const PositionProjection> projection_;
   Space parent_;
   std::shared_ptr<const Graph> graph_;
   std::vector<char> on_path_;  ///< per edge
@@ -520,11 +522,11 @@ class SkeletonGuide final : public Guide {
     auto instance = projection_->point_instance(parent);
     double clearance = settings_.clearance;
     // The axis is made of points: at those its clearance is right to within rounding.
-    if (settings_.prune) {
+    if (settings_.prune && !projection_->arm()) {
       const double needed = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
       clearance = std::max(clearance, (1.0 - 1e-6) * needed);
     }
-    GraphBuilder builder(*cached_medial_axis(parent.scene->world), clearance, *instance);
+    GraphBuilder builder(*cached_medial_axis(instance->scene->world), clearance, *instance);
     graph_ = std::make_shared<Graph>(builder.take());
     clearances_ = builder.take_clearances();
     refuted_edges_.assign(graph_->edges.size(), 0);
@@ -536,13 +538,15 @@ class SkeletonGuide final : public Guide {
       nodes_.begin(parent.space, parent.start, parent.goal);
       start_ = parent.start;
     }
-    sparse_.emplace(projection_->space(), settings_.spacing > 0.0 ? settings_.spacing : sparse_spacing(parent));
+    spacing_ = settings_.spacing > 0.0 ? settings_.spacing : projection_->spacing(parent, *instance);
+    sparse_.emplace(projection_->space(), spacing_, projection_->arm());
     return instance;
   }
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
+  [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
+  [[nodiscard]] bool closed_fibre() const override { return projection_->closed_fibre(); }
 
   void learn(const Outcome& outcome) override {
     if (outcome.added.empty() || !outcome.connected) return;
@@ -569,8 +573,8 @@ class SkeletonGuide final : public Guide {
     refuted_.reset();
     path_ = found->path;
     if (along_path_ && found->solved()) return along(parent, *found);
-    // A region is as large as the robot needs; a point has no size, so the world gives one.
-    const double robot = parent.scene->robot.bounding_radius();
+    // A region is as large as the robot needs; a point and a tip have no size, so the world gives one.
+    const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
     auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, path_,
                                               projection_->lifted(found->path, parent.start, parent.goal), settings_,
@@ -585,6 +589,12 @@ class SkeletonGuide final : public Guide {
       return;
     }
     if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
+      if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
+        // Of the many configurations that bring the tip along the path others may do.
+        sparse_.emplace(projection_->space(), spacing_, true);
+        return;
+      }
+      variation_ = 0;
       refuted_.emplace(2);
       projection_->project(*steps_->refuted_place(), *refuted_);
     }
@@ -598,38 +608,10 @@ class SkeletonGuide final : public Guide {
   /// h along the path found, lifted to valid configurations of C.
   std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found) {
     along_ = edges_along(*graph_, path_);
-    std::vector<std::size_t> headings;
-    for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
-      const bool kept =
-          std::find(parent.position_axes.begin(), parent.position_axes.end(), j) != parent.position_axes.end();
-      if (!kept && parent.space.axes()[j].periodic) headings.push_back(j);
-    }
-    const double wander = natural_distance(parent);
-    const PointLift lift = [&](int attempt, View s, View previous, View ahead, Stream& stream, MutableView q) {
-      // As before; along the path, either way round; anything at the place; anything near it.
-      constexpr int here = 14;
-      constexpr int most = 26;
-      if (attempt >= most) return false;
-      if (attempt > 2) {
-        projection_->lift(s, stream, q);
-      } else {
-        std::copy(previous.begin(), previous.end(), q.begin());
-        for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] = s[k];
-        if (attempt > 0) {
-          const double turn = attempt == 1 ? 0.0 : std::numbers::pi;
-          for (const std::size_t axis : headings) q[axis] = std::atan2(ahead[1] - s[1], ahead[0] - s[0]) + turn;
-          parent.space.normalise(q);
-        }
-      }
-      if (attempt >= here) {
-        const double r = wander * static_cast<double>(attempt - here + 1) / (most - here);
-        for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] += r * stream.uniform(-1.0, 1.0);
-        parent.space.reflect(q);
-      }
-      return true;
-    };
+    const PointLift lift = projection_->point_lift(parent, variation_);
     // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
-    const double reach = parent.scene->robot.bounding_radius();
+    const double reach =
+        projection_->arm() ? std::numeric_limits<double>::infinity() : parent.scene->robot.bounding_radius();
     const PathClearance clearance(*graph_, clearances_, along_, path_);
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
@@ -685,6 +667,8 @@ class SkeletonGuide final : public Guide {
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, for regions
   ReachedNodes nodes_;                   ///< the planner's nodes, for a path
   std::optional<SparseValidation> sparse_;
+  double spacing_ = 0.0;                  ///< of the points that it validates
+  int variation_ = 0;                     ///< how often the path found was lifted anew
   Configurations path_;                   ///< found in S
   std::optional<Configuration> refuted_;  ///< a point of it
   DynamicRegions* regions_ = nullptr;     ///< in use, if any
@@ -702,7 +686,8 @@ GuideKind skeleton_kind() {
       "graph_search",
       [](const Options& o) { return skeleton_settings().read(o).resolves; },
       {.category = GuideClaims::Category::robot,
-       .f = "q -> the position of the reference point, on the medial axis of the free workspace",
+       .f = "q -> the position of the reference point, on the medial axis of the free workspace; of an arm that is "
+            "fixed to its base, that of its tip, on the medial axis of what it reaches of it",
        .h = "a ball about a point of the path found on the axis, a step ahead of the tree, with angles that are valid "
             "there; or balls that travel along the directed axis with uniform angles, and the whole space with a share "
             "of `explore`",

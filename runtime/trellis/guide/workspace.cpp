@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -21,7 +22,7 @@ namespace {
 struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
-  std::string lift = "uniform";
+  std::string lift = "auto";
   double window = 0.0;
   std::int64_t evidence = 60;
   std::int64_t resolves = 1000;
@@ -43,12 +44,17 @@ const Settings<WorkspaceSettings>& workspace_settings() {
           .number(
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
               "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
-              "of the space's diameter for a point")
+              "of the space's diameter for a point; with `lift = \"path\"`, of the balls in C that proposals are drawn "
+              "from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm")
           .choice(
-              "lift", &WorkspaceSettings::lift, {"uniform", "handles"},
-              "what a position is completed with: \"uniform\", uniform angles; \"handles\", angles that lay both ends "
-              "of each body, its handle points, near the medial axis of the workspace, to which the path is moved "
-              "too; other coordinates stay uniform")
+              "lift", &WorkspaceSettings::lift, {"auto", "uniform", "handles", "path"},
+              "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
+              "any "
+              "that bring its tip there); \"handles\", angles that lay both ends of each body, its handle points, near "
+              "the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform; "
+              "\"path\", as skeleton does: points of the path are validated in C with angles that follow those before, "
+              "and proposals are a step of the planner ahead of the node that came farthest; \"auto\", \"path\" for an "
+              "arm that is fixed to its base and \"uniform\" for any other robot")
           .number("window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
                   "how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or "
                   "two bounding radii where it has none")
@@ -62,6 +68,8 @@ const Settings<WorkspaceSettings>& workspace_settings() {
 
 /// How much dearer the ways along a path become on which the planner made no progress.
 constexpr double stuck_penalty = 2.0;
+/// Factor on the cost of edges near a place of the path that was refuted.
+constexpr double refuted_penalty = 1000.0;
 /// More cells than this along one side are taken for a mistake.
 constexpr double most_cells = 2000;
 
@@ -140,8 +148,16 @@ class LiftedPath final : public ProjectedHeuristic {
     renew();
   }
 
-  [[nodiscard]] double density(View q) const override { return density_->at(q); }
-  void record(DensityRecord& record, double share) const override { record.add(density_, share); }
+  [[nodiscard]] double density(View q) const override {
+    return projection()->closed_form() ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
+  }
+  void record(DensityRecord& record, double share) const override {
+    if (projection()->closed_form()) {
+      record.add(density_, share);
+    } else {
+      record.add_unknown(share);
+    }
+  }
   void observe(const Outcome& outcome, bool mine) override {
     const std::uint64_t before = positions_->epoch();
     ProjectedHeuristic::observe(outcome, mine);
@@ -166,13 +182,27 @@ class Workspace final : public Guide {
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
     projection_ = std::make_shared<PositionProjection>("workspace", parent);
+    const bool arm = projection_->arm();
+    if (arm && settings_.lift == "handles") {
+      throw Error(
+          "workspace: option 'lift' is \"handles\", which needs a robot whose reference point moves in the plane: the "
+          "angles of an arm that is fixed to its base decide where its tip is");
+    }
+    along_path_ = !parent.motion_model && (settings_.lift == "path" || (arm && settings_.lift == "auto"));
     auto instance = projection_->point_instance(parent);
     const auto& axes = instance->space.axes();
     cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
     graph_ = std::make_shared<Graph>(grid(*instance, cell_));
     instance->graph = graph_;
     start_ = instance->start;
-    restart();
+    reached_.emplace(projection_->space());
+    reached_->add(start_);
+    refuted_.clear();
+    if (along_path_) {
+      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal);
+      spacing_ = projection_->spacing(parent, *instance);
+      sparse_.emplace(projection_->space(), spacing_, arm);
+    }
     if (settings_.lift == "handles") handles_ = std::make_shared<HandleLift>(projection_, parent);
     return instance;
   }
@@ -180,10 +210,12 @@ class Workspace final : public Guide {
 
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
-  [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
+  [[nodiscard]] double log_fibre_density(View q) const override { return projection_->log_fibre_density(q); }
+  [[nodiscard]] bool closed_fibre() const override { return projection_->closed_fibre(); }
 
   void learn(const Outcome& outcome) override {
     if (outcome.added.empty() || !outcome.connected) return;
+    if (along_path_) nodes_.add(outcome.added, outcome.from_goal);
     std::array<double, 2> position{};
     projection_->project(outcome.added, position);
     reached_->add(position);
@@ -191,13 +223,17 @@ class Workspace final : public Guide {
   void restart() override {
     reached_.emplace(projection_->space());
     reached_->add(start_);
+    if (nodes_.begun()) nodes_.clear();
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
     path_ = found->path;
+    steps_ = nullptr;
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
-    const double robot = parent.scene->robot.bounding_radius();
-    const double plain = robot > 0.0 ? robot : 0.01 * parent.space.diameter();
+    if (along_path_ && found->solved()) return along(parent);
+    const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
+    const double plain =
+        robot > 0.0 ? robot : 0.01 * (projection_->arm() ? projection_->space() : parent.space).diameter();
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
     const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
@@ -215,23 +251,73 @@ class Workspace final : public Guide {
     return std::make_unique<LiftedPath>(handles_, positions(moved), parent, std::move(lifted));
   }
 
-  /// Ways along the part of the path that the planner did not reach become dearer.
+  /// Edges near the place that was refuted cost more; or those along the part of the path that the planner did not
+  /// reach.
   void before_resolve() override {
     const Space& space = projection_->space();
     NearestIndex stuck(space);
-    for (std::size_t i = 0; i < path_.size(); ++i) {
-      const View point = std::as_const(path_)[i];
-      if (reached_->nearest(point).squared_distance > radius_ * radius_) stuck.add(point);
+    double penalty = stuck_penalty;
+    if (steps_ != nullptr) {
+      if (steps_->refuted_place()) {
+        if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
+          // Of the many configurations that bring the tip along the path others may do.
+          sparse_.emplace(space, spacing_, true);
+          return;
+        }
+        variation_ = 0;
+        Configuration place(2);
+        projection_->project(*steps_->refuted_place(), place);
+        refuted_.push(place);
+      }
+      penalty = refuted_penalty;
+      if (refuted_.size() > 0) stuck.add(std::as_const(refuted_).back());
+    } else {
+      for (std::size_t i = 0; i < path_.size(); ++i) {
+        const View point = std::as_const(path_)[i];
+        if (reached_->nearest(point).squared_distance > radius_ * radius_) stuck.add(point);
+      }
     }
     if (stuck.size() == 0) return;
     Configuration middle(2);
     for (auto& edge : graph_->edges) {
       space.interpolate(graph_->vertices[edge.from], graph_->vertices[edge.to], 0.5, middle);
-      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) edge.cost *= stuck_penalty;
+      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) edge.cost *= penalty;
     }
   }
 
  private:
+  /// h along the path found, lifted to valid configurations of C.
+  std::unique_ptr<Heuristic> along(Instance& parent) {
+    SparsePath sparse = sparse_->validate(parent, path_, true, projection_->point_lift(parent, variation_));
+    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
+    const StepHeuristic::Settings steps = {.radius = radius,
+                                           .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
+                                           .evidence = settings_.evidence};
+    auto h =
+        std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps, nodes_.both());
+    steps_ = h.get();
+    // A path through a place that was refuted before is the only one.
+    if (path_is_refuted()) return h;
+    if (sparse.refuted) {
+      refuted_.push(*sparse.refuted);
+      h->refute();
+    }
+    return h;
+  }
+
+  [[nodiscard]] bool path_is_refuted() const {
+    const Space& space = projection_->space();
+    for (std::size_t k = 0; k < refuted_.size(); ++k) {
+      for (std::size_t i = 0; i + 1 < path_.size(); ++i) {
+        const double distance =
+            nearest_on_motion(space, std::as_const(path_)[i], std::as_const(path_)[i + 1], refuted_[k])
+                .squared_distance;
+        if (distance <= 0.25 * cell_ * cell_) return true;
+      }
+    }
+    return false;
+  }
+
   WorkspaceSettings settings_;
   std::shared_ptr<const PositionProjection> projection_;
   std::shared_ptr<const HandleLift> handles_;  ///< where they are asked for
@@ -239,7 +325,14 @@ class Workspace final : public Guide {
   std::shared_ptr<Graph> graph_;
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
   Configuration start_;                  ///< its position
-  Configurations path_;                  ///< found in S
+  bool along_path_ = false;              ///< h follows configurations of C
+  ReachedNodes nodes_;                   ///< the planner's nodes, for that
+  std::optional<SparseValidation> sparse_;
+  double spacing_ = 0.0;                        ///< of the points that it validates
+  int variation_ = 0;                           ///< how often the path found was lifted anew
+  Configurations refuted_ = Configurations(2);  ///< places of paths
+  StepHeuristic* steps_ = nullptr;              ///< in use, if any
+  Configurations path_;                         ///< found in S
   double cell_ = 0.0;
   double radius_ = 0.0;
 };
@@ -255,11 +348,13 @@ GuideKind workspace_kind() {
       "graph_search",
       [](const Options& o) { return workspace_settings().read(o).resolves; },
       {.category = GuideClaims::Category::robot,
-       .f = "q -> the position of the reference point, free in the workspace; refused where it does not move, as an "
-            "arm's fixed to its base",
+       .f =
+           "q -> the position of the reference point, free in the workspace; of an arm that is fixed to its base, that "
+           "of its tip, as far as it reaches",
        .h =
            "a position from a tube about the point's path, just beyond what the tree has reached, with uniform angles, "
-           "or with those that lay the robot's handle points near the medial axis",
+           "or with those that lay the robot's handle points near the medial axis; of an arm, a ball about a "
+           "configuration a step ahead of the tree on the path that its tip follows",
        .closed_form = true,
        .density = "of the tube of positions times that of the angles",
        .feedback =

@@ -5,83 +5,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/instance/inverse_kinematics.hpp>
 
 namespace trellis {
-
-namespace {
-
-/// Inverse kinematics of one point by damped least squares.
-class Kinematics {
- public:
-  Kinematics(const Problem& problem, const Reach& reach)
-      : robot_(problem.scene->robot),
-        space_(problem.space),
-        reach_(reach),
-        poses_(robot_.bodies().size()),
-        columns_(problem.space.dimension()) {}
-
-  /// Moves q until its point lies at the target to within `near`; whether it got there.
-  bool bring(Configuration& q, Vec2 target, double near) {
-    constexpr int most_steps = 200;
-    constexpr double step = 1e-6;  // of the differences
-    constexpr double longest = 1.0;
-    for (int i = 0; i < most_steps; ++i) {
-      const Vec2 at = point(q);
-      Vec2 way = target - at;
-      const double distance = norm(way);
-      if (distance <= near) return true;
-      if (distance > longest) way = longest / distance * way;
-      double xx = 0.0;
-      double xy = 0.0;
-      double yy = 0.0;
-      for (std::size_t j = 0; j < columns_.size(); ++j) {
-        const double before = q[j];
-        q[j] = before + step;
-        // Per metre of the metric, so that the axes share the way as the metric counts them.
-        columns_[j] = 1.0 / (step * space_.axes()[j].weight) * (point(q) - at);
-        q[j] = before;
-        xx += columns_[j].x * columns_[j].x;
-        xy += columns_[j].x * columns_[j].y;
-        yy += columns_[j].y * columns_[j].y;
-      }
-      const double damping = 1e-4 * (xx + yy) + std::numeric_limits<double>::min();
-      xx += damping;
-      yy += damping;
-      const double determinant = xx * yy - xy * xy;
-      if (!(determinant > 0.0)) return false;
-      const Vec2 force{(yy * way.x - xy * way.y) / determinant, (xx * way.y - xy * way.x) / determinant};
-      for (std::size_t j = 0; j < columns_.size(); ++j) {
-        const Axis& axis = space_.axes()[j];
-        q[j] += dot(columns_[j], force) / axis.weight;
-        if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
-      }
-      space_.normalise(q);
-    }
-    return false;
-  }
-
- private:
-  Vec2 point(View q) {
-    robot_.place(q, poses_);
-    return poses_[reach_.body](reach_.point);
-  }
-
-  const Robot& robot_;
-  const Space& space_;
-  const Reach& reach_;
-  std::vector<Pose2> poses_;
-  std::vector<Vec2> columns_;  ///< of the Jacobian
-};
-
-}  // namespace
 
 bool reaches(const Robot& robot, const Reach& reach, View q) {
   std::vector<Pose2> poses(robot.bodies().size());
@@ -100,7 +32,7 @@ void settle_goal(Problem& problem) {
   constexpr std::array<double, 6> spreads = {0.02, 0.1, 0.3, 0.6, 1.0, 0.0};
   const Reach& reach = *problem.reach;
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  Kinematics kinematics(problem, reach);
+  InverseKinematics kinematics(problem.scene->robot, problem.space, reach.body, reach.point);
   const Vec2 middle = 0.5 * (reach.box.lo + reach.box.hi);
   const Vec2 half = 0.5 * (reach.box.hi - reach.box.lo);
   const double near = 0.05 * std::min(half.x, half.y);
