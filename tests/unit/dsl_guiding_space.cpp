@@ -307,20 +307,25 @@ TEST_CASE("where the planner lost nodes a script is told so, hears of those that
   CHECK_THAT(run_failure(guide("error('lost nodes')", ""), strategy), Contains("restart: ") && Contains("lost nodes"));
   CHECK_THAT(run_failure(guide("lost = true", ""), strategy), Contains("made anew"));
   CHECK_THAT(run_failure(guide("lost = true",
-                               ",\n  observe = function(o) assert(not lost or o.mine, 'a node that is left: ' .. "
-                               "o.fate .. ' ' .. #o.added) end"),
+                               ",\n  observe = function(o) if lost and o.added and not o.mine then "
+                               "error('a node that is left: ' .. o.fate .. ' ' .. #o.added) end end"),
                          strategy),
              Contains("a node that is left: reached 3"));
   // With a space, too, which is projected anew where the world changed.
   for (const std::string h : {"along(found.path)", "lifted(along(found.path))"}) {
-    const RunRecord run = run_of(
-        "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end, "
-        "heuristic = function(found) return " +
-            h + " end }",
-        strategy);
-    CHECK(run.solved);
-    REQUIRE(run.levels.size() == 3);
-    CHECK(run.levels[2].solves > 1);
+    CAPTURE(h);
+    int solves = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const RunRecord run = run_of(
+          "guiding_space { name = 'half', robot = function(i) return i.robot:scaled(0.5) end, "
+          "heuristic = function(found) return " +
+              h + " end }",
+          strategy, seed);
+      CHECK(run.solved);
+      REQUIRE(run.levels.size() == 3);
+      solves += run.levels[2].solves;
+    }
+    CHECK(solves > 5);
   }
 }
 

@@ -82,6 +82,21 @@ Wrapped nested() {
 const Configuration a = {1, 2, 0.5};
 const Configuration b = {3, 4, 1.5};
 
+Outcome rejected(View q) {
+  Outcome outcome;
+  outcome.proposal = q;
+  return outcome;
+}
+
+Outcome reached(View q) {
+  Outcome outcome;
+  outcome.fate = Fate::reached;
+  outcome.proposal = q;
+  outcome.added = q;
+  outcome.added_row = 3;
+  return outcome;
+}
+
 void check_forwards(Wrapped w) {
   Heuristic& h = *w.h;
   const auto pair = std::pair(w.f(a), w.f(b));
@@ -120,7 +135,7 @@ void check_forwards(Wrapped w) {
   outcome.connected = false;
   outcome.added_row = 42;
   h.observe(outcome, true);
-  h.observe({.proposal = a}, false);
+  h.observe(rejected(a), false);
   CHECK(h.epoch() > before);
   int mine = 0;
   for (const auto& calls : w.calls) {
@@ -177,7 +192,7 @@ TEST_CASE("what is made of others is stale where they are", "[guide][forwarding]
   for (std::size_t i = 0; i < all.spies.size(); ++i) {
     CHECK_FALSE(all.h->stale());
     all.spies[i]->refute();
-    all.h->observe({.proposal = a}, false);
+    all.h->observe(rejected(a), false);
   }
   CHECK(all.h->stale());
 }
@@ -206,7 +221,7 @@ TEST_CASE("a path that guides by itself forgets the nodes that the planner lost"
       Configuration q(3);
       for (int i = 0; learns && i <= 20; ++i) {
         parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
-        guide->learn({.fate = Fate::reached, .proposal = q, .added = q, .added_row = 3});
+        guide->learn(reached(q));
       }
       if (restarts) guide->restart();
       const auto h = guide->heuristic(*parent, nullptr, nullptr);
@@ -249,7 +264,7 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
         Configuration q(parent->space.dimension());
         for (int i = 0; i <= 40; ++i) {
           parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
-          guide->learn({.fate = Fate::reached, .proposal = q, .added = q, .added_row = 3});
+          guide->learn(reached(q));
         }
       }
       if (restarts) guide->restart();

@@ -270,7 +270,7 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
         const auto& search = level.search;
         if (search.proposals.size() < 100) continue;
         // The goal of S is what the root's is projected to. Atoms are told by their source, or because they are
-        // proposed again, or are vertices of a path found in a space that has these coordinates.
+        // proposed again, or are vertices of a path found in a space that guides and has these coordinates.
         std::vector<char> is_atom(search.proposals.size(), 0);
         std::map<std::vector<double>, int> times;
         for (std::size_t i = 0; i < is_atom.size(); ++i) {
@@ -278,7 +278,8 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
           ++times[{q.begin(), q.end()}];
         }
         for (const auto& turn : run.turns) {
-          if (turn.path.dimension() != search.proposals.dimension()) continue;
+          const bool guides = run.levels[static_cast<std::size_t>(turn.level)].parent == level.level;
+          if (!guides || turn.path.dimension() != search.proposals.dimension()) continue;
           for (std::size_t i = 0; i < turn.path.size(); ++i) ++times[{turn.path[i].begin(), turn.path[i].end()}];
         }
         for (std::size_t i = 0; i < is_atom.size(); ++i) {

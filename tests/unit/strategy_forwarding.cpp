@@ -74,7 +74,7 @@ GuideSpec spied(Heard& heard, const std::string& name, bool spaceless = false) {
 }  // namespace
 
 TEST_CASE("every call of a planner reaches the heuristic, whatever stands between", "[strategy][forwarding]") {
-  const Problem problem = test::simple_passage_problem();
+  const Problem problem = test::point_problem(5);
   struct Case {
     const char* name;
     GuideSpec (*combine)(Heard&);
@@ -109,7 +109,11 @@ TEST_CASE("every call of a planner reaches the heuristic, whatever stands betwee
         return execute(one.combine(heard) >> planner, problem, 1, options);
       };
       Heard connect;
-      run(connect, PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"proposals", std::int64_t{2000}}}));
+      // Without a bound, S is searched before anything is drawn.
+      const auto planner = [](const std::string& name, std::int64_t proposals) {
+        return PlannerSpec::make(name, {{"bound", 0.0}, {"goal_bias", 0.0}, {"proposals", proposals}});
+      };
+      run(connect, planner("rrt_connect", 500));
       CHECK(std::count(connect.h->sides.begin(), connect.h->sides.end(), TreeSide::goal) > 0);
       CHECK(std::count(connect.h->sides.begin(), connect.h->sides.end(), TreeSide::start) > 0);
       CHECK(connect.h->vertices > 0);
@@ -118,10 +122,10 @@ TEST_CASE("every call of a planner reaches the heuristic, whatever stands betwee
       CHECK_FALSE(connect.h->outcomes.empty());
       CHECK(connect.guide_restarts > 0);
       Heard roadmap;
-      run(roadmap, PlannerSpec::make("lazy_prm", {{"proposals", std::int64_t{2000}}}));
+      run(roadmap, planner("lazy_prm", 500));
       CHECK_FALSE(roadmap.h->edges.empty());
       Heard anytime;
-      run(anytime, PlannerSpec::make("rrt_star", {{"step", 0.5}, {"proposals", std::int64_t{3000}}}));
+      run(anytime, planner("rrt_star", 4000));
       CHECK_FALSE(anytime.h->lengths.empty());
     }
   }

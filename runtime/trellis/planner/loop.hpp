@@ -142,7 +142,9 @@ class BlockedMotions {
 
 /// The end of an extension from `from` towards q, which is `distance` away: at most `step` far. Whether that is q.
 inline bool steer(const Space& space, View from, View q, double distance, double step, Configuration& target) {
-  if (distance <= step) {
+  // What was made a step away is a step away, whatever rounding has left of the distance.
+  constexpr double rounding = 1e-6;
+  if (distance <= (1.0 + rounding) * step) {
     target.assign(q.begin(), q.end());
     return true;
   }

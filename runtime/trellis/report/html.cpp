@@ -203,7 +203,7 @@ std::string level_table(const RunsSummary& summary, bool measured) {
                                   {"medians", {"re-solves", "proposals", "nodes", "checks", "time, ms"}}};
   const bool guided =
       std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& l) { return l.guided; });
-  if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided", "levels below"}});
+  if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided proposals", "levels below"}});
   if (measured) {
     const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
                                                    : std::vector<std::string>{"own space", "lifted"};
