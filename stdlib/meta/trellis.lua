@@ -96,7 +96,7 @@
 
 ---what became of a proposal; the same table each time
 ---@class trellis.Outcome
----@field fate string "reached", "advanced" (a node on the way to it) or "rejected"
+---@field fate string "reached", "advanced" (a node towards it) or "rejected"
 ---@field mine boolean whether this h drew it
 ---@field proposal number[] what was proposed, in C
 ---@field near number[]? the node that the extension started from
@@ -141,7 +141,7 @@
 ---@field connect_goal? boolean true or false; default true: try the motion to the goal from every new node within one step of it
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -151,7 +151,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of a tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -163,7 +163,7 @@
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -180,7 +180,7 @@
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -193,7 +193,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -205,7 +205,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -217,7 +217,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -230,7 +230,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -243,7 +243,7 @@
 ---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -253,7 +253,7 @@
 ---@field samples? integer an integer at least 1 (proposals); default 200: proposals drawn per search where it is guided
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -307,8 +307,8 @@
 ---@field [1]? number `cell` without its name
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point
----@field lift? "uniform"|"handles" one of "uniform", "handles"; default "uniform": what a position is completed with: "uniform", uniform angles; "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point; with `lift = "path"`, of the balls in C that proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm
+---@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
@@ -317,11 +317,11 @@
 ---@class trellis.skeleton.Options
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field follow? "path"|"regions" one of "path", "regions"; default "path": "path": the path found on the axis is validated in C at points `spacing` apart, with the angles that are nearest to those before, and proposals are a step of the planner ahead of the node that came farthest along it; "regions", as published: dynamic regions along the whole axis, those on the path found weighing twice. Where there is a motion model, always regions
----@field prune? boolean true or false; default true: leave out edges that are narrower than the largest disc about the reference point inside the robot, which it cannot pass
----@field spacing? number a number at least 0 (m); default 0: distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (2 % of the space's diameter for a point)
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding radius, or 1 % of the space's diameter for a point
+---@field prune? boolean true or false; default true: leave out edges that are narrower than the largest disc about the reference point inside the robot, which it cannot pass, or inside a larger robot of a level above, which its path would not help; without effect for an arm that is fixed to its base, whose tip is a point
+---@field spacing? number a number at least 0 (m); default 0: distance between the points of the path that are validated in C; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (2 % of the space's diameter for a point); 2 % of the diameter of S for an arm that is fixed to its base
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the balls about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for an arm that is fixed to its base
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted there and the graph searched again
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
@@ -446,7 +446,7 @@
 ---What `decomposition` takes.
 ---@class trellis.decomposition.Options
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
----@field size? number a number at least 0 (m); default 0: length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's diagonal for a point
+---@field size? number a number at least 0 (m); default 0: length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's diagonal for a point and 5 % for an arm's tip
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.2: share that is spread evenly over all triangles; the rest keeps to the lead
 ---@field ahead? integer an integer at least 1 (triangles); default 2: how many triangles of the lead, beyond the one whose node is expanded, proposals are drawn from
 ---@field random_leads? number a number in [0, 1] (share of leads); default 0.05: share of leads that are found by a random depth-first search; the rest are shortest paths
@@ -580,7 +580,8 @@
 ---@field heuristic? fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function? a function: h: called each time that S was solved, with what was found and the instance in C; returns a sum of along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with random and normal, it returns a configuration of C, and its density may follow it; by default along the path found, lifted
 ---@field density? fun(...: number): number a function: of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with respect to volume in metric coordinates
 ---@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on
----@field stale? fun(): boolean a function: asked after each outcome whether S is to be solved again; h made of along(path) asks for that by itself too
+---@field stale? fun(): boolean a function: whether S is to be solved again before the next proposal; called when h was made, before each proposal and after each outcome, so it must change nothing; h made of along(path) asks for that by itself too
+---@field restart? fun() a function: called when the planner in C removed nodes: 'observe' then receives those that are left as outcomes that are not mine, and 'heuristic' is called again before the next proposal
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 
 ---What `box` takes.
@@ -869,7 +870,7 @@
 
 ---What `strategies.regions` takes.
 ---@class trellis.strategies.regions.Options
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
@@ -878,7 +879,7 @@
 ---What `strategies.dr_rrt` takes.
 ---@class trellis.strategies.dr_rrt.Options
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
@@ -889,7 +890,7 @@
 ---What `strategies.parasol_dr_rrt` takes.
 ---@class trellis.strategies.parasol_dr_rrt.Options
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 1: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
@@ -969,7 +970,7 @@
 ---@field scales? number[] a list of numbers that grow, below 1; default {0.25, 0.5, 0.75}: the robots from the smallest to the largest, by the size of the real one
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
 ---@field share? number a number in [0, 1] (share of guided proposals); default 0.5: share of dr_rrt's regions; the rest is irc's
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
@@ -988,7 +989,7 @@
 ---@field floor? number a number in (0, 1] (share of proposals); default 0.2: share that is spread evenly over the parts, so that none starves; the rest follows successes over attempts; 1: an even mixture
 ---@field credit? "node"|"reach"|"efficiency" one of "node", "reach", "efficiency"; default "node": what a success is: "node", 1 for each proposal that led to a node; "reach", the length of the extension to that node, by the longest of the run so far; "efficiency", by each part's density where the search came nearer to its end than ever, so that the weights lower the sampling efficiency there; a part without a density in closed form is credited with what it drew itself
 ---@field memory? number a number in (0, 1] (factor); default 0.98: what a part's successes and attempts are multiplied by before each new one is counted; 1 / (1 - decay) of its proposals are remembered; not used by exp3
----@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point, in hundredths of the world's diagonal
+---@field region? number a number greater than 0 (bounding radii); default 2: radius of a region, in bounding radii of the robot; of a point and an arm's tip, in hundredths of the world's diagonal
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle

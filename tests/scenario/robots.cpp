@@ -156,6 +156,33 @@ SCENARIO("shrink with several distinct paths", "[catalogue][robots]") {
   }
 }
 
+SCENARIO("skeleton: an arm whose tip is led through a gap, and one that has to fold", "[catalogue][robots]") {
+  const auto planner = PlannerSpec::make("rrt_connect", {{"step", 0.3}});
+  GIVEN("an arm of four links below a wall with a gap that its tip goes through") {
+    const Arm arm{.links = {1.6, 1.6, 1.6, 1.6}, .widths = {0.15, 0.15, 0.15, 0.15}, .base = {5, 1}};
+    const Problem problem = arm_problem("gap", arm, {{0, 4, 4.5, 4.3}, {5.5, 4, 10, 4.3}},
+                                        {-0.387, 0.431, 0.575, 1.995}, {1.357, 0.484, -0.452, -1.439});
+    THEN("its path saves checks") {
+      CHECK_THAT(tried(guide("skeleton") >> planner, problem),
+                 Spends(fewer_than(tried(planner, problem)).validity_checks()));
+    }
+    THEN("a single tree that follows it finds a path on every seed") {
+      CHECK_THAT(tried(guide("skeleton") >> PlannerSpec::make("rrt", {{"step", 0.3}}), problem), Solves(at_least(1.0)));
+    }
+  }
+  GIVEN("an arm of six links that has to fold to leave one compartment of a shelf for another") {
+    const Arm arm{
+        .links = {1.2, 1.2, 1.2, 1.2, 1.2, 1.2}, .widths = {0.12, 0.12, 0.12, 0.12, 0.12, 0.12}, .base = {2.5, 5}};
+    const Problem problem = arm_problem(
+        "shelf", arm,
+        {{5, 2, 9, 2.2}, {5, 3.4, 9, 3.6}, {5, 4.9, 9, 5.1}, {5, 6.4, 9, 6.6}, {5, 7.8, 9, 8}, {9, 2, 9.2, 8}},
+        {-2.144, 0.776, 1.444, -0.204, 0.459, -0.612}, {2.100, -0.868, -1.069, -0.356, -0.064, 0.562});
+    THEN("where the tip goes says little, and costs a bounded number of checks") {
+      CHECK_THAT(tried(guide("skeleton") >> planner, problem), LosesLittle(tried(planner, problem)));
+    }
+  }
+}
+
 SCENARIO("joints: the first ones say where the others are, or they say little", "[catalogue][robots]") {
   const GuideSpec first_two = by_two_trees("joints", {}, 0.1);
   GIVEN("an arm of two long links and a wrist of three short ones") {

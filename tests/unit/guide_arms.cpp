@@ -180,14 +180,14 @@ TEST_CASE("the density of lifted positions integrates to one and is that of the 
       REQUIRE(position->closed_form());
       const LiftedDensity density(position, 2, std::make_shared<UniformPositions>(position->space()));
       // Bins of the last two joints' angles.
-      constexpr int cells = 5;
+      constexpr std::size_t cells = 5;
       constexpr int draws = 60000;
       const std::size_t n = links.size();
       const auto cell = [&](View q) {
         const auto part = [&](double angle) {
-          return std::clamp(static_cast<int>((angle + pi) / (2 * pi) * cells), 0, cells - 1);
+          return static_cast<std::size_t>(std::clamp((angle + pi) / (2 * pi) * cells, 0.0, cells - 1.0));
         };
-        return static_cast<std::size_t>(part(q[n - 2]) * cells + part(q[n - 1]));
+        return part(q[n - 2]) * cells + part(q[n - 1]);
       };
       std::vector<double> drawn(cells * cells, 0.0);
       std::vector<double> expected(cells * cells, 0.0);
@@ -310,7 +310,7 @@ TEST_CASE("what has no tip that moves in the plane is refused with the reason", 
   wheel.parts = {Disc{{}, 0.2}};
   Body same = second;
   same.joint = {};
-  CHECK(why_not(Robot("arm", {link, second}, false, {5, 5})) == "");
+  CHECK(why_not(Robot("arm", {link, second}, false, {5, 5})).empty());
   CHECK(why_not(Robot("arm", {link}, false, {5, 5})) ==
         "the robot 'arm' has one joint, so that its tip stays on a circle");
   CHECK(why_not(Robot("arm", {link, second, beside}, false, {5, 5})) ==

@@ -296,7 +296,8 @@ TEST_CASE("a motion towards a guided proposal is checked once for C and the spac
     fresh.expect_guided(true);
     const MotionReport guided = fresh.motion(a, b);
     CHECK(guided.valid == in_s.valid);
-    CHECK(guided.checks == (in_c.valid ? in_c.checks : in_c.checks + in_s.checks));
+    // The beginning is checked in C, too.
+    CHECK(guided.checks == 1 + (in_c.valid ? in_c.checks : in_c.checks + in_s.checks));
     CHECK(fresh.valid_in_c(b, a) == in_c.valid);
     // The second time it is known.
     if (in_c.valid) CHECK(fresh.motion(a, b).checks == 0);
@@ -305,6 +306,29 @@ TEST_CASE("a motion towards a guided proposal is checked once for C and the spac
   }
   CHECK(in_both > 100);
   CHECK(in_s_only > 10);
+}
+
+TEST_CASE("a motion from where C is invalid is not valid in C", "[guide][relaxed]") {
+  const auto problem = test::cup_problem();
+  const auto c = make_instance(problem);
+  const auto nothing = std::make_shared<Scene>(Scene{World(problem.scene->world.bounds(), {}), problem.scene->robot});
+  const auto in_c = c->validity_in(problem.scene);
+  RelaxedValidity relaxed(c->validity_in(nothing), in_c);
+  relaxed.expect_guided(true);
+  Stream stream(7, "0", "relaxed");
+  Configuration a(3);
+  Configuration b(3);
+  int out_of_obstacles = 0;
+  for (int i = 0; i < 20000 && out_of_obstacles < 20; ++i) {
+    problem.space.sample_uniform(stream, a);
+    problem.space.sample_uniform(stream, b);
+    problem.space.interpolate(a, b, 0.005, b);
+    if (in_c->state(a) || !in_c->motion(a, b).valid) continue;
+    ++out_of_obstacles;
+    CHECK(relaxed.motion(a, b).valid);
+    CHECK_FALSE(relaxed.valid_in_c(a, b));
+  }
+  CHECK(out_of_obstacles == 20);
 }
 
 TEST_CASE("C is asked about few motions where it finds most of them invalid", "[guide][relaxed]") {

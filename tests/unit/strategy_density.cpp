@@ -278,7 +278,8 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
           ++times[{q.begin(), q.end()}];
         }
         for (const auto& turn : run.turns) {
-          const bool guides = run.levels[static_cast<std::size_t>(turn.level)].parent == level.level;
+          const LevelRecord& below = run.levels[static_cast<std::size_t>(turn.level)];
+          const bool guides = below.parent == level.level && !below.name.ends_with(" half");
           if (!guides || turn.path.dimension() != search.proposals.dimension()) continue;
           for (std::size_t i = 0; i < turn.path.size(); ++i) ++times[{turn.path[i].begin(), turn.path[i].end()}];
         }

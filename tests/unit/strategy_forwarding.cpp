@@ -110,8 +110,8 @@ TEST_CASE("every call of a planner reaches the heuristic, whatever stands betwee
       };
       Heard connect;
       // Without a bound, S is searched before anything is drawn.
-      const auto planner = [](const std::string& name, std::int64_t proposals) {
-        return PlannerSpec::make(name, {{"bound", 0.0}, {"goal_bias", 0.0}, {"proposals", proposals}});
+      const auto planner = [](const std::string& name, std::int64_t proposals, double goal_bias = 0.0) {
+        return PlannerSpec::make(name, {{"bound", 0.0}, {"goal_bias", goal_bias}, {"proposals", proposals}});
       };
       run(connect, planner("rrt_connect", 500));
       CHECK(std::count(connect.h->sides.begin(), connect.h->sides.end(), TreeSide::goal) > 0);
@@ -125,7 +125,7 @@ TEST_CASE("every call of a planner reaches the heuristic, whatever stands betwee
       run(roadmap, planner("lazy_prm", 500));
       CHECK_FALSE(roadmap.h->edges.empty());
       Heard anytime;
-      run(anytime, planner("rrt_star", 4000));
+      run(anytime, planner("rrt_star", 2000, 0.3));
       CHECK_FALSE(anytime.h->lengths.empty());
     }
   }

@@ -350,14 +350,14 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
   // Where the last joint may lie at any place about the tip, one is as good as another.
   const double bend = norm(to) > 0.0 ? elbow.most : stream.uniform(0.0, pi);
   const double first = stream.below(2) == 0 ? 1.0 : -1.0;
-  for (const double side : {first, -first}) {
+  const std::array sides = {first, -first};
+  return std::any_of(sides.begin(), sides.end(), [&](double side) {
     const double direction = std::atan2(to.y, to.x) + side * bend;
-    if (!turn(n - 2, direction, before, q)) continue;
+    if (!turn(n - 2, direction, before, q)) return false;
     const Vec2 joint = p + chain_.links[n - 2].length * direction_of(direction);
     const Vec2 rest = s - joint;
-    if (turn(n - 1, std::atan2(rest.y, rest.x), wrapped(direction - chain_.links[n - 2].bearing), q)) return true;
-  }
-  return false;
+    return turn(n - 1, std::atan2(rest.y, rest.x), wrapped(direction - chain_.links[n - 2].bearing), q);
+  });
 }
 
 void ArmProjection::lift(View s, Stream& stream, MutableView q) const {

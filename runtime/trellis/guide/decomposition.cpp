@@ -44,7 +44,7 @@ const Settings<DecompositionSettings>& decomposition_settings() {
           "planning")
           .number("size", &DecompositionSettings::size, "m", Range::non_negative(),
                   "length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's "
-                  "diagonal for a point and an arm's tip")
+                  "diagonal for a point and 5 % for an arm's tip")
           .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
                   "share that is spread evenly over all triangles; the rest keeps to the lead")
           .integer("ahead", &DecompositionSettings::ahead, "triangles", Range::at_least(1),
@@ -544,7 +544,7 @@ class DecompositionGuide final : public Guide {
     if (settings_.size > 0.0) return settings_.size;
     const double robot = tip ? 0.0 : parent.scene->robot.bounding_radius();
     const Box2& bounds = parent.scene->world.bounds();
-    return robot > 0.0 ? 2.0 * robot : 0.02 * norm(bounds.hi - bounds.lo);
+    return robot > 0.0 ? 2.0 * robot : (tip ? 0.05 : 0.02) * norm(bounds.hi - bounds.lo);
   }
 
   /// Triangles as vertices at their centroids, joined through the middles of the sides that they share; start and goal

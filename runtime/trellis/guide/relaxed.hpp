@@ -45,8 +45,9 @@ class RelaxedValidity final : public Validity {
  private:
   std::shared_ptr<Validity> own_;
   std::shared_ptr<Validity> c_;
-  std::uint64_t c_epoch_;                    ///< when the motions were checked
-  std::unordered_set<std::uint64_t> valid_;  ///< digests of motions
+  std::uint64_t c_epoch_;                     ///< when the motions were checked
+  std::unordered_set<std::uint64_t> valid_;   ///< digests of motions that C found valid
+  std::unordered_set<std::uint64_t> states_;  ///< and of configurations
   bool guided_ = false;
   double success_ = 1.0;  ///< share of the last motions that C found valid
   int passed_over_ = 0;   ///< motions since C was asked last

@@ -5,16 +5,15 @@
 
 namespace trellis {
 
-std::uint64_t motion_digest(View a, View b) {
-  const auto of = [](View q) {
-    std::uint64_t digest = 0x9E3779B97F4A7C15U;
-    for (const double x : q) {
-      digest = (digest ^ std::bit_cast<std::uint64_t>(x)) * 0xBF58476D1CE4E5B9U;
-      digest ^= digest >> 29U;
-    }
-    return digest;
-  };
-  return of(a) ^ of(b);
+std::uint64_t configuration_digest(View q) {
+  std::uint64_t digest = 0x9E3779B97F4A7C15U;
+  for (const double x : q) {
+    digest = (digest ^ std::bit_cast<std::uint64_t>(x)) * 0xBF58476D1CE4E5B9U;
+    digest ^= digest >> 29U;
+  }
+  return digest;
 }
+
+std::uint64_t motion_digest(View a, View b) { return configuration_digest(a) ^ configuration_digest(b); }
 
 }  // namespace trellis

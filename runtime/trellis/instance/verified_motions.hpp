@@ -8,6 +8,8 @@
 
 namespace trellis {
 
+/// Another number for almost any other configuration.
+std::uint64_t configuration_digest(View q);
 /// The same number for (a, b) and (b, a), another one for almost any other motion.
 std::uint64_t motion_digest(View a, View b);
 
