@@ -21,10 +21,12 @@
 //   <!-- terminal: 80 x 30 -->    the size of the terminal from here on
 //   <!-- not run: WHY -->         it is compiled only
 //
-// TRELLIS_DOCUMENT=docs/tutorial.md in the environment reads one document only.
+// TRELLIS_DOCUMENT=docs/tutorial.md in the environment reads one document only. With TRELLIS_UPDATE_GOLDEN set, what is
+// shown is written anew where it is not what is printed, to be read before it is kept.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <memory>
 #include <regex>
@@ -51,6 +53,36 @@ using trellis::test::Terminal;
 namespace {
 
 const fs::path source = TRELLIS_SOURCE;
+
+/// What of what is printed stands in place of each part of what is shown: parts begin and end at lines of dots, and a
+/// part begins where a line is printed that differs from its first one in numbers and blanks only.
+std::string renewed(const std::string& shown, const std::string& printed) {
+  const auto bare = [](const std::string& line) {
+    return std::regex_replace(line, std::regex("[-+±−–<%0-9.,\\s]|e[0-9]"), "");
+  };
+  const std::vector<std::string> lines = lines_of(std::regex_replace(printed, std::regex("\r"), ""));
+  std::string text;
+  if (("\n" + shown).find("\n...\n") == std::string::npos) {
+    for (const std::string& line : lines) text += std::regex_replace(line, std::regex(" +$"), "") + "\n";
+    return text;
+  }
+  std::size_t next = 0;
+  bool begins = true;
+  for (const std::string& line : lines_of(shown)) {
+    if (line == "...") {
+      begins = true;
+      text += line + "\n";
+      continue;
+    }
+    if (std::exchange(begins, false)) {
+      std::size_t at = next;
+      while (at < lines.size() && bare(lines[at]) != bare(line)) ++at;
+      if (at < lines.size()) next = at;
+    }
+    text += std::regex_replace(next < lines.size() ? lines[next++] : line, std::regex(" +$"), "") + "\n";
+  }
+  return text;
+}
 
 /// README.md and all of docs/, but what is generated from the registry.
 std::vector<fs::path> documents() {
@@ -338,7 +370,23 @@ class Reader {
   static void agree(const Step& step, const std::string& printed) {
     if (step.shown.find_first_not_of('\n') == std::string::npos) return;
     INFO(step.prompt << step.typed << "\nshown:\n" << step.shown << "printed:\n" << printed);
-    CHECK(shows(step.shown, printed));
+    const bool agrees = shows(step.shown, printed);
+    const bool update = std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr;  // NOLINT(concurrency-mt-unsafe)
+    CHECK((agrees || (update && show(step, printed))));
+  }
+  /// Puts into a document what a step prints, in place of what is shown.
+  static bool show(const Step& step, const std::string& printed) {
+    const std::string text = renewed(step.shown, printed);
+    if (!shows(text, printed)) return false;
+    for (const fs::path& path : documents()) {
+      std::string document = content(path);
+      const auto at = document.find(step.typed + "\n" + step.shown);
+      if (at == std::string::npos) continue;
+      document.replace(at + step.typed.size() + 1, step.shown.size(), text);
+      std::ofstream(path) << document;
+      return true;
+    }
+    return false;
   }
 
   Place place_;

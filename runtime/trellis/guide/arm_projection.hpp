@@ -57,7 +57,7 @@ class ArmProjection final : public Projection {
   /// Whether the arm without limits of joints reaches a position.
   [[nodiscard]] bool reaches(View s) const;
   /// A path in S as configurations near the straight motion from `start` to `goal`.
-  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const;
+  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
 
  private:
   /// Of the links from one on: distances from its joint at which they can bring the tip.

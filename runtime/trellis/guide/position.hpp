@@ -24,6 +24,7 @@ class PositionProjection final : public Projection {
   void lift(View s, Stream& stream, MutableView q) const override { of().lift(s, stream, q); }
   [[nodiscard]] bool closed_form() const override { return of().closed_form(); }
   [[nodiscard]] double log_fibre_density(View q) const override { return of().log_fibre_density(q); }
+  [[nodiscard]] bool contracts() const override { return of().contracts(); }
   [[nodiscard]] double folded(View s, const std::function<double(View)>& density) const override {
     return of().folded(s, density);
   }
@@ -35,7 +36,7 @@ class PositionProjection final : public Projection {
   /// is not that of S times the fibre's.
   [[nodiscard]] bool closed_fibre() const { return !arm_; }
   /// A path in S with everything else turned from `start` to `goal`.
-  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const;
+  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
   /// The instance of a free point in the parent's world; of an arm's tip in what the arm reaches of it.
   [[nodiscard]] std::unique_ptr<Instance> point_instance(const Instance& parent) const;
   /// Lifts points of a path in S one after another: to what is nearest to the configuration before, then to others.
