@@ -225,6 +225,24 @@ TEST_CASE("excluded places hold every configuration with a position near them, u
   CHECK(still.checks == 0);
 }
 
+TEST_CASE("after a projection of another world motions that were valid are checked anew", "[guide][excluded]") {
+  const auto problem = test::cup_problem();
+  auto changed = problem;
+  auto rectangles = test::cup();
+  rectangles.push_back({4.9, 4, 5.1, 6});
+  changed.scene = std::make_shared<Scene>(Scene{test::rectangle_world(rectangles), problem.scene->robot});
+  const Configuration a = {4, 5, 0};
+  const Configuration b = {6, 5, 0};
+  const auto guide = find_guide("shrink")->make(Options::validate(*find_guide("shrink")->component, {}));
+  const auto parent = make_instance(problem);
+  const auto sub = guide->project(*parent);
+  REQUIRE(sub->motion(a, b).valid);
+  const auto changed_parent = make_instance(changed);
+  const auto sub_of_changed = guide->project(*changed_parent);
+  CHECK_FALSE(sub_of_changed->motion_still_valid(a, b));
+  CHECK(sub_of_changed->motion_still_valid(Configuration{4, 3, 0}, Configuration{6, 3, 0}));
+}
+
 TEST_CASE("a verified motion is known in both directions; a part of it is another motion", "[instance][verified]") {
   const auto space = test::cup_problem().space;
   VerifiedMotions verified;

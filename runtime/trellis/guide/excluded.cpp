@@ -99,7 +99,8 @@ bool ExcludingValidity::exclude_place(View q, const std::vector<Configuration>& 
   return true;
 }
 
-void ExcludingValidity::exclude_places_of(const ExcludingValidity& other) {
+void ExcludingValidity::replace(const ExcludingValidity& other) {
+  replaces_ = true;
   for (std::size_t i = 0; i < other.excluded_places_.size(); ++i) exclude_place(other.excluded_places_[i], {});
 }
 
@@ -133,7 +134,7 @@ MotionReport ExcludingValidity::motion(View a, View b) {
 
 MotionReport ExcludingValidity::motion_still_valid(View a, View b) {
   if (const auto t = entered(a, b)) return {false, 0, *t};
-  if (inner_->epoch() != inner_epoch_) return inner_->motion_still_valid(a, b);
+  if (replaces_ || inner_->epoch() != inner_epoch_) return inner_->motion_still_valid(a, b);
   return {true, 0, std::numeric_limits<double>::quiet_NaN()};
 }
 

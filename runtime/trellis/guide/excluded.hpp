@@ -55,8 +55,9 @@ class ExcludingValidity final : public Validity {
   /// Excludes a place: every configuration whose position is near that of q, or without a position what is near q.
   /// \return false, and nothing is excluded, where it would hold one of the configurations to keep
   bool exclude_place(View q, const std::vector<Configuration>& keep);
-  /// Excludes the places that another one excludes.
-  void exclude_places_of(const ExcludingValidity& other);
+  /// Takes the place of another one, of a world that has changed since: excludes the places that it excludes, and
+  /// checks motions that were valid there anew.
+  void replace(const ExcludingValidity& other);
 
   [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
@@ -64,6 +65,7 @@ class ExcludingValidity final : public Validity {
   [[nodiscard]] MotionReport motion_still_valid(View a, View b) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
+  [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
   [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + inner_->epoch(); }
@@ -88,6 +90,7 @@ class ExcludingValidity final : public Validity {
   Configuration a_;                 ///< scratch
   Configuration b_;
   std::uint64_t inner_epoch_;  ///< when this was made
+  bool replaces_ = false;      ///< motions that were valid may have been so in another world
   std::uint64_t epoch_ = 0;
 };
 

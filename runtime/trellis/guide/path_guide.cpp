@@ -363,7 +363,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
                                                          instance->position_axes, 0.5 * natural_distance(parent));
-    if (excluding_) excluding->exclude_places_of(*excluding_);
+    if (excluding_) excluding->replace(*excluding_);
     excluding_ = std::move(excluding);
     instance->validity = excluding_;
   }
