@@ -391,7 +391,10 @@
 ---What `lazy` takes.
 ---@class trellis.lazy.Options
 ---@field planner? trellis.Planner a planner; default lazy_prm(): searches the guide's own space
----@field selector? "alternate"|"forward"|"backward" one of "alternate", "forward", "backward"; default "alternate": order in which the edges of a candidate path are validated: "alternate", from both ends inwards; "forward", from the start; "backward", from the goal
+---@field selector? "alternate"|"forward"|"backward"|"fail_fast" one of "alternate", "forward", "backward", "fail_fast"; default "alternate": order in which the edges of a candidate path are validated: "alternate", from both ends inwards; "forward", from the start; "backward", from the goal; "fail_fast", the longest first, which is the least likely to be valid
+---@field event? "shortest_path"|"constant_depth"|"heuristic_progress"|"subpath_existence" one of "shortest_path", "constant_depth", "heuristic_progress", "subpath_existence"; default "shortest_path": when a search of a roadmap in S stops to have edges validated: "shortest_path", at the shortest path to the goal (LazySP); "constant_depth", where a shortest subpath has `depth` edges that were not validated (LRA*); "heuristic_progress", at a vertex nearer to the goal than the end of any subpath that was validated; "subpath_existence", where a shortest subpath is valid with a probability less than `existence`. Later events validate fewer edges and expand more vertices; the path found costs the same. Without effect where a tree searches S
+---@field depth? integer an integer at least 1 (edges); default 3: of "constant_depth": edges of a subpath that were not validated when the search stops
+---@field existence? number a number in (0, 1) (probability); default 0.5: of "subpath_existence": the probability below which the search stops. A motion of length l is valid with the probability exp(-l / m), m the mean length validated for each motion found invalid
 ---@field effort? number a number in [0, 1) (share); default 0.99: lambda: share of the effort to validate an edge in its cost for a search of a roadmap in S; the rest is its length. An edge validated before has no effort. Without effect where a tree searches S
 ---@field sparse? number a number at least 0 (m in the metric); default 0: distance between single configurations of a candidate path that are checked before its edges are, once a candidate was refuted; 0: 1.2 of the planner's step, or the diameter of the robot's bounding circle where that is more
 ---@field margin? number a number at least 0 (m in the metric); default 0: radius about a configuration found invalid that S takes for invalid too, at least; 0: the checking resolution. Where the checker knows how deep the configuration lies, S loses all that is known
@@ -1389,7 +1392,7 @@ function widen(options) end
 
 ---the world without obstacle checks: everything is presumed valid; the path found is validated in C, edge by edge, and what is found invalid is taken out of S, whose search continues
 ---
----Source: Bohlin and Kavraki 2000, Path planning using lazy PRM; edge selectors: Dellin and Srinivasa 2016, Lazy shortest paths (LazySP); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*
+---Source: Bohlin and Kavraki 2000, Path planning using lazy PRM; edge selectors: Dellin and Srinivasa 2016, Lazy shortest paths (LazySP); events: Mandalika, Choudhury, Salzman and Srinivasa 2019, Generalized lazy search (GLS); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*
 ---@param options? trellis.lazy.Options
 ---@return trellis.Guide
 function lazy(options) end

@@ -141,10 +141,12 @@ class PlannerRun {
 
   Solution solve() {
     if (!planner_) {
-      planner_ = kind.make(options, {*instance, guidance, Stream(seed_, "0", "proposals"), search, false, {}, paused});
+      planner_ = kind.make(options, {*instance, guidance, Stream(seed_, "0", "proposals"), search, guided, {}, paused});
     }
     return planner_->solve(kind.common(options).budget);
   }
+  /// After `solve`.
+  [[nodiscard]] const Planner& planner() const { return *planner_; }
 
   const PlannerKind& kind;
   Options options;
@@ -153,6 +155,7 @@ class PlannerRun {
   RecordingGuidance guidance;
   Search search;
   std::function<bool()> paused;
+  bool guided = false;
 
  private:
   std::uint64_t seed_;

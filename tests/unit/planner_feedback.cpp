@@ -193,8 +193,9 @@ TEST_CASE("a vertex of a roadmap is reported as connected once motions that were
 
 TEST_CASE("where validity is presumed, a lazy roadmap's vertices are connected as soon as edges join them",
           "[planner][feedback][roadmap]") {
-  auto run = make_run("lazy_prm", 1, {{"samples", std::int64_t{200}}});
+  auto run = make_run("lazy_prm", 1, {{"samples", std::int64_t{200}}, {"batch", std::int64_t{200}}});
   run.validity->counted = false;
+  run.guided = true;
   REQUIRE(run.solve().solved());
   std::set<std::uint32_t> connected = {0};
   for (const auto& outcome : run.guidance.outcomes) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -65,6 +66,8 @@ class ChangingGraph {
       }
     }
   }
+
+  [[nodiscard]] double x(std::uint32_t vertex) const { return points_[vertex].first; }
 
   LifelongSearch graph;
   std::vector<double> lengths;  ///< of each edge when it was added
@@ -219,4 +222,77 @@ TEST_CASE("repairing after one edge is deleted expands a fraction of what a sear
   graph.remove_edge(edges.back());
   REQUIRE(graph.search());
   CHECK(graph.expanded() - second < first / 2);
+}
+
+TEST_CASE("without a path nothing is expanded until an edge may join the two parts of the graph", "[roadmap]") {
+  ChangingGraph changing(true);
+  auto& graph = changing.graph;
+  for (int i = 0; i < 200; ++i) {
+    const double side = i % 2 == 0 ? 0.0 : 0.7;
+    changing.add(side + 0.3 * (i % 7) / 7.0, (i % 13) / 13.0);
+  }
+  // The vertices on the left lose their edges to those on the right.
+  const auto left = [&](std::uint32_t id) { return changing.x(id) < 0.5; };
+  for (std::uint32_t id = 0; id < graph.edges(); ++id) {
+    if (left(graph.edge(id).a) != left(graph.edge(id).b)) graph.remove_edge(id);
+  }
+  CHECK_FALSE(graph.search());
+  const auto expanded = graph.expanded();
+  std::vector<std::uint32_t> added;
+  for (int i = 0; i < 100; ++i) {
+    const std::uint32_t near = i % 2 == 0 ? LifelongSearch::start : LifelongSearch::goal;
+    added.push_back(graph.add_vertex(0.0));
+    graph.add_edge(near, added.back(), 2.0);
+    if (i > 1) graph.add_edge(added.back(), added[added.size() - 3], 0.5);
+    CHECK_FALSE(graph.search());
+  }
+  CHECK(graph.expanded() == expanded);
+  graph.add_edge(added.back(), added[added.size() - 2], 1.0);
+  REQUIRE(graph.search());
+  CHECK(graph.cost() == Approx(shortest(graph)).epsilon(1e-12));
+  CHECK(graph.cost() == Approx(5.0));
+}
+
+TEST_CASE("a search that stops at events comes to the shortest path, and to every event before", "[roadmap]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(1, 2, 3, 4));
+  Stream stream(seed, "", "events");
+  ChangingGraph changing(false);
+  auto& graph = changing.graph;
+  for (int i = 0; i < 150; ++i) changing.add(stream.uniform(), stream.uniform());
+  // Edges are evaluated where the tree comes to them: a third of them are invalid.
+  std::vector<int> known(graph.edges(), 0);
+  std::vector<std::uint32_t> edges;
+  std::size_t events = 0;
+  std::uint32_t end = LifelongSearch::none;
+  const auto open = [&](std::uint32_t vertex) {
+    graph.path(vertex, edges);
+    return std::any_of(edges.begin(), edges.end(), [&](auto id) { return known[id] == 0; });
+  };
+  while ((end = graph.search_until(open)) != LifelongSearch::none) {
+    graph.path(end, edges);
+    REQUIRE_FALSE(edges.empty());
+    bool valid = true;
+    for (const auto id : edges) {
+      if (known[id] != 0) continue;
+      known[id] = 1;
+      if (id % 3 != 0) continue;
+      graph.remove_edge(id);
+      valid = false;
+      break;
+    }
+    ++events;
+    if (end == LifelongSearch::goal && valid) break;
+  }
+  for (std::uint32_t id = 0; id < graph.edges(); ++id) {
+    if (id % 3 == 0) graph.remove_edge(id);
+  }
+  const double expected = shortest(graph);
+  CHECK(events > 10);
+  REQUIRE((end == LifelongSearch::goal) == std::isfinite(expected));
+  if (end != LifelongSearch::goal) return;
+  CHECK(graph.search());
+  CHECK(graph.cost() == Approx(expected).epsilon(1e-12));
+  double length = 0.0;
+  for (const auto id : edges) length += graph.edge(id).cost;
+  CHECK(length == Approx(expected).epsilon(1e-12));
 }

@@ -108,6 +108,46 @@ TEST_CASE("each level's instance is solved before its parent's", "[executor]") {
   CHECK(run.levels[1].search.checks.validity < run.levels[0].search.checks.validity / 4);
 }
 
+TEST_CASE("a search in a lazy space validates edges of its candidates at its parent's expense, whatever the event",
+          "[executor][lazy]") {
+  const auto problem = test::trap_problem();
+  for (const auto* event : {"shortest_path", "constant_depth", "heuristic_progress", "subpath_existence"}) {
+    for (const auto* selector : {"alternate", "fail_fast"}) {
+      CAPTURE(event, selector);
+      const auto lazy = guide("lazy", {{"event", std::string(event)}, {"selector", std::string(selector)}});
+      const auto run = execute(lazy >> rrt({{"step", 0.5}}), problem, 2);
+      check_run(problem, run);
+      CHECK(run.solved);
+      REQUIRE(run.levels.size() == 2);
+      CHECK(run.levels[1].search.checks.validity == 0);
+      CHECK(run.levels[0].guided_checks > 0);
+      // One solve validates many candidates.
+      CHECK(20 * run.levels[1].solves < run.levels[0].search.checks.validity);
+    }
+  }
+  // Two levels of laziness, and one above a guide that searches for real.
+  for (const StrategySpec& strategy : {guide("lazy") >> guide("lazy") >> rrt({{"step", 0.5}}),
+                                       guide("shrink") >> guide("lazy") >> rrt({{"step", 0.5}}),
+                                       guide("lazy") >> guide("shrink") >> rrt({{"step", 0.5}})}) {
+    CAPTURE(strategy.text());
+    const auto run = execute(strategy, problem, 2);
+    check_run(problem, run);
+    CHECK(run.solved);
+  }
+}
+
+TEST_CASE("a lazy guide spends fewer checks than its planner alone around the cup", "[executor][lazy]") {
+  std::uint64_t lazy = 0;
+  std::uint64_t alone = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const auto guided = execute(guide("lazy") >> rrt({{"step", 0.5}}), test::cup_problem(), seed);
+    CHECK(guided.solved);
+    lazy += guided.validity_checks;
+    alone += execute(rrt({{"step", 0.5}}), test::cup_problem(), seed).validity_checks;
+  }
+  CHECK(2 * lazy < alone);
+}
+
 TEST_CASE("a guide's way of lifting is part of the run, the same twice", "[executor]") {
   for (const auto* lift : {"uniform", "handles"}) {
     CAPTURE(lift);

@@ -8,6 +8,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/edge_evaluator.hpp>
 
 namespace trellis {
 
@@ -18,6 +19,9 @@ struct LazySettings : PathGuideSettings {
   double margin = 0.0;
   double sparse = 0.0;
   std::string selector = "alternate";
+  std::string event = "shortest_path";
+  std::int64_t depth = 3;
+  double existence = 0.5;
   double lambda = 0.99;
 };
 
@@ -28,10 +32,28 @@ const Settings<LazySettings>& lazy_settings() {
           "the world without obstacle checks: everything is presumed valid; the path found is validated in C, edge by "
           "edge, and what is found invalid is taken out of S, whose search continues",
           "Bohlin and Kavraki 2000, Path planning using lazy PRM; edge selectors: Dellin and Srinivasa 2016, Lazy "
-          "shortest paths (LazySP); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*")
-          .choice("selector", &LazySettings::selector, {"alternate", "forward", "backward"},
-                  "order in which the edges of a candidate path are validated: \"alternate\", from both ends inwards; "
-                  "\"forward\", from the start; \"backward\", from the goal")
+          "shortest paths (LazySP); events: Mandalika, Choudhury, Salzman and Srinivasa 2019, Generalized lazy search "
+          "(GLS); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*")
+          .choice(
+              "selector", &LazySettings::selector, {"alternate", "forward", "backward", "fail_fast"},
+              "order in which the edges of a candidate path are validated: \"alternate\", from both ends inwards; "
+              "\"forward\", from the start; \"backward\", from the goal; \"fail_fast\", the longest first, which is "
+              "the least likely to be valid")
+          .choice("event", &LazySettings::event,
+                  {"shortest_path", "constant_depth", "heuristic_progress", "subpath_existence"},
+                  "when a search of a roadmap in S stops to have edges validated: \"shortest_path\", at the shortest "
+                  "path to the goal (LazySP); \"constant_depth\", where a shortest subpath has `depth` edges that were "
+                  "not validated (LRA*); \"heuristic_progress\", at a vertex nearer to the goal than the end of any "
+                  "subpath that was validated; \"subpath_existence\", where a shortest subpath is valid with a "
+                  "probability less than `existence`. Later events validate fewer edges and expand more vertices; the "
+                  "path found costs the same. Without effect where a tree searches S")
+          .integer("depth", &LazySettings::depth, "edges", Range::at_least(1),
+                   "of \"constant_depth\": edges of a subpath that were not validated when the search stops")
+          .number(
+              "existence", &LazySettings::existence, "probability",
+              {.lo = 0, .hi = 1, .open_lo = true, .open_hi = true},
+              "of \"subpath_existence\": the probability below which the search stops. A motion of length l is valid "
+              "with the probability exp(-l / m), m the mean length validated for each motion found invalid")
           .number(
               "effort", &LazySettings::lambda, "share", {.lo = 0, .hi = 1, .open_hi = true},
               "lambda: share of the effort to validate an edge in its cost for a search of a roadmap in S; the rest "
@@ -48,7 +70,7 @@ const Settings<LazySettings>& lazy_settings() {
 
 /// Validity presumed until the opposite was seen: invalid is only what lies near a configuration that C found invalid.
 /// Costs no collision checks.
-class PresumedValidity final : public Validity {
+class PresumedValidity final : public EvaluatedValidity {
  public:
   /// \param verified  motions found valid in C
   PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified)
@@ -81,7 +103,16 @@ class PresumedValidity final : public Validity {
     return verified_->contain(a, b) ? 1.0 : unverified_;
   }
   [[nodiscard]] bool spends_checks() const override { return false; }
+  /// Within a ball everything is invalid: what presumes this space valid in its turn loses as much.
+  [[nodiscard]] double invalid_radius(View q) override {
+    double radius = 0.0;
+    for (const auto& balls : sizes_) radius = std::max(radius, balls.depth(q));
+    return radius;
+  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  [[nodiscard]] EdgeEvaluator* evaluator() override { return evaluator_; }
+  /// \param evaluator  outlives every search
+  void evaluate_by(EdgeEvaluator& evaluator) { evaluator_ = &evaluator; }
 
  private:
   static constexpr std::size_t sizes = 6;
@@ -89,11 +120,30 @@ class PresumedValidity final : public Validity {
   std::shared_ptr<const VerifiedMotions> verified_;
   std::vector<ExcludedBalls> sizes_;  ///< of radii that double
   std::uint64_t epoch_ = 0;
+  EdgeEvaluator* evaluator_ = nullptr;
 };
 
-class Lazy final : public PathGuide {
+LazyEvaluation evaluation_of(const LazySettings& settings) {
+  using Event = LazyEvaluation::Event;
+  using Selector = LazyEvaluation::Selector;
+  LazyEvaluation how;
+  how.event = settings.event == "constant_depth"       ? Event::constant_depth
+              : settings.event == "heuristic_progress" ? Event::heuristic_progress
+              : settings.event == "subpath_existence"  ? Event::subpath_existence
+                                                       : Event::shortest_path;
+  how.depth = settings.depth;
+  how.existence = settings.existence;
+  how.selector = settings.selector == "forward"     ? Selector::forward
+                 : settings.selector == "backward"  ? Selector::backward
+                 : settings.selector == "fail_fast" ? Selector::fail_fast
+                                                    : Selector::alternate;
+  return how;
+}
+
+class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEvaluator {
  public:
-  explicit Lazy(const LazySettings& settings) : PathGuide("lazy", settings), settings_(settings) {}
+  explicit Lazy(const LazySettings& settings)
+      : PathGuide("lazy", settings), settings_(settings), how_(evaluation_of(settings)) {}
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
@@ -109,13 +159,18 @@ class Lazy final : public PathGuide {
     return instance;
   }
 
+  /// A search of a roadmap in S evaluates the edges of its candidate paths itself.
+  void attach_parent(Instance& parent) override {
+    parent_ = &parent;
+    validity_->evaluate_by(*this);
+  }
+
   /// The candidate path is validated in C, and refuted where an edge of it is invalid.
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
     parent.verified = verified_;
     verified_->hold_at(parent.epoch());
     const bool holds = !found->solved() || validated(found->path);
-    refuted_before_ = refuted_before_ || !holds;
     auto h = PathGuide::heuristic(parent, sub, found);
     if (!holds && path_heuristic() != nullptr) path_heuristic()->refute();
     return h;
@@ -135,45 +190,105 @@ class Lazy final : public PathGuide {
     return settings_.margin > 0.0 ? settings_.margin : parent.resolution;
   }
 
+  /// Takes out of S what is known to be invalid about q, which C found invalid.
   void forbid(View q) { validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q))); }
+
+  [[nodiscard]] const LazyEvaluation& how() const override { return how_; }
+  std::uint64_t begin() override {
+    parent_->verified = verified_;
+    verified_->hold_at(parent_->epoch());
+    evaluations_ = 0;
+    checks_begun_ = parent_->checks.validity;
+    return parent_->epoch();
+  }
+  /// A search returns before it has spent much more than the least slice, so that whoever limits it is asked.
+  [[nodiscard]] bool exhausted() const override {
+    constexpr std::uint64_t most = 64;
+    return evaluations_ + (parent_->checks.validity - checks_begun_) >= most;
+  }
+  /// The first candidate is likely to hold where something guides the search of S; nothing is known of it otherwise.
+  [[nodiscard]] bool sparse_first() const override { return refuted_; }
+
+  [[nodiscard]] bool state(View q) override {
+    ++evaluations_;
+    if (parent_->valid(q)) return true;
+    refuted_ = true;
+    forbid(q);
+    return false;
+  }
+
+  [[nodiscard]] MotionReport sparsely(View a, View b) override {
+    const auto pieces = static_cast<std::size_t>(parent_->space.distance(a, b) / sparse());
+    Configuration q(a.size());
+    for (std::size_t k = 1; k < pieces; ++k) {
+      const double t = static_cast<double>(k) / static_cast<double>(pieces);
+      parent_->space.interpolate(a, b, t, q);
+      if (!state(q)) return {false, 0, t};
+    }
+    return {true, 0, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    ++evaluations_;
+    const MotionReport report = parent_->motion(a, b);
+    if (report.valid) {
+      verified_->add(a, b);
+      return report;
+    }
+    refuted_ = true;
+    Configuration q(a.size());
+    parent_->space.interpolate(a, b, report.invalid_at, q);
+    forbid(q);
+    return report;
+  }
+
+  [[nodiscard]] double sparse() const {
+    return settings_.sparse > 0.0 ? settings_.sparse : 2.0 * sparse_spacing(*parent_);
+  }
+
+  /// The edges of a path in the selector's order.
+  [[nodiscard]] std::vector<std::size_t> selected(const Configurations& path) const {
+    const std::size_t edges = path.size() - 1;
+    std::vector<std::size_t> order(edges);
+    for (std::size_t i = 0; i < edges; ++i) {
+      switch (how_.selector) {
+        case LazyEvaluation::Selector::alternate: order[i] = i % 2 == 0 ? i / 2 : edges - 1 - i / 2; break;
+        case LazyEvaluation::Selector::backward: order[i] = edges - 1 - i; break;
+        case LazyEvaluation::Selector::forward:
+        case LazyEvaluation::Selector::fail_fast: order[i] = i; break;
+      }
+    }
+    if (how_.selector == LazyEvaluation::Selector::fail_fast) {
+      const auto length = [&](std::size_t i) { return parent_->space.squared_distance(path[i], path[i + 1]); };
+      std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return length(i) > length(j); });
+    }
+    return order;
+  }
 
   /// Validates the edges of a path in the selector's order, first sparsely, and forbids the first configuration found
   /// invalid. An edge that was found valid once is not checked again.
   bool validated(const Configurations& path) {
-    const std::size_t edges = path.size() - 1;
-    const double sparse = settings_.sparse > 0.0 ? settings_.sparse : 2.0 * sparse_spacing(*parent_);
+    const double spacing = sparse();
+    const auto order = selected(path);
     Configuration q(path.dimension());
-    const auto ordered = [&](std::size_t i) {
-      if (settings_.selector == "forward") return i;
-      if (settings_.selector == "backward") return edges - 1 - i;
-      return i % 2 == 0 ? i / 2 : edges - 1 - i / 2;
-    };
-    std::array<double, 2> walked = {0.0, 0.0};  // since the last configuration that was checked
-    // The first candidate is likely to hold where something guides the search of S; nothing is known of it otherwise.
+    std::array<double, 2> walked = {0.0, 0.0};  // since the last configuration that was checked, from either end
     for (const bool whole : {false, true}) {
-      if (!whole && !refuted_before_) continue;
-      for (std::size_t i = 0; i < edges; ++i) {
-        const View a = path[ordered(i)];
-        const View b = path[ordered(i) + 1];
-        if (parent_->verified->contain(a, b)) continue;
+      if (!whole && !sparse_first()) continue;
+      for (const std::size_t i : order) {
+        const View a = path[i];
+        const View b = path[i + 1];
+        if (verified_->contain(a, b)) continue;
         if (whole) {
-          const MotionReport report = parent_->motion(a, b);
-          if (report.valid) {
-            parent_->verified->add(a, b);
-            continue;
-          }
-          parent_->space.interpolate(a, b, report.invalid_at, q);
-          forbid(q);
-          return false;
+          if (!motion(a, b).valid) return false;
+          continue;
         }
         // The ends of the path are valid.
-        double& since = walked[2 * i < edges || settings_.selector != "alternate" ? 0 : 1];
+        const bool second = how_.selector == LazyEvaluation::Selector::alternate && 2 * i >= path.size() - 1;
+        double& since = walked[second ? 1 : 0];
         const double length = parent_->space.distance(a, b);
-        for (; since + length >= sparse; since -= sparse) {
-          parent_->space.interpolate(a, b, std::clamp((sparse - since) / length, 0.0, 1.0), q);
-          if (parent_->valid(q)) continue;
-          forbid(q);
-          return false;
+        for (; since + length >= spacing; since -= spacing) {
+          parent_->space.interpolate(a, b, std::clamp((spacing - since) / length, 0.0, 1.0), q);
+          if (!state(q)) return false;
         }
         since += length;
       }
@@ -182,8 +297,11 @@ class Lazy final : public PathGuide {
   }
 
   LazySettings settings_;
+  LazyEvaluation how_;
   Instance* parent_ = nullptr;
-  bool refuted_before_ = false;                ///< a candidate path was
+  bool refuted_ = false;                       ///< something of a candidate path was found invalid
+  std::uint64_t evaluations_ = 0;              ///< since the search in S continued
+  std::uint64_t checks_begun_ = 0;             ///< of C, then
   std::shared_ptr<Validity> checked_;          ///< of C
   std::shared_ptr<VerifiedMotions> verified_;  ///< motions of C
   double margin_ = 0.0;

@@ -8,7 +8,7 @@ namespace trellis {
 
 std::uint32_t LifelongSearch::add_vertex(double to_goal, double to_start) {
   const auto id = static_cast<std::uint32_t>(vertices_.size());
-  vertices_.push_back({0.5 * (to_goal - to_start), {}, {}});
+  vertices_.push_back({0.5 * (to_goal - to_start), {}, {}, Part::none});
   if (id <= goal) {
     const std::size_t side = id == start ? from_start : from_goal;
     vertices_[id].of[side].ahead = 0.0;
@@ -86,7 +86,20 @@ std::uint32_t LifelongSearch::add_edge(std::uint32_t a, std::uint32_t b, double 
     offer(side, vertices_[b].arcs.back(), vertices_[b].of[side].cost);
     enter(side, a, vertices_[a].arcs.back());
   }
+  if (apart_) {
+    Part& of_a = vertices_[a].part;
+    Part& of_b = vertices_[b].part;
+    if (of_a == Part::none && of_b == Part::none) of_a = Part::outside;
+    if (of_a == Part::none) of_a = of_b;
+    if (of_b == Part::none) of_b = of_a;
+    apart_ = of_a == of_b;
+  }
   return id;
+}
+
+void LifelongSearch::set_apart(std::size_t side) {
+  apart_ = true;
+  for (Vertex& vertex : vertices_) vertex.part = vertex.of[side].cost < infinity ? Part::inside : Part::outside;
 }
 
 void LifelongSearch::set_cost(std::uint32_t id, double cost) {
@@ -133,7 +146,7 @@ void LifelongSearch::remove_edges(std::span<const std::uint32_t> ids) {
       }
     }
   }
-  for (const auto& [side, vertex] : changed_) look_ahead(side, vertex);
+  raise_changed();
 }
 
 void LifelongSearch::isolate(std::span<const std::uint32_t> vertices) {
@@ -148,6 +161,25 @@ void LifelongSearch::isolate(std::span<const std::uint32_t> vertices) {
     }
     vertices_[vertex].arcs.clear();
     for (const std::size_t side : {from_start, from_goal}) changed_.emplace_back(side, vertex);
+  }
+  raise_changed();
+}
+
+void LifelongSearch::raise_changed() {
+  // What hangs below has no cost any more: a vertex may then only be offered costs that hold, and is looked at once.
+  // Vertices that were not raised would be taken for parents though their own costs are to be raised, too.
+  for (std::size_t i = 0; i < changed_.size(); ++i) {
+    const auto [side, vertex] = changed_[i];
+    if (vertex == side) continue;
+    Label& label = vertices_[vertex].of[side];
+    const bool expanded = label.cost < infinity;
+    label.cost = infinity;
+    label.ahead = infinity;
+    label.parent_edge = none;
+    if (!expanded) continue;
+    for (const Arc& arc : vertices_[vertex].arcs) {
+      if (vertices_[arc.to].of[side].parent_edge == arc.edge) changed_.emplace_back(side, arc.to);
+    }
   }
   for (const auto& [side, vertex] : changed_) look_ahead(side, vertex);
 }
@@ -179,16 +211,33 @@ void LifelongSearch::expand(std::size_t side) {
   }
 }
 
-bool LifelongSearch::search() {
+void LifelongSearch::begin_search() {
   cost_ = infinity;
   meeting_ = {infinity, none, none};
-  if (vertices() < 2) return false;
+}
+
+bool LifelongSearch::goal_settled() {
+  if (!reached(goal)) return false;
+  const Label& label = vertices_[goal].of[from_start];
+  const Entry* next = top(from_start);
+  if (next != nullptr && estimate(from_start, goal, label.cost) + 1e-12 * label.cost >= next->estimate) return false;
+  cost_ = label.cost;
+  meeting_ = {cost_, other(label.parent_edge, goal), label.parent_edge};
+  return true;
+}
+
+bool LifelongSearch::search() {
+  begin_search();
+  if (vertices() < 2 || apart_) return false;
   for (;;) {
     while (!meetings_.empty() && !counts(meetings_.top())) meetings_.pop();
     const std::array<const Entry*, 2> tops = {top(from_start), top(from_goal)};
     if (meetings_.empty()) {
       // A tree that is complete would have met the other's root.
-      if (tops[0] == nullptr || tops[1] == nullptr) return false;
+      if (tops[0] == nullptr || tops[1] == nullptr) {
+        set_apart(tops[0] == nullptr ? from_start : from_goal);
+        return false;
+      }
     } else {
       // Rounding makes equal paths differ in the last bits, so a little more than equal is still expanded.
       const Meeting& best = meetings_.top();

@@ -14,10 +14,12 @@ namespace trellis {
 
 /// Shortest paths from the first vertex of an undirected graph to the second while vertices and edges come and go and
 /// edges change their cost: an incremental bidirectional search. A tree grows from either end, each repaired as in
-/// lifelong planning A* (Koenig, Likhachev and Furcy 2004), until no path can be shorter than the shortest one over an
-/// edge between them (Dellin 2016, Completing manipulation tasks efficiently in complex environments, chapter 4). What
-/// is removed between the ends, where planners find most of what is invalid, leaves both trees as they are. Nothing is
-/// ever searched from scratch. The result depends only on the sequence of calls.
+/// lifelong planning A* (Koenig, Likhachev and Furcy 2004); what is below a removed edge is raised as a whole, before
+/// the search goes on (Lim and Tsiotras 2021, Lifelong generalized lazy search). It goes on until no path can be
+/// shorter than the shortest one over an edge between them (Dellin 2016, Completing manipulation tasks efficiently in
+/// complex environments, chapter 4). What is removed between the ends, where planners find most of what is invalid,
+/// leaves both trees as they are. Nothing is ever searched from scratch. The result depends only on the sequence of
+/// calls.
 class LifelongSearch {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -40,14 +42,19 @@ class LifelongSearch {
   /// Removes all edges of some vertices.
   void isolate(std::span<const std::uint32_t> vertices);
 
-  /// Brings the search up to date; whether there is a path to the goal.
+  /// Brings the search up to date; whether there is a path to the goal. Once there is none this takes no time until an
+  /// edge is added that may join the two parts of the graph.
   bool search();
-  /// The same, and completes the tree from the start: it holds all vertices that can be reached.
+  /// Grows the tree from the start alone until `triggered` holds for the vertex that it has come to, or until it holds
+  /// the shortest path to the goal: that vertex, or none. Called again it continues.
+  template <class Triggered>
+  std::uint32_t search_until(const Triggered& triggered);
+  /// The same as `search`, and completes the tree from the start: it holds all vertices that can be reached.
   bool search_all();
   /// The cost of the shortest path to the goal, after search(); infinite without one.
   [[nodiscard]] double cost() const { return cost_; }
-  /// Edges of the path from the start to `vertex`, in order: to the goal after search(), to others that the tree from
-  /// the start holds; else empty.
+  /// Edges of the path from the start to `vertex`, in order: to the goal after a search found one, to others that the
+  /// tree from the start holds; else empty.
   void path(std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
   /// Whether the tree from the start holds the vertex.
   [[nodiscard]] bool reached(std::uint32_t vertex) const { return consistent(from_start, vertex); }
@@ -101,12 +108,15 @@ class LifelongSearch {
     std::uint32_t to;
     std::uint32_t edge;
   };
+  /// Where a vertex lies while there is no path: in the part of the graph that one tree holds as a whole, or elsewhere.
+  enum class Part : std::uint8_t { none, inside, outside };
   struct Vertex {
     /// Half the difference of the bounds: added to costs from the start, subtracted from those from the goal, so that
     /// both trees see edges of the same, non-negative costs (Ikeda et al. 1994).
     double potential;
     std::array<Label, 2> of;  ///< in the tree from the start, and in that from the goal
     std::vector<Arc> arcs;    ///< to its neighbours
+    Part part = Part::none;   ///< of a vertex that was added since, none until it has an edge
   };
   /// An edge between the trees. It counts while its ends have the costs that it was entered with.
   struct Meeting {
@@ -127,7 +137,12 @@ class LifelongSearch {
   [[nodiscard]] double estimate(std::size_t side, std::uint32_t vertex, double cost) const {
     return side == from_start ? cost + vertices_[vertex].potential : cost - vertices_[vertex].potential;
   }
+  /// The tree of one side holds all that it can reach, and not the other end.
+  void set_apart(std::size_t side);
   void erase_arc(std::uint32_t vertex, std::uint32_t edge);
+  /// Edges of the tree to the vertices in `changed_` were removed: raises the costs of these and of all that the tree
+  /// holds below them to what is left.
+  void raise_changed();
   void requeue(std::size_t side, std::uint32_t vertex);
   void look_ahead(std::size_t side, std::uint32_t vertex);
   void offer(std::size_t side, const Arc& arc, double cost);
@@ -138,6 +153,10 @@ class LifelongSearch {
   /// The first entry of a queue that counts, or nullptr.
   const Entry* top(std::size_t side);
   void expand(std::size_t side);
+  /// No path was found yet.
+  void begin_search();
+  /// Whether the tree from the start alone holds the shortest path to the goal, which then is the path found.
+  bool goal_settled();
   void branch(std::size_t side, std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
 
   std::vector<Edge> edges_;
@@ -146,8 +165,26 @@ class LifelongSearch {
   std::priority_queue<Meeting, std::vector<Meeting>, std::greater<>> meetings_;
   Meeting meeting_{infinity, none, none};  ///< of the path found
   double cost_ = infinity;
+  bool apart_ = false;  ///< the last search found no path, and no edge has joined the parts since
   std::uint64_t expanded_ = 0;
   std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< scratch
 };
+
+template <class Triggered>
+std::uint32_t LifelongSearch::search_until(const Triggered& triggered) {
+  begin_search();
+  if (vertices() < 2 || apart_) return none;
+  for (;;) {
+    if (goal_settled()) return goal;
+    const Entry* next = top(from_start);
+    if (next == nullptr) {
+      set_apart(from_start);
+      return none;
+    }
+    const std::uint32_t vertex = next->vertex;
+    expand(from_start);
+    if (vertex != goal && reached(vertex) && triggered(vertex)) return vertex;
+  }
+}
 
 }  // namespace trellis

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/planner/tree.hpp>
 
 namespace trellis {
@@ -29,6 +30,8 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task tas
   // Where validity is presumed, validating a node costs no checks.
   presumed_ = !task_.instance.validity->spends_checks();
   judged_ = mode_.lazy_nodes && !presumed_;
+  // Where nothing guides, nobody learns what was only presumed.
+  tracked_ = task_.guided || !presumed_;
   task_.search.expands = !judged_ || task_.guided;
 }
 
@@ -36,6 +39,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   auto& instance = task_.instance;
   Meter meter(task_, budget);
   best_.begin();
+  begin_evaluation();
   if (paths_.vertices() == 0) {
     if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
@@ -61,15 +65,16 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
       grow();
       enhance();
     }
-    if (!paths_.search()) {
+    const std::uint32_t end = next_candidate();
+    if (end == no_node) {
       if (task_.guided && mode_.lazy_edges) validate_ahead();
       owed_ = mode_.batch;
       continue;
     }
-    if (paths_.cost() < best_cost_) {
-      const bool valid = validated();
+    if (end != goal || paths_.cost() < best_cost_) {
+      const bool valid = validated(end);
       report_joined();
-      if (!valid) {
+      if (!valid || end != goal) {
         // Each round removes at least one edge, so without new proposals this ends; the budget of checks still holds.
         if (const auto reason = meter.spent()) {
           return lacks_proposals() ? without_proposals(budget) : finish(*reason);
@@ -85,6 +90,53 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     owed_ = 1;
   }
+}
+
+void RoadmapPlanner::begin_evaluation() {
+  auto* presumed = dynamic_cast<EvaluatedValidity*>(task_.instance.validity.get());
+  evaluator_ = mode_.lazy_edges && presumed != nullptr ? presumed->evaluator() : nullptr;
+  if (evaluator_ == nullptr) return;
+  how_ = evaluator_->how();
+  const std::uint64_t epoch = evaluator_->begin();
+  if (epoch == evaluation_epoch_) return;
+  evaluation_epoch_ = epoch;
+  for (auto* known : {&nodes_, &edges_}) {
+    std::replace(known->begin(), known->end(), Known::evaluated, Known::unknown);
+  }
+  nearest_evaluated_ = std::numeric_limits<double>::infinity();
+}
+
+std::uint32_t RoadmapPlanner::next_candidate() {
+  if (evaluator_ == nullptr || how_.event == LazyEvaluation::Event::shortest_path || evaluator_->exhausted()) {
+    return paths_.search() ? goal : no_node;
+  }
+  return paths_.search_until([&](std::uint32_t vertex) { return is_event(vertex); });
+}
+
+bool RoadmapPlanner::is_event(std::uint32_t vertex) {
+  using Event = LazyEvaluation::Event;
+  const bool progress = how_.event == Event::heuristic_progress;
+  if (progress && task_.instance.to_goal(node(vertex)) >= nearest_evaluated_) return false;
+  paths_.path(vertex, path_);
+  std::int64_t edges = 0;
+  double length = 0.0;
+  for (const std::uint32_t id : path_) {
+    if (edges_[id] == Known::evaluated) continue;
+    ++edges;
+    length += task_.instance.space.distance(node(paths_.edge(id).a), node(paths_.edge(id).b));
+  }
+  switch (how_.event) {
+    case Event::shortest_path: return false;
+    case Event::constant_depth: return edges >= how_.depth;
+    case Event::heuristic_progress: return edges > 0;
+    case Event::subpath_existence: return std::exp(-length / mean_valid_length()) < how_.existence;
+  }
+  return false;
+}
+
+double RoadmapPlanner::mean_valid_length() const {
+  const auto& instance = task_.instance;
+  return (instance.to_goal(instance.start) + evaluated_length_) / (1.0 + evaluated_invalid_);
 }
 
 void RoadmapPlanner::begin() {
@@ -123,7 +175,7 @@ void RoadmapPlanner::repair() {
     index_ = NearestIndex(instance.space);
     paths_ = {};
     connectivity_ = {};
-    for (auto* rows : {&rows_, &jumps_}) rows->clear();
+    for (auto* rows : {&rows_, &jumps_, &looked_at_}) rows->clear();
     for (auto* known : {&nodes_, &edges_}) known->clear();
     for (auto* bytes : {&passes_, &reported_}) bytes->clear();
     joined_.clear();
@@ -143,9 +195,34 @@ void RoadmapPlanner::repair() {
     const View b = node(edge.b);
     paths_.set_cost(id, instance.space.distance(a, b) * cost_factor(a, b));
   }
-  // Where what became invalid is known by itself, no edge is checked again; else none but those of the next paths.
-  bool free = !presumed_;
   refuted_.clear();
+  if (presumed_) {
+    // Nothing is checked again but the edges of the next paths.
+    for (const std::uint32_t id : looked_at_) {
+      if (edges_[id] == Known::valid) edges_[id] = Known::stale;
+      passes_[id] = 0;
+    }
+    looked_at_.clear();
+  } else {
+    recheck_edges();
+  }
+  paths_.remove_edges(refuted_);
+  refuted_.clear();
+  for (auto& known : nodes_) known = known == Known::valid ? Known::stale : known;
+  nodes_[LifelongSearch::start] = Known::valid;
+  for (std::uint32_t id = goal; id < goals_end_; ++id) {
+    nodes_[id] = Known::valid;
+    if (!is_goal(id)) remove_goal(id);
+  }
+  disconnected_ = true;
+  if (!presumed_) rebuild_connectivity();
+  report_joined();
+}
+
+void RoadmapPlanner::recheck_edges() {
+  auto& instance = task_.instance;
+  // Where what became invalid is known by itself, no edge is checked again; else none but those of the next paths.
+  bool free = true;
   for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
     if (edges_[id] == Known::unknown) passes_[id] = 0;
     if ((edges_[id] != Known::valid && edges_[id] != Known::stale) || paths_.edge(id).removed || is_jump(id)) continue;
@@ -161,17 +238,6 @@ void RoadmapPlanner::repair() {
       passes_[id] = 0;
     }
   }
-  paths_.remove_edges(refuted_);
-  refuted_.clear();
-  for (auto& known : nodes_) known = known == Known::valid ? Known::stale : known;
-  nodes_[LifelongSearch::start] = Known::valid;
-  for (std::uint32_t id = goal; id < goals_end_; ++id) {
-    nodes_[id] = Known::valid;
-    if (!is_goal(id)) remove_goal(id);
-  }
-  disconnected_ = true;
-  if (!presumed_) rebuild_connectivity();
-  report_joined();
 }
 
 void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
@@ -190,8 +256,23 @@ void RoadmapPlanner::grow() {
   propose(task_, sample_);
   Outcome outcome;
   outcome.proposal = sample_;
-  const auto near = index_.nearest(sample_);
   const bool grows = mode_.step < std::numeric_limits<double>::infinity();
+  if (!grows && mode_.lazy_nodes && !task_.guided) {
+    // Whether there is a node already is found out with its neighbours.
+    if (insert(sample_, Known::unknown, true)) {
+      outcome.fate = Fate::reached;
+      outcome.added = sample_;
+      const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
+      outcome.connected = connectivity_.connected(id, Connectivity::to_start);
+      if (outcome.connected) reported_[id] |= Connectivity::to_start;
+      settle(task_, outcome, no_node, rows_.back());
+    } else {
+      settle(task_, outcome);
+    }
+    report_joined();
+    return;
+  }
+  const auto near = index_.nearest(sample_);
   const std::uint32_t from = grows ? rows_[near.id] : no_node;
   if (grows) outcome.near = node(near.id);
   const bool reaches =
@@ -241,13 +322,17 @@ void RoadmapPlanner::enhance() {
   }
 }
 
-void RoadmapPlanner::insert(View q, Known known) {
+bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   if (disconnected_) rebuild_connectivity();
-  if (mode_.lazy_nodes && task_.guided) {
+  if (mode_.lazy_nodes && (task_.guided || presumed_)) {
     // Unguided, nodes found invalid take places among the nearest, as published.
     connection_.find(index_, q, neighbours_, [&](std::uint32_t id) { return nodes_[id] != Known::invalid; });
   } else {
     connection_.find(index_, q, neighbours_);
+  }
+  if (unless_there && std::any_of(neighbours_.begin(), neighbours_.end(),
+                                  [](const auto& neighbour) { return neighbour.squared_distance == 0.0; })) {
+    return false;
   }
   rows_.push_back(task_.search.nodes.push(q));
   task_.search.parents.push_back(no_node);
@@ -255,8 +340,11 @@ void RoadmapPlanner::insert(View q, Known known) {
   if (judged_) task_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
   // An edge between goals costs less than what their distances to the start differ by.
-  const double to_start = task_.instance.goals() > 1 ? 0.0 : task_.instance.space.distance(task_.instance.start, q);
-  const std::uint32_t id = paths_.add_vertex(task_.instance.to_goal(q), to_start);
+  const double to_goal = task_.instance.to_goal(q);
+  double to_start = task_.instance.goals() > 1 ? 0.0 : task_.instance.space.distance(task_.instance.start, q);
+  // The tree from the start alone goes by the whole bound.
+  if (how_.event != LazyEvaluation::Event::shortest_path) to_start = -to_goal;
+  const std::uint32_t id = paths_.add_vertex(to_goal, to_start);
   connectivity_.add_vertex(side_of(id));
   reported_.push_back(side_of(id));
   for (const auto& neighbour : neighbours_) {
@@ -271,6 +359,7 @@ void RoadmapPlanner::insert(View q, Known known) {
     }
     add_edge(neighbour.id, id, length, mode_.lazy_edges ? Known::unknown : Known::valid);
   }
+  return true;
 }
 
 double RoadmapPlanner::cost_factor(View a, View b) const {
@@ -286,6 +375,7 @@ void RoadmapPlanner::add_edge(std::uint32_t a, std::uint32_t b, double length, K
   task_.search.edges.push_back({rows_[a], rows_[b]});
   edges_.push_back(known);
   passes_.push_back(0);
+  if (known == Known::valid && presumed_) looked_at_.push_back(edge);
   if (checked(edge)) join(edge);
 }
 
@@ -345,7 +435,7 @@ Solution RoadmapPlanner::without_proposals(const Budget& budget) {
   if (const auto reason = meter.spent()) return finish(*reason);
   for (;;) {
     while (paths_.search()) {
-      const bool valid = validated();
+      const bool valid = validated(goal);
       report_joined();
       if (valid) {
         solved_ = true;
@@ -362,10 +452,11 @@ Solution RoadmapPlanner::without_proposals(const Budget& budget) {
   }
 }
 
-bool RoadmapPlanner::validated() {
-  paths_.path(goal, path_);
+bool RoadmapPlanner::validated(std::uint32_t end) {
+  paths_.path(end, path_);
   stops_ = {0};
   for (const std::uint32_t edge : path_) stops_.push_back(paths_.other(edge, stops_.back()));
+  if (evaluator_ != nullptr) return evaluated(end);
   // All invalid nodes of the path may go at once: each would have to go before this way could be ruled out, and one
   // repair of the search serves them all.
   refuted_.clear();
@@ -383,22 +474,116 @@ bool RoadmapPlanner::validated() {
   return true;
 }
 
+bool RoadmapPlanner::evaluated(std::uint32_t end) {
+  const bool valid = nodes_evaluated() && (!mode_.coarse_to_fine || coarsely_valid()) && edges_evaluated();
+  // What was evaluated takes less effort from now on.
+  for (const std::uint32_t id : path_) {
+    if (edges_[id] != Known::evaluated || is_jump(id)) continue;
+    const View a = node(paths_.edge(id).a);
+    const View b = node(paths_.edge(id).b);
+    paths_.set_cost(id, task_.instance.space.distance(a, b) * cost_factor(a, b));
+  }
+  // What was taken out of S lies on no other path that is known to be valid.
+  epoch_ = task_.instance.epoch();
+  if (valid) nearest_evaluated_ = std::min(nearest_evaluated_, task_.instance.to_goal(node(end)));
+  return valid;
+}
+
+bool RoadmapPlanner::nodes_evaluated() {
+  // That a configuration is presumed invalid costs nothing to find out.
+  const auto holds = [&](std::uint32_t id) {
+    if (!task_.instance.validity->state(node(id))) return false;
+    if (!evaluator_->sparse_first() || evaluator_->exhausted()) return true;
+    if (!evaluator_->state(node(id))) return false;
+    nodes_[id] = Known::evaluated;
+    return true;
+  };
+  refuted_.clear();
+  for (std::size_t i = 0; i < stops_.size(); ++i) {
+    const std::uint32_t id = stops_[selected(i, stops_.size())];
+    if (nodes_[id] == Known::evaluated || id < goals_end_) continue;
+    if (!holds(id)) refute_node(id);
+    if (!refuted_.empty() && mode_.remove_first) break;
+  }
+  if (refuted_.empty()) return true;
+  remove_refuted_nodes();
+  return false;
+}
+
+bool RoadmapPlanner::edges_evaluated() {
+  auto& validity = *task_.instance.validity;
+  const auto& space = task_.instance.space;
+  std::vector<std::size_t> order(path_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = selected(i, order.size());
+  if (how_.selector == LazyEvaluation::Selector::fail_fast) {
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return space.distance(node(stops_[a]), node(stops_[a + 1])) >
+             space.distance(node(stops_[b]), node(stops_[b + 1]));
+    });
+  }
+  const auto open = [&](std::size_t at) { return edges_[path_[at]] != Known::evaluated && !is_jump(path_[at]); };
+  // What is presumed invalid goes at once: it costs nothing to find out, and the path needs each of its edges.
+  bool presumed = true;
+  for (const std::size_t at : order) {
+    if (!open(at)) continue;
+    const MotionReport report = validity.motion(node(stops_[at]), node(stops_[at + 1]));
+    if (report.valid) continue;
+    presumed = false;
+    remove_edge(at, report.invalid_at);
+  }
+  if (!presumed) return false;
+  for (const bool whole : {false, true}) {
+    if (!whole && !evaluator_->sparse_first()) continue;
+    for (const std::size_t at : order) {
+      if (!open(at)) continue;
+      if (evaluator_->exhausted()) return true;
+      const View a = node(stops_[at]);
+      const View b = node(stops_[at + 1]);
+      const MotionReport report = whole ? evaluator_->motion(a, b) : evaluator_->sparsely(a, b);
+      if (!report.valid) {
+        evaluated_invalid_ += 1.0;
+        remove_edge(at, report.invalid_at);
+        return false;
+      }
+      if (!whole) continue;
+      evaluated_length_ += space.distance(a, b);
+      edges_[path_[at]] = nodes_[stops_[at]] = nodes_[stops_[at + 1]] = Known::evaluated;
+      join(path_[at]);
+    }
+  }
+  return true;
+}
+
+std::size_t RoadmapPlanner::selected(std::size_t i, std::size_t n) const {
+  switch (how_.selector) {
+    case LazyEvaluation::Selector::alternate: return outside_in(i, n);
+    case LazyEvaluation::Selector::backward: return n - 1 - i;
+    case LazyEvaluation::Selector::forward:
+    case LazyEvaluation::Selector::fail_fast: return i;
+  }
+  return i;
+}
+
 bool RoadmapPlanner::node_valid(std::uint32_t id) {
   auto& instance = task_.instance;
-  if (nodes_[id] == Known::valid) return true;
+  if (nodes_[id] == Known::valid || nodes_[id] == Known::evaluated) return true;
   if (judged_) task_.search.looked_at[rows_[id]] = 1;
   // A configuration is a motion to itself.
   if (nodes_[id] == Known::stale ? instance.motion_still_valid(node(id), node(id)) : instance.valid(node(id))) {
     nodes_[id] = Known::valid;
     return true;
   }
+  refute_node(id);
+  return false;
+}
+
+void RoadmapPlanner::refute_node(std::uint32_t id) {
   nodes_[id] = Known::invalid;
   refuted_.push_back(id);
   disconnected_ = disconnected_ || presumed_;
   const View q = node(id);
   blocked_.assign(q.begin(), q.end());
   report_blocked(blocked_, blocked_);
-  return false;
 }
 
 void RoadmapPlanner::remove_refuted_nodes() {
@@ -412,13 +597,14 @@ void RoadmapPlanner::remove_refuted_nodes() {
 bool RoadmapPlanner::edge_valid(std::size_t at) {
   auto& instance = task_.instance;
   const std::uint32_t id = path_[at];
-  if (edges_[id] == Known::valid) return true;
+  if (edges_[id] == Known::valid || edges_[id] == Known::evaluated) return true;
   const View from = node(stops_[at]);
   const View to = node(stops_[at + 1]);
   const MotionReport report =
       edges_[id] == Known::stale ? instance.recheck_motion(from, to) : instance.motion(from, to);
   if (report.valid) {
     edges_[id] = Known::valid;
+    if (presumed_) looked_at_.push_back(id);
     join(id);
     return true;
   }
@@ -440,10 +626,13 @@ bool RoadmapPlanner::coarsely_valid() {
       for (std::uint32_t k = 1; k < pieces; k += 2) {
         const double t = static_cast<double>(k) / pieces;
         instance.space.interpolate(node(stops_[at]), node(stops_[at + 1]), t, sample_);
-        if (instance.valid(sample_)) continue;
+        if (evaluator_ != nullptr ? evaluator_->exhausted() || evaluator_->state(sample_) : instance.valid(sample_)) {
+          continue;
+        }
         remove_edge(at, t);
         return false;
       }
+      if (presumed_ && passes_[id] == 0) looked_at_.push_back(id);
       passes_[id] = pass;
     }
     if (!looked) break;
@@ -469,7 +658,9 @@ void RoadmapPlanner::report_blocked(View from, View to) {
   task_.guidance.observe(outcome, false);
 }
 
-void RoadmapPlanner::join(std::uint32_t edge) { connectivity_.join(paths_.edge(edge).a, paths_.edge(edge).b, joined_); }
+void RoadmapPlanner::join(std::uint32_t edge) {
+  if (tracked_) connectivity_.join(paths_.edge(edge).a, paths_.edge(edge).b, joined_);
+}
 
 void RoadmapPlanner::report_joined() {
   if (joined_.empty()) return;
@@ -489,6 +680,7 @@ void RoadmapPlanner::report_joined() {
 
 void RoadmapPlanner::rebuild_connectivity() {
   disconnected_ = false;
+  if (!tracked_) return;
   connectivity_ = {};
   joined_.clear();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) connectivity_.add_vertex(side_of(id));
@@ -512,8 +704,10 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
 
 Solution RoadmapPlanner::finish(Status status) {
   if (best_.known() && mode_.improve > 0.0) return best_.solution(status);
+  // A search that only pauses looks no farther than it did.
+  const bool pauses = status == Status::budget_spent && task_.paused && task_.paused();
   // Of the nodes that the search tree holds, the one nearest to the goal.
-  paths_.search_all();
+  if (!pauses) paths_.search_all();
   std::uint32_t end = LifelongSearch::start;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) {

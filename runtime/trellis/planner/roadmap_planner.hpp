@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/planner/anytime.hpp>
 #include <trellis/planner/connectivity.hpp>
 #include <trellis/planner/roadmap.hpp>
@@ -39,10 +40,13 @@ class RoadmapPlanner final : public Planner {
   RoadmapPlanner(Connection connection, const Mode& mode, Task task);
 
   Solution solve(const Budget& budget) override;
+  /// Vertices that its graph search has expanded so far.
+  [[nodiscard]] std::uint64_t expanded() const { return paths_.expanded(); }
 
  private:
-  /// `stale`: valid before the instance changed, and not checked since.
-  enum class Known : std::uint8_t { unknown, valid, stale, invalid };
+  /// `stale`: valid before the instance changed, and not checked since. `evaluated`: found valid by the evaluator, in
+  /// the space that this one was made from; the instance's own changes leave that as it is.
+  enum class Known : std::uint8_t { unknown, valid, stale, evaluated, invalid };
   static constexpr std::uint32_t goal = LifelongSearch::goal;
   /// Of an edge that stands for no motion: too little to tell one way from another.
   static constexpr double jump_cost = 1e-12;
@@ -60,15 +64,36 @@ class RoadmapPlanner final : public Planner {
     if (vertex == LifelongSearch::start) return Connectivity::to_start;
     return vertex < goals_end_ ? Connectivity::to_goal : std::uint8_t{0};
   }
+  /// The instance changed: looks which edges that were valid still are, as long as that costs no validity check.
+  void recheck_edges();
   /// Removes all edges of a goal that is invalid now.
   void remove_goal(std::uint32_t vertex);
   void grow();
   /// Places nodes about the middles of removed edges, where the way was found to be narrow.
   void enhance();
-  void insert(View q, Known known);
-  /// Looks at the shortest path, nodes first and then edges, each from both ends
+  /// Adds a node and its edges. \param unless_there  not where there is one already, at the same place
+  /// \return whether it was added
+  bool insert(View q, Known known, bool unless_there = false);
+  /// Asks the instance for what evaluates edges where they are presumed valid.
+  void begin_evaluation();
+  /// Searches until the evaluator's event, or for the shortest path to the goal: the vertex to validate the path to.
+  std::uint32_t next_candidate();
+  /// Whether the path to a vertex that the search has come to is to be evaluated.
+  [[nodiscard]] bool is_event(std::uint32_t vertex);
+  /// How long a motion is until it is invalid, on average: the maximum likelihood of what was evaluated, with one
+  /// motion from start to goal found invalid as the prior.
+  [[nodiscard]] double mean_valid_length() const;
+  /// Looks at the shortest path to a vertex, nodes first and then edges, each from both ends
   /// inwards, and removes the invalid nodes or the first invalid edge. True when the whole path is valid.
-  bool validated();
+  bool validated(std::uint32_t end);
+  /// The same by the evaluator, in the order of its selector, as long as it is not exhausted.
+  bool evaluated(std::uint32_t end);
+  bool nodes_evaluated();
+  bool edges_evaluated();
+  /// The node or edge of a path of n that the selector takes as the i-th.
+  [[nodiscard]] std::size_t selected(std::size_t i, std::size_t n) const;
+  /// Notes and reports that a node is invalid.
+  void refute_node(std::uint32_t id);
   /// Whether a node is valid; if not, it is to be removed.
   bool node_valid(std::uint32_t id);
   void remove_refuted_nodes();
@@ -132,6 +157,7 @@ class RoadmapPlanner final : public Planner {
   std::vector<std::uint32_t> stops_;                 ///< the nodes between them
   std::unordered_set<std::uint64_t> pairs_;          ///< of nodes that were ever joined, once nodes are reconnected
   std::vector<std::uint32_t> lost_neighbour_;        ///< nodes that lost a neighbour since they were reconnected
+  std::vector<std::uint32_t> looked_at_;             ///< edges, where validity is presumed, that are not unknown
   std::vector<std::uint32_t> refuted_;               ///< nodes or edges, to be removed together
   std::vector<std::uint8_t> passes_;                 ///< of each edge how finely it was validated
   std::vector<std::array<std::uint32_t, 2>> seeds_;  ///< ends of the edges that were removed
@@ -139,6 +165,12 @@ class RoadmapPlanner final : public Planner {
   std::vector<Connectivity::Joined> joined_;  ///< not yet reported
   std::vector<std::uint8_t> reported_;        ///< of each node the sides that it was reported to be connected to
   BlockedMotions blocked_motions_;
+  EdgeEvaluator* evaluator_ = nullptr;  ///< of edges that are presumed valid; nullptr: there is none
+  LazyEvaluation how_;
+  std::uint64_t evaluation_epoch_ = 0;
+  double nearest_evaluated_ = std::numeric_limits<double>::infinity();  ///< to the goal: end of an evaluated subpath
+  double evaluated_length_ = 0.0;                                       ///< of edges found valid
+  double evaluated_invalid_ = 0.0;                                      ///< edges found invalid
   double best_cost_ = std::numeric_limits<double>::infinity();
   Configuration sample_;
   Configuration target_;
@@ -150,6 +182,7 @@ class RoadmapPlanner final : public Planner {
   bool reconnecting_ = false;           ///< the proposals were spent, and nodes are reconnected
   bool judged_ = false;                 ///< records which nodes were validated
   bool presumed_ = false;               ///< validity costs no checks: an edge that was not refuted counts as checked
+  bool tracked_ = true;                 ///< which vertices are connected is computed and reported
   bool disconnected_ = false;           ///< an edge that counted as checked was removed since connectivity was computed
   std::uint64_t epoch_ = 0;
   bool solved_ = false;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <trellis/guide/custom.hpp>
+#include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 
@@ -28,7 +29,7 @@ class ComponentGuidance final : public Prepared {
     const PlannerSpec planner = planner_for(spec, *sub);
     level_ = told([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
-    guide_->attach(level_->instance());
+    attach();
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
 
@@ -204,13 +205,19 @@ class ComponentGuidance final : public Prepared {
     heuristic_->select_tree(side_);
   }
 
+  /// Reports where the instances live.
+  void attach() {
+    guide_->attach(level_->instance());
+    if (auto* spender = dynamic_cast<SpendsParentsChecks*>(guide_.get())) spender->attach_parent(parent_.instance());
+  }
+
   /// f of the instance as it stands now.
   void project_again() {
     projected_ = parent_.instance().scene;
     auto sub = told([&] { return guide_->project(parent_.instance()); });
     project_further_goals(*sub);
     level_->replace_instance(std::move(sub));
-    guide_->attach(level_->instance());
+    attach();
   }
 
   /// Checks in C, and work below.
