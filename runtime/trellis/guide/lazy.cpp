@@ -9,6 +9,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
+#include <trellis/planner/loop.hpp>
 
 namespace trellis {
 
@@ -72,7 +73,7 @@ const Settings<LazySettings>& lazy_settings() {
 /// Costs no collision checks.
 class PresumedValidity final : public EvaluatedValidity {
  public:
-  /// \param verified  motions found valid in C
+  /// \param verified  edges of this space that were found valid in C
   PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified)
       : unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
     for (double radius = margin; sizes_.size() < sizes; radius *= 2.0) sizes_.emplace_back(space, radius);
@@ -149,10 +150,12 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     auto instance = same_instance(parent);
     verified_ = std::make_shared<VerifiedMotions>();
     verified_->hold_at(parent.epoch());
+    evaluated_ = std::make_shared<VerifiedMotions>();
+    evaluated_->hold_at(parent.epoch());
     // What guides the search of S may have verified motions, too.
     instance->verified = verified_;
     // What was found invalid in a world that has changed may be valid now.
-    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, verified_);
+    validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_);
     checked_ = parent.validity;
     margin_ = margin(parent);
     instance->validity = validity_;
@@ -168,8 +171,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   /// The candidate path is validated in C, and refuted where an edge of it is invalid.
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
-    parent.verified = verified_;
-    verified_->hold_at(parent.epoch());
+    hold();
     const bool holds = !found->solved() || validated(found->path);
     auto h = PathGuide::heuristic(parent, sub, found);
     if (!holds && path_heuristic() != nullptr) path_heuristic()->refute();
@@ -184,10 +186,37 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
 
  protected:
   [[nodiscard]] bool excludes() const override { return false; }
+  /// In the steps that were validated.
+  Configurations followed(Configurations path) const override {
+    if (parent_->step <= 0.0) return path;
+    const Space& space = parent_->space;
+    Configurations steps(path.dimension());
+    steps.push(path.front());
+    Configuration from;
+    Configuration to;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const View b = std::as_const(path)[i];
+      from.assign(std::as_const(path)[i - 1].begin(), std::as_const(path)[i - 1].end());
+      to.resize(from.size());
+      while (!steer(space, from, b, space.distance(from, b), parent_->step, to)) {
+        steps.push(to);
+        std::swap(from, to);
+      }
+      steps.push(b);
+    }
+    return steps;
+  }
 
  private:
   [[nodiscard]] double margin(const Instance& parent) const {
     return settings_.margin > 0.0 ? settings_.margin : parent.resolution;
+  }
+
+  /// What was found valid holds for the parent as it is now.
+  void hold() {
+    parent_->verified = verified_;
+    verified_->hold_at(parent_->epoch());
+    evaluated_->hold_at(parent_->epoch());
   }
 
   /// Takes out of S what is known to be invalid about q, which C found invalid.
@@ -195,8 +224,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
 
   [[nodiscard]] const LazyEvaluation& how() const override { return how_; }
   std::uint64_t begin() override {
-    parent_->verified = verified_;
-    verified_->hold_at(parent_->epoch());
+    hold();
     evaluations_ = 0;
     checks_begun_ = parent_->checks.validity;
     return parent_->epoch();
@@ -228,18 +256,34 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
 
+  /// Validates a motion of S as a planner in C will drive it, in its steps: these are the motions that need no further
+  /// check.
   [[nodiscard]] MotionReport motion(View a, View b) override {
     ++evaluations_;
-    const MotionReport report = parent_->motion(a, b);
-    if (report.valid) {
-      verified_->add(a, b);
-      return report;
+    const Space& space = parent_->space;
+    const double length = space.distance(a, b);
+    const double step = parent_->step > 0.0 ? parent_->step : length;
+    Configuration from(a.begin(), a.end());
+    Configuration to(a.size());
+    for (double left = length;; left = space.distance(from, b)) {
+      const bool last = steer(space, from, b, left, step, to);
+      MotionReport report = parent_->motion(from, to);
+      if (!report.valid) {
+        refuted_ = true;
+        Configuration q(a.size());
+        space.interpolate(from, to, report.invalid_at, q);
+        forbid(q);
+        if (length > 0.0) {
+          report.invalid_at = std::clamp(1.0 - (left - report.invalid_at * std::min(left, step)) / length, 0.0, 1.0);
+        }
+        return report;
+      }
+      verified_->add(from, to);
+      if (last) break;
+      std::swap(from, to);
     }
-    refuted_ = true;
-    Configuration q(a.size());
-    parent_->space.interpolate(a, b, report.invalid_at, q);
-    forbid(q);
-    return report;
+    evaluated_->add(a, b);
+    return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
 
   [[nodiscard]] double sparse() const {
@@ -277,7 +321,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
       for (const std::size_t i : order) {
         const View a = path[i];
         const View b = path[i + 1];
-        if (verified_->contain(a, b)) continue;
+        if (evaluated_->contain(a, b)) continue;
         if (whole) {
           if (!motion(a, b).valid) return false;
           continue;
@@ -299,11 +343,12 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   LazySettings settings_;
   LazyEvaluation how_;
   Instance* parent_ = nullptr;
-  bool refuted_ = false;                       ///< something of a candidate path was found invalid
-  std::uint64_t evaluations_ = 0;              ///< since the search in S continued
-  std::uint64_t checks_begun_ = 0;             ///< of C, then
-  std::shared_ptr<Validity> checked_;          ///< of C
-  std::shared_ptr<VerifiedMotions> verified_;  ///< motions of C
+  bool refuted_ = false;                        ///< something of a candidate path was found invalid
+  std::uint64_t evaluations_ = 0;               ///< since the search in S continued
+  std::uint64_t checks_begun_ = 0;              ///< of C, then
+  std::shared_ptr<Validity> checked_;           ///< of C
+  std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of the planner that searches it
+  std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
 };
