@@ -133,7 +133,8 @@ define("relaxation", {
       native.fail("strategies.relaxation: field 'scales' must be a list of numbers that grow, below 1")
     end
     local level = shrink {
-      scale / larger, follow = "waypoints", radius = o.radius, evidence = o.evidence, resolves = o.resolves,
+      scale / larger, follow = "waypoints", keep_tree = true, radius = o.radius, evidence = o.evidence,
+      resolves = o.resolves,
       planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = o.uniform, bound = 0 },
     }
     guide = guide and guide >> level or level

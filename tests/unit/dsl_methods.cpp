@@ -19,9 +19,9 @@ TEST_CASE("the methods of the paper are written in the language from parts") {
   CHECK(value("strategies.parasol_dr_rrt() == skeleton { follow = 'regions', prune = false, penetration = 1, drop = 0, "
               "resolves = 0 } >> rrt { uniform = 0, goal_bias = 0, bound = 0 }") == "true");
   CHECK(value("strategies.irc { scales = {0.25, 0.5} } == "
-              "shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, planner = rrt { uniform = 0.5, bound "
-              "= 0 } } "
-              ">> shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
+              "shrink { 0.5, follow = 'waypoints', keep_tree = true, evidence = 100, resolves = 10, "
+              "planner = rrt { uniform = 0.5, bound = 0 } } "
+              ">> shrink { 0.5, follow = 'waypoints', keep_tree = true, evidence = 100, resolves = 10, "
               "planner = rrt { uniform = 0.5, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
   CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
               "paths = 2, planner = rrt { uniform = 0.1, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
@@ -54,10 +54,11 @@ TEST_CASE("the methods' guides serve at any level") {
   CHECK(value("strategies.regions() >> shrink(0.5) >> rrt_connect {} == "
               "skeleton { follow = 'regions', prune = false, drop = 1000, resolves = 0 } >> shrink(0.5) >> rrt_connect "
               "{}") == "true");
-  CHECK(value("tostring(blend { strategies.several(), strategies.relaxation { scales = {0.5} } } >> prm {})") ==
-        "blend { shrink { 0.5, follow = \"waypoints\", evidence = 100, resolves = 10, paths = 3, "
-        "planner = rrt { uniform = 0.1, bound = 0 } }, shrink { 0.5, follow = \"waypoints\", evidence = 100, "
-        "resolves = 10, planner = rrt { uniform = 0.5, bound = 0 } } } >> prm()");
+  CHECK(
+      value("tostring(blend { strategies.several(), strategies.relaxation { scales = {0.5} } } >> prm {})") ==
+      "blend { shrink { 0.5, follow = \"waypoints\", evidence = 100, resolves = 10, paths = 3, "
+      "planner = rrt { uniform = 0.1, bound = 0 } }, shrink { 0.5, keep_tree = true, "
+      "follow = \"waypoints\", evidence = 100, resolves = 10, planner = rrt { uniform = 0.5, bound = 0 } } } >> prm()");
   CHECK(value("skeleton() >> strategies.irc { scales = {0.5} } == "
               "(skeleton() >> strategies.relaxation { scales = {0.5} }) >> rrt { uniform = 0.5, bound = 0 }") ==
         "true");

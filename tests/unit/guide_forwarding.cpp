@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/kept_tree.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/pieces.hpp>
 
@@ -55,6 +56,12 @@ Wrapped several() {
   std::vector<std::unique_ptr<PathFollower>> parts;
   for (int i = 0; i < 3; ++i) parts.push_back(w.spy(se2));
   w.h = std::make_unique<SeveralPaths>(std::move(parts));
+  return w;
+}
+
+Wrapped beside_a_tree() {
+  Wrapped w;
+  w.h = std::make_unique<TreeAndPath>(std::make_shared<KeptTree>(se2, Configuration{1, 1, 0}), w.spy(se2));
   return w;
 }
 
@@ -175,6 +182,7 @@ void check_forwards(Wrapped w) {
 TEST_CASE("a heuristic made of others passes on every call", "[guide][forwarding]") {
   SECTION("a sum") { check_forwards(sum()); }
   SECTION("several paths") { check_forwards(several()); }
+  SECTION("a path beside a tree") { check_forwards(beside_a_tree()); }
   SECTION("what is lifted from fewer axes") { check_forwards(lifted(plane())); }
   SECTION("what is lifted from the same axes") { check_forwards(lifted(se2)); }
   SECTION("a sum of what is lifted") { check_forwards(nested()); }

@@ -48,6 +48,9 @@ class Guide {
   /// was observed before where that still holds. For S = {0}, `sub` and `found` are nullptr. A heuristic that looks at
   /// validity (bridge test) spends the parent's checks.
   virtual std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) = 0;
+  /// Called before `heuristic` where S was searched: its nodes and their parents, over all solves. The view of them
+  /// holds during the call only.
+  virtual void searched(const Search& search) { static_cast<void>(search); }
   /// How many proposals a search of S for its first path may spend, within its own budget.
   [[nodiscard]] virtual double effort() const { return Budget::unlimited; }
   /// The same where S is searched again because h was refuted.

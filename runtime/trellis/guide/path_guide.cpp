@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/kept_tree.hpp>
 #include <trellis/guide/path_steps.hpp>
 
 namespace trellis {
@@ -347,7 +348,18 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
 }
 
 void PathGuide::learn(const Outcome& outcome) {
-  if (!outcome.added.empty() && outcome.connected) reached_.add(outcome.added, outcome.from_goal);
+  if (outcome.added.empty() || !outcome.connected) return;
+  reached_.add(outcome.added, outcome.from_goal);
+  if (tree_ && !outcome.from_goal) tree_->add(outcome.added, outcome.added_row);
+}
+
+void PathGuide::restart() {
+  if (reached_.begun()) reached_.clear();
+  if (tree_) tree_->clear();
+}
+
+void PathGuide::searched(const Search& search) {
+  if (tree_) tree_->update(search);
 }
 
 std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
@@ -359,6 +371,9 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     instance->validity = relaxed_;
     instance->shared_resolution = parent.resolution;
   }
+  // From here on nodes are learnt: h starts from where the search stands, however late it is made.
+  if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goal);
+  if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(parent.space, parent.start);
   if (path_settings_.paths > 1 || excludes()) {
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
@@ -508,6 +523,7 @@ std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance
   if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);
   share_verified(parent, found->path);
   auto h = follower(parent, found->path, found->solved());
+  if (tree_) h = std::make_unique<TreeAndPath>(tree_, std::move(h));
   current_ = h.get();
   return h;
 }

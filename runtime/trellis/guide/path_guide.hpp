@@ -19,6 +19,7 @@
 
 namespace trellis {
 
+class KeptTree;
 class SparseValidation;
 
 /// Lifts a point of a path in S to C, in several attempts.
@@ -41,6 +42,7 @@ struct PathGuideSettings {
   std::int64_t paths = 1;
   double distinct = 0.0;
   std::int64_t effort = 2000;
+  bool keep_tree = false;
 };
 
 template <class S>
@@ -331,9 +333,8 @@ class PathGuide : public Guide {
   [[nodiscard]] double log_fibre_density(View) const override { return 0.0; }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override;
   void learn(const Outcome& outcome) override;
-  void restart() override {
-    if (reached_.begun()) reached_.clear();
-  }
+  void restart() override;
+  void searched(const Search& search) override;
   std::int64_t another(const Solution* found) override;
   [[nodiscard]] double effort_again() const override { return static_cast<double>(path_settings_.effort); }
   /// Keeps the next path in S out of what was refuted.
@@ -387,6 +388,7 @@ class PathGuide : public Guide {
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
   // Where several paths are wanted:
   std::vector<Configurations> paths_;  ///< found since h was made last
+  std::shared_ptr<KeptTree> tree_;     ///< of S, where it is kept
   bool complete_ = false;              ///< all that were wanted or found are there
 };
 

@@ -30,6 +30,10 @@ const Settings<ShrinkSettings>& shrink_settings() {
                   "checking resolution in S; 0: the diameter of the largest disc about the reference point inside the "
                   "smaller robot, as no wall fits between two of its places so near to each other, but not below that "
                   "of C nor above four times that")
+          .boolean("keep_tree", &ShrinkSettings::keep_tree,
+                   "where the way along the path is blocked, half of the proposals are nodes of the tree that was "
+                   "grown in S, each extended from where its parent is: branches that are valid for the larger robot "
+                   "are kept")
           .positional({"scale"})));
   return settings;
 }

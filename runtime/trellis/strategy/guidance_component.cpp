@@ -201,6 +201,7 @@ class ComponentGuidance final : public Prepared {
     const Instance* sub = level_ ? &level_->instance() : nullptr;
     if (heuristic_) progress_ += heuristic_->progress();
     made_at_ = parent_.instance().epoch();
+    if (level_) guide_->searched(level_->record().search);
     heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
     heuristic_->select_tree(side_);
   }
