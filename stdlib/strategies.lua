@@ -159,7 +159,8 @@ define("several", {
   returns = "guide", usage = "strategies.several { paths = 2 } >> rrt {}", options = several,
 }, function(o)
   return shrink {
-    o.scale, follow = "waypoints", paths = o.paths, distinct = o.distinct, effort = o.effort, radius = o.radius,
+    o.scale, follow = "waypoints", paths = o.paths, inhibit = "bottlenecks", distinct = o.distinct,
+    effort = o.effort, radius = o.radius,
     evidence = o.evidence, resolves = o.resolves,
     planner = rrt { step = o.step, goal_bias = o.goal_bias, uniform = 0.1, bound = 0 },
   }

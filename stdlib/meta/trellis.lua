@@ -300,6 +300,7 @@
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
+---@field inhibit? "paths"|"bottlenecks" one of "paths", "bottlenecks"; default "paths": what a further path keeps that distance from: "paths", all of those before it; "bottlenecks", their points that are invalid in C, so that paths differ only where C may not follow them, and a path without such a point is the last one
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `workspace` takes.
@@ -345,6 +346,7 @@
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
+---@field inhibit? "paths"|"bottlenecks" one of "paths", "bottlenecks"; default "paths": what a further path keeps that distance from: "paths", all of those before it; "bottlenecks", their points that are invalid in C, so that paths differ only where C may not follow them, and a path without such a point is the last one
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `joints` takes.
@@ -387,6 +389,7 @@
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
+---@field inhibit? "paths"|"bottlenecks" one of "paths", "bottlenecks"; default "paths": what a further path keeps that distance from: "paths", all of those before it; "bottlenecks", their points that are invalid in C, so that paths differ only where C may not follow them, and a path without such a point is the last one
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `lazy` takes.
@@ -445,6 +448,7 @@
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
 ---@field paths? integer an integer in [1, 64] (paths); default 1: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
+---@field inhibit? "paths"|"bottlenecks" one of "paths", "bottlenecks"; default "paths": what a further path keeps that distance from: "paths", all of those before it; "bottlenecks", their points that are invalid in C, so that paths differ only where C may not follow them, and a path without such a point is the last one
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
 
 ---What `decomposition` takes.

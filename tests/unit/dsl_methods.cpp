@@ -24,7 +24,8 @@ TEST_CASE("the methods of the paper are written in the language from parts") {
               ">> shrink { 0.5, follow = 'waypoints', keep_tree = true, evidence = 100, resolves = 10, "
               "planner = rrt { uniform = 0.5, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
   CHECK(value("strategies.vonasek { paths = 2 } == shrink { 0.5, follow = 'waypoints', evidence = 100, resolves = 10, "
-              "paths = 2, planner = rrt { uniform = 0.1, bound = 0 } } >> rrt { uniform = 0.5, bound = 0 }") == "true");
+              "paths = 2, inhibit = 'bottlenecks', planner = rrt { uniform = 0.1, bound = 0 } } >> rrt { uniform = "
+              "0.5, bound = 0 }") == "true");
   CHECK(value("strategies.parasol_lazy_prm { samples = 100, batch = 20, neighbours = 10, proposals = 50000 } == "
               "lazy_prm { remove = 'first' }") == "true");
   CHECK(

@@ -336,3 +336,45 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
   CHECK(travelled(0.5) > 0);
   CHECK(travelled(1.0) < travelled(0.5));
 }
+
+TEST_CASE("with bottlenecks inhibited, further paths keep away from where C may not follow, and from nothing else",
+          "[guide][paths]") {
+  // Two gaps that the half robot passes, of which the real one passes the upper; and room on either side.
+  const auto problem = test::make_problem(
+      "two gaps", test::rectangle_world({{4.8, 0, 5.2, 4.9}, {4.8, 5.07, 5.2, 6.0}, {4.8, 6.6, 5.2, 10}}),
+      test::rectangle_robot(), {3.5, 5, 0}, {6.5, 5, 0});
+  int through_the_bottleneck = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    auto w = work("shrink", {{"paths", std::int64_t{3}}, {"distinct", 0.3}, {"inhibit", std::string("bottlenecks")}},
+                  problem, seed);
+    REQUIRE_FALSE(w.paths.empty());
+    const auto& space = w.parent->space;
+    const auto points_of = [&](const Configurations& path) {
+      std::vector<Configuration> points;
+      Configuration q(3);
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        for (int k = 0; k < 10; ++k) {
+          space.interpolate(path[i - 1], path[i], k / 10.0, q);
+          points.push_back(q);
+        }
+      }
+      return points;
+    };
+    for (std::size_t i = 0; i < w.paths.size(); ++i) {
+      std::vector<Configuration> invalid;
+      for (const auto& q : points_of(w.paths[i])) {
+        const bool near_ends = space.distance(q, problem.start) <= 0.7 || space.distance(q, problem.goal) <= 0.7;
+        if (!near_ends && !w.parent->validity->state(q)) invalid.push_back(q);
+      }
+      through_the_bottleneck += invalid.empty() ? 0 : 1;
+      // A path that C can follow ends the search for further ones.
+      if (invalid.empty()) CHECK(i + 1 == w.paths.size());
+      for (std::size_t k = i + 1; k < w.paths.size(); ++k) {
+        for (const auto& q : invalid) CHECK(least_distance(space, q, w.paths[k]) > 0.15);
+      }
+    }
+    // What was checked in C is counted.
+    CHECK(w.sub->checks.validity > 0);
+  }
+  CHECK(through_the_bottleneck > 0);
+}

@@ -66,9 +66,15 @@ ExcludingValidity::ExcludingValidity(std::shared_ptr<Validity> inner, const Spac
       inner_epoch_(inner_->epoch()) {}
 
 void ExcludingValidity::exclude(const Configurations& path) {
+  exclude_points(points_along(path, [](View) { return true; }));
+}
+
+Configurations ExcludingValidity::points_along(const Configurations& path,
+                                               const std::function<bool(View)>& chosen) const {
   const double r = balls_.radius();
   const View start = path.front();
   const View goal = path.back();
+  Configurations points(space_.dimension());
   // Centres half the radius apart leave a tube of 0.97 of it without gaps.
   Configuration centre(space_.dimension());
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -76,9 +82,15 @@ void ExcludingValidity::exclude(const Configurations& path) {
     const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(2.0 * length / r)));
     for (std::size_t k = 0; k < pieces; ++k) {
       space_.interpolate(path[i - 1], path[i], static_cast<double>(k) / static_cast<double>(pieces), centre);
-      if (space_.distance(centre, start) > 2.0 * r && space_.distance(centre, goal) > 2.0 * r) balls_.add(centre);
+      if (space_.distance(centre, start) <= 2.0 * r || space_.distance(centre, goal) <= 2.0 * r) continue;
+      if (chosen(centre)) points.push(centre);
     }
   }
+  return points;
+}
+
+void ExcludingValidity::exclude_points(const Configurations& points) {
+  for (std::size_t i = 0; i < points.size(); ++i) balls_.add(points[i]);
   ++epoch_;
 }
 

@@ -50,6 +50,10 @@ class ExcludingValidity final : public Validity {
 
   /// Excludes what is within the radius of the path, but for what is within twice the radius of its ends.
   void exclude(const Configurations& path);
+  /// Points of a path half the radius apart, without those within twice the radius of its ends, that are chosen.
+  [[nodiscard]] Configurations points_along(const Configurations& path, const std::function<bool(View)>& chosen) const;
+  /// Excludes what is within the radius of any of the points, until `include_paths`.
+  void exclude_points(const Configurations& points);
   /// Ends the exclusion of all paths.
   void include_paths();
   /// Excludes a place: every configuration whose position is near that of q, or without a position what is near q.

@@ -381,6 +381,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     if (excluding_) excluding->replace(*excluding_);
     excluding_ = std::move(excluding);
     instance->validity = excluding_;
+    parents_ = parent.validity;
   }
   return instance;
 }
@@ -390,15 +391,27 @@ std::int64_t PathGuide::another(const Solution* found) {
   if (std::exchange(complete_, false)) paths_.clear();
   if (found != nullptr) {
     paths_.push_back(found->path);
-    if (static_cast<std::int64_t>(paths_.size()) < path_settings_.paths) {
-      excluding_->exclude(found->path);
-      return path_settings_.effort;
-    }
+    const bool more = static_cast<std::int64_t>(paths_.size()) < path_settings_.paths;
+    if (more && keep_apart_from(found->path)) return path_settings_.effort;
   }
   // What was excluded to keep paths apart is valid all the same.
   if (!paths_.empty()) excluding_->include_paths();
   complete_ = true;
   return 0;
+}
+
+bool PathGuide::keep_apart_from(const Configurations& path) {
+  if (path_settings_.inhibit == "paths") {
+    excluding_->exclude(path);
+    return true;
+  }
+  // As dense as the balls of `exclude`: half the radius apart.
+  const Configurations bottlenecks = excluding_->points_along(path, [&](View q) {
+    if (parents_->spends_checks()) ++sub_->checks.validity;
+    return !parents_->state(q);
+  });
+  excluding_->exclude_points(bottlenecks);
+  return !bottlenecks.empty();
 }
 
 std::optional<Configuration> PathGuide::take_refuted() {

@@ -41,6 +41,7 @@ struct PathGuideSettings {
   std::int64_t resolves = 1000;
   std::int64_t paths = 1;
   double distinct = 0.0;
+  std::string inhibit = "paths";
   std::int64_t effort = 2000;
   bool keep_tree = false;
 };
@@ -103,6 +104,10 @@ Settings<S> with_several_paths(Settings<S> settings) {
       .number("distinct", &S::distinct, "m in the metric", Range::non_negative(),
               "distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding "
               "radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base")
+      .choice("inhibit", &S::inhibit, {"paths", "bottlenecks"},
+              "what a further path keeps that distance from: \"paths\", all of those before it; \"bottlenecks\", their "
+              "points that are invalid in C, so that paths differ only where C may not follow them, and a path without "
+              "such a point is the last one")
       .integer("effort", &S::effort, "proposals", Range::at_least(1), "budget of the search for each further path");
   return settings;
 }
@@ -369,6 +374,8 @@ class PathGuide : public Guide {
   /// \param whole  whether the path ends at the goal
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
+  /// Keeps the next path in S distinct from one found; whether there is to be a next one.
+  bool keep_apart_from(const Configurations& path);
 
   /// Lifts of points of a path in S, which has the coordinates of C.
   [[nodiscard]] static PointLift near_point(const Instance& parent);
@@ -386,6 +393,7 @@ class PathGuide : public Guide {
   std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
   std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
+  std::shared_ptr<Validity> parents_;             ///< of C
   // Where several paths are wanted:
   std::vector<Configurations> paths_;  ///< found since h was made last
   std::shared_ptr<KeptTree> tree_;     ///< of S, where it is kept
