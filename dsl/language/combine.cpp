@@ -33,9 +33,10 @@ Construct guides(const Component& component, std::string usage, std::string summ
 }
 
 const Construct& sequence_construct() {
-  static const Construct construct =
-      guides(sequence_settings().component(), "sequence { a, b, turn = 200 }",
-             "guides that take turns, each informing the next; a .. b is sequence { a, b }");
+  static const Construct construct = guides(
+      sequence_settings().component(), "sequence { a, b, turn = 200 }",
+      "guides that take turns; the search of each space goes by the path and the refuted places of the one before; "
+      "a .. b is sequence { a, b }");
   return construct;
 }
 

@@ -616,6 +616,8 @@ class ScriptGuide final : public Guide {
   bool identity_ = false;  ///< S has the axes of C, and f is the identity
   std::shared_ptr<ScriptValidity> validity_;
   Instance* parent_ = nullptr;
+  Space c_;
+  Configuration c_start_;  ///< empty before f is applied
   Instance* sub_ = nullptr;
   std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by what 'heuristic' was given
   Asked::Over over_{*asked_};
@@ -806,6 +808,12 @@ void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {
 }
 
 std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
+  // From here on nodes are learnt, as built-in guides do.
+  if (c_start_.empty()) {
+    c_ = parent.space;
+    c_start_ = parent.start;
+    reached_.begin(c_, c_start_);
+  }
   if (calls_->definition().spaceless) return nullptr;
   // What the functions have checked is charged to the level that they make.
   Instance c = parent;
@@ -851,7 +859,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
 }
 
 void ScriptGuide::learn(const Outcome& outcome) {
-  if (outcome.added.empty() || !outcome.connected || parent_ == nullptr) return;
+  if (outcome.added.empty() || !outcome.connected) return;
   reached_.add(outcome.added);
   if (!follows_in_s_) return;
   Configuration s(s_->dimension());
@@ -860,9 +868,9 @@ void ScriptGuide::learn(const Outcome& outcome) {
 }
 
 void ScriptGuide::restart() {
+  reached_.begin(c_, c_start_);
   // Before h was made the first time there was nothing to believe.
   if (parent_ == nullptr) return;
-  reached_.begin(parent_->space, parent_->start);
   if (sub_ != nullptr) reached_in_s_.begin(*s_, sub_->start);
   if (!calls_->has(Slot::restart)) return;
   calls_->call(
@@ -951,7 +959,6 @@ std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instan
   if (parent_ == nullptr) {
     parent_ = &parent;
     asked_->instance = &parent;
-    reached_.begin(parent.space, parent.start);
   }
   Returned returned;
   if (calls_->has(Slot::heuristic)) {

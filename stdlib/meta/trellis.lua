@@ -542,7 +542,7 @@
 ---What `sequence` takes.
 ---@class trellis.sequence.Options
 ---@field [integer] trellis.Guide guides
----@field turn? integer an integer at least 1 (proposals); default 200: proposals that each part serves before the next one's turn
+---@field turn? integer an integer at least 1 (proposals); default 200: proposals that each part serves before the next one's turn; the turn ends earlier where evidence refutes its path or its search finds none
 
 ---What `blend` takes.
 ---@class trellis.blend.Options
@@ -1510,9 +1510,11 @@ function histogram(options) end
 ---@overload fun(cell: number, options?: trellis.legacy.Options): trellis.Estimator
 function legacy(options) end
 
----guides that take turns, each informing the next; a .. b is sequence { a, b }
+---guides that take turns; the search of each space goes by the path and the refuted places of the one before; a .. b is sequence { a, b }
 ---
 ---    sequence { a, b, turn = 200 }
+---
+---Source: sequences of guiding spaces: Attali, Ashur, Love, McBeth, Motes, Morales and Amato 2024, arXiv 2404.03133
 ---@param options trellis.sequence.Options
 ---@return trellis.Guide
 ---@overload fun(...: trellis.Guide): trellis.Guide

@@ -311,10 +311,9 @@ TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
 }
 
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {
-  const auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
-                                          {1, 5, 0}, {9, 5, 0});
-  const auto run = execute(sequence({guide("shrink", {{"scale", 0.1}}), guide("lazy")}, 40) >>
-                               rrt({{"bound", 0.0}, {"proposals", std::int64_t{400}}}),
+  const auto problem = test::simple_passage_problem();
+  const auto run = execute(sequence({guide("shrink"), guide("lazy")}, 10) >>
+                               rrt({{"bound", 0.0}, {"step", 0.1}, {"proposals", std::int64_t{400}}}),
                            problem, 1);
   const auto& search = run.levels[0].search;
   std::string order;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -62,6 +63,10 @@ class ExcludingValidity final : public Validity {
   /// Takes the place of another one, of a world that has changed since: excludes the places that it excludes, and
   /// checks motions that were valid there anew.
   void replace(const ExcludingValidity& other);
+  /// Whether a place excluded holds q.
+  [[nodiscard]] bool in_place(View q);
+  /// The places, as they were given.
+  [[nodiscard]] const Configurations& excluded_places() const { return excluded_places_; }
 
   [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
@@ -80,7 +85,6 @@ class ExcludingValidity final : public Validity {
   void expect_guided(bool guided) override { inner_->expect_guided(guided); }
 
  private:
-  [[nodiscard]] bool in_place(View q);
   [[nodiscard]] std::optional<double> entered(View a, View b);
   void project(View q, Configuration& position) const;
 
@@ -90,8 +94,8 @@ class ExcludingValidity final : public Validity {
   std::vector<std::size_t> position_axes_;
   Space position_space_;
   ExcludedBalls places_;
-  Configurations excluded_places_;  ///< as they were given
-  Configuration a_;                 ///< scratch
+  Configurations excluded_places_;
+  Configuration a_;  ///< scratch
   Configuration b_;
   std::uint64_t inner_epoch_;  ///< when this was made
   bool replaces_ = false;      ///< motions that were valid may have been so in another world

@@ -19,8 +19,8 @@ class Heuristic : public Guidance {
  public:
   /// Whether the instance in S should be solved again with what was learnt.
   [[nodiscard]] virtual bool stale() const { return false; }
-  /// The path in C along which it guides (lifted from S); empty where it has none. The next space of a sequence is
-  /// informed by it.
+  /// The path in C along which it guides (lifted from S); empty where it has none. The search of the next space of a
+  /// sequence begins along it.
   [[nodiscard]] virtual Configurations lifted_path() const { return {}; }
 };
 
@@ -62,6 +62,10 @@ class Guide {
     static_cast<void>(found);
     return 0;
   }
+  /// Places of C through which evidence showed that no path in S leads to one in C.
+  [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
+  /// Called with each such place that another guide of C found: S may leave it out.
+  virtual void avoid(View place) { static_cast<void>(place); }
   /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
   /// Called when the planner in C removed nodes: those that are left are learnt again.

@@ -477,6 +477,22 @@ PointLift PathGuide::near_point(const Instance& parent) {
   };
 }
 
+Configurations PathGuide::refuted_places() const {
+  if (!excluding_ || !excludes()) return {};
+  Configurations places = excluding_->excluded_places();
+  if (refuted_) {
+    places.push(*refuted_);
+  } else if (current_ != nullptr) {
+    if (const auto place = current_->refuted_place()) places.push(*place);
+  }
+  return places;
+}
+
+void PathGuide::avoid(View place) {
+  if (!excluding_ || !excludes() || excluding_->in_place(place)) return;
+  excluding_->exclude_place(place, {sub_->start, sub_->goal});
+}
+
 std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path, bool whole) {
   const Configurations chosen = followed(path);
   PathGuideSettings settings = path_settings_;
@@ -530,7 +546,6 @@ void PathGuide::share_verified(Instance& parent, const Configurations& path) {
 }
 
 std::unique_ptr<Heuristic> PathGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {
-  if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goal);
   current_ = nullptr;
   refuted_.reset();
   if (found->path.size() < 2) return std::make_unique<UniformHeuristic>(name_ + " (found nothing)", parent.space);

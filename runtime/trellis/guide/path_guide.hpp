@@ -345,6 +345,8 @@ class PathGuide : public Guide {
   /// Keeps the next path in S out of what was refuted.
   void before_resolve() override;
   void no_other_path() override { only_path_ = true; }
+  [[nodiscard]] Configurations refuted_places() const override;
+  void avoid(View place) override;
 
  protected:
   /// f of the instance.

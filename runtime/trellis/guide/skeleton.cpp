@@ -8,6 +8,7 @@
 #include <optional>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
@@ -530,6 +531,7 @@ class SkeletonGuide final : public Guide {
     graph_ = std::make_shared<Graph>(builder.take());
     clearances_ = builder.take_clearances();
     refuted_edges_.assign(graph_->edges.size(), 0);
+    refuted_positions_.clear();
     instance->graph = graph_;
     along_path_ = settings_.follow == "path" && !parent.motion_model;
     if (!reached_) {
@@ -537,6 +539,8 @@ class SkeletonGuide final : public Guide {
       reached_->add(instance->start);
       nodes_.begin(parent.space, parent.start, parent.goal);
       start_ = parent.start;
+      position_axes_ = parent.position_axes;
+      place_radius_ = 0.5 * natural_distance(parent);
     }
     spacing_ = settings_.spacing > 0.0 ? settings_.spacing : projection_->spacing(parent, *instance);
     sparse_.emplace(projection_->space(), spacing_, projection_->arm());
@@ -599,9 +603,35 @@ class SkeletonGuide final : public Guide {
       projection_->project(*steps_->refuted_place(), *refuted_);
     }
     if (!refuted_) return;
-    const std::uint32_t edge = nearest_edge_of_path(*refuted_);
-    graph_->edges[edge].cost *= refuted_penalty;
-    refuted_edges_[edge] = 1;
+    refute(nearest_edge(*refuted_, true).first);
+    refuted_positions_.push(*refuted_);
+  }
+
+  [[nodiscard]] Configurations refuted_places() const override {
+    Configurations places(start_.size());
+    // An arm's tip has no axes of its own in C.
+    if (position_axes_.empty()) return places;
+    const auto add = [&](View position) {
+      // What was refuted is the position; the other coordinates are any.
+      Configuration place = start_;
+      for (std::size_t k = 0; k < 2; ++k) place[position_axes_[k]] = position[k];
+      places.push(place);
+    };
+    for (std::size_t i = 0; i < refuted_positions_.size(); ++i) add(refuted_positions_[i]);
+    if (refuted_) {
+      add(*refuted_);
+    } else if (steps_ != nullptr) {
+      if (const auto place = steps_->refuted_place()) places.push(*place);
+    }
+    return places;
+  }
+
+  void avoid(View place) override {
+    Configuration s(2);
+    projection_->project(place, s);
+    if (graph_->edges.empty()) return;
+    const auto [edge, squared_distance] = nearest_edge(s, false);
+    if (squared_distance <= place_radius_ * place_radius_ && refuted_edges_[edge] == 0) refute(edge);
   }
 
  private:
@@ -630,12 +660,17 @@ class SkeletonGuide final : public Guide {
     return h;
   }
 
-  /// Of the edges that the path found runs along, the one nearest to s.
-  [[nodiscard]] std::uint32_t nearest_edge_of_path(View s) const {
+  void refute(std::uint32_t edge) {
+    graph_->edges[edge].cost *= refuted_penalty;
+    refuted_edges_[edge] = 1;
+  }
+
+  /// The edge nearest to s, and its squared distance. \param of_path  of those that the path found runs along
+  [[nodiscard]] std::pair<std::uint32_t, double> nearest_edge(View s, bool of_path) const {
     std::uint32_t best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
-      if (along_[e] == 0) continue;
+      if (of_path && along_[e] == 0) continue;
       const auto& points = std::as_const(graph_->edges[e].points);
       for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const double distance = nearest_on_motion(projection_->space(), points[i], points[i + 1], s).squared_distance;
@@ -645,7 +680,7 @@ class SkeletonGuide final : public Guide {
         }
       }
     }
-    return best;
+    return {best, least};
   }
 
   /// Whether an edge of the path found was refuted before: then there is no other path.
@@ -662,8 +697,11 @@ class SkeletonGuide final : public Guide {
   std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
   std::vector<char> along_;                      ///< of each edge, whether the path found runs along it
   std::vector<char> refuted_edges_;
+  Configurations refuted_positions_{2};  ///< each refuted an edge
+  double place_radius_ = 0.0;            ///< of a place that another guide's evidence refuted
   bool along_path_ = true;
   Configuration start_;
+  std::vector<std::size_t> position_axes_;
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, for regions
   ReachedNodes nodes_;                   ///< the planner's nodes, for a path
   std::optional<SparseValidation> sparse_;

@@ -159,7 +159,6 @@ class TreeRepair {
 
 /// Reports the nodes of a tree that lost some of its own, after Guidance::restart.
 inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) {
-  if (!task.guided) return;
   Outcome outcome;
   outcome.fate = Fate::reached;
   outcome.from_goal = from_goal;

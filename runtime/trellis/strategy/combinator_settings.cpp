@@ -5,9 +5,12 @@ namespace trellis {
 
 const Settings<SequenceSettings>& sequence_settings() {
   static const auto settings =
-      Settings<SequenceSettings>(Component::Kind::combinator, "sequence", "guides that take turns", "")
+      Settings<SequenceSettings>(Component::Kind::combinator, "sequence", "guides that take turns",
+                                 "sequences of guiding spaces: Attali, Ashur, Love, McBeth, Motes, Morales and Amato "
+                                 "2024, arXiv 2404.03133")
           .integer("turn", &SequenceSettings::turn, "proposals", Range::at_least(1),
-                   "proposals that each part serves before the next one's turn");
+                   "proposals that each part serves before the next one's turn; the turn ends earlier where evidence "
+                   "refutes its path or its search finds none");
   return settings;
 }
 

@@ -148,15 +148,23 @@ class ComponentGuidance final : public Prepared {
     return heuristic_ ? heuristic_->lifted_path() : Configurations{};
   }
 
-  void inform(const Configurations& path) override {
+  [[nodiscard]] Configurations refuted_places() const override { return guide_->refuted_places(); }
+
+  void inform(const Finding& finding) override {
     if (!level_) return;
-    Configurations projected(level_->instance().space.dimension());
+    for (std::size_t i = 0; i < finding.refuted.size(); ++i) guide_->avoid(finding.refuted[i]);
+    if (finding.path.empty()) return;
+    const Space& space = level_->instance().space;
+    Configurations projected(space.dimension());
     Configuration s(projected.dimension());
-    for (std::size_t i = 0; i < path.size(); ++i) {
-      guide_->project(path[i], s);
-      projected.push(s);
+    for (std::size_t i = 0; i < finding.path.size(); ++i) {
+      guide_->project(finding.path[i], s);
+      if (space.contains(s)) projected.push(s);
     }
-    level_->guidance().inform(projected);
+    level_->guidance().inform(std::move(projected));
+  }
+  void expect_findings() override {
+    if (level_) level_->guidance().expect_paths();
   }
 
  private:

@@ -7,12 +7,14 @@ namespace trellis {
 
 namespace {
 
-/// Guides that serve in order (ScheduleSettings). The path that each leaves informs the search of the next, as in a
+/// Guides that serve in order (ScheduleSettings). What each found takes part in the search of the next, as in a
 /// sequence; one whose search finds nothing passes on at once.
 class ScheduleGuidance final : public PartsGuidance {
  public:
   ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
-      : PartsGuidance(std::move(parts)), settings_(settings) {}
+      : PartsGuidance(std::move(parts)), settings_(settings) {
+    if (parts_.size() > 1) expect_findings();
+  }
 
   Advance prepare(const Slice& slice) override {
     const auto rounds = static_cast<std::uint64_t>(settings_.rounds);
@@ -45,11 +47,11 @@ class ScheduleGuidance final : public PartsGuidance {
   [[nodiscard]] bool last() const { return drawn_ + 1 == parts_.size(); }
   /// Makes the next part the present one.
   void pass_on() {
-    const Configurations path = parts_[drawn_]->guiding_path();
+    const Finding finding = parts_[drawn_]->finding();
     ++drawn_;
     served_ = 0;
     begun_ = parts_[drawn_]->refuted();
-    if (!path.empty()) parts_[drawn_]->inform(path);
+    parts_[drawn_]->inform(finding);
   }
   ScheduleSettings settings_;
   std::int64_t served_ = 0;  ///< proposals by the present part

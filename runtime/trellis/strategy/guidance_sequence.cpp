@@ -7,21 +7,23 @@ namespace trellis {
 
 namespace {
 
-/// A sequence of guides: each serves a turn of proposals; the path that it leaves informs the next one's search. After
-/// the last the first has its turn again.
+/// A sequence of guides: each serves a turn of proposals, which ends early where evidence refutes what it guides by.
+/// What it found takes part in the search of the next one's space. After the last the first has its turn again.
 class SequenceGuidance final : public PartsGuidance {
  public:
   SequenceGuidance(std::vector<std::unique_ptr<Prepared>> parts, std::int64_t turn)
-      : PartsGuidance(std::move(parts)), turn_(turn) {}
+      : PartsGuidance(std::move(parts)), turn_(turn) {
+    if (parts_.size() > 1) expect_findings();
+  }
   Advance prepare(const Slice& slice) override {
-    if (served_ == turn_ && parts_.size() > 1) {
-      const Configurations path = parts_[drawn_]->guiding_path();
-      drawn_ = (drawn_ + 1) % parts_.size();
-      served_ = 0;
-      ++turns_;
-      if (!path.empty()) parts_[drawn_]->inform(path);
+    if (parts_.size() > 1 && (served_ >= turn_ || given_up())) pass_on();
+    for (std::size_t i = 1;; ++i) {
+      const Advance advance = parts_[drawn_]->prepare(slice);
+      refuted_ = parts_[drawn_]->refuted();
+      // A search that ended without a path leaves the turn to the next, unless all did.
+      if (advance != Advance::nothing || i == parts_.size()) return advance;
+      pass_on();
     }
-    return parts_[drawn_]->prepare(slice);
   }
   Source sample(Stream& stream, MutableView out) override {
     ++served_;
@@ -34,9 +36,21 @@ class SequenceGuidance final : public PartsGuidance {
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
 
  private:
+  /// Whether the part in turn was refuted by its own proposals, and another one is not refuted for good.
+  [[nodiscard]] bool given_up() const { return parts_[drawn_]->refuted() > refuted_ && !spent(); }
+  void pass_on() {
+    const Finding finding = parts_[drawn_]->finding();
+    drawn_ = (drawn_ + 1) % parts_.size();
+    served_ = 0;
+    ++turns_;
+    parts_[drawn_]->inform(finding);
+    refuted_ = parts_[drawn_]->refuted();
+  }
+
   std::int64_t turn_;
   std::int64_t served_ = 0;
-  std::uint64_t turns_ = 0;  ///< passed on
+  std::uint64_t turns_ = 0;    ///< passed on
+  std::uint64_t refuted_ = 0;  ///< how often the part in turn was, before it drew
 };
 
 }  // namespace

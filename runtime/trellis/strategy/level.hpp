@@ -12,9 +12,8 @@
 #include <vector>
 
 #include <trellis/guide/custom.hpp>
-#include <trellis/guide/kernels.hpp>
-#include <trellis/guide/path_guide.hpp>
 #include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/informed_path.hpp>
 #include <trellis/strategy/prepared.hpp>
 
 namespace trellis {
@@ -60,21 +59,22 @@ class LevelGuidance final : public Guidance {
  public:
   /// \param search  what the level's planner did so far; outlives this
   LevelGuidance(const Instance& instance, const PlannerCommon& common, const Search& search)
-      : instance_(instance), common_(common), search_(search), uniform_(instance.space), goal_(instance) {}
+      : instance_(instance),
+        common_(common),
+        search_(search),
+        uniform_(instance.space),
+        goal_(instance),
+        informed_(instance) {}
 
   void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
   [[nodiscard]] Prepared* guide() const { return guide_.get(); }
-  void inform(const Configurations& path) {
-    ++epoch_;
-    if (path.empty()) {
-      hint_.reset();
-      return;
-    }
-    hint_.emplace(instance_.space, path, natural_distance(instance_));
-  }
-  [[nodiscard]] bool guided() const { return guide_ != nullptr || hint_; }
+  /// Called before the search begins where `inform` may be called later.
+  void expect_paths() { informed_.expect(); }
+  void inform(Configurations path) { informed_.follow(std::move(path)); }
+  [[nodiscard]] bool guided() const { return guide_ != nullptr || informed_.guides(); }
 
   void select_tree(TreeSide side) override {
+    informed_.select_tree(side);
     if (guide_ != nullptr) guide_->select_tree(side);
   }
   /// Settles what the last proposal cost, decides whether the guide may draw the next one, and has the levels below
@@ -106,25 +106,32 @@ class LevelGuidance final : public Guidance {
   }
   Source sample(Stream& stream, MutableView out) override {
     const Source source = draw(stream, out);
-    if (guided()) instance_.validity->expect_guided(drawn_ == Part::guide || drawn_ == Part::hint);
+    if (guided()) instance_.validity->expect_guided(drawn_ == Part::guide || drawn_ == Part::informed);
     return source;
   }
-  [[nodiscard]] std::uint32_t vertex() const override { return drawn_ == Part::guide ? guide_->vertex() : no_node; }
-  [[nodiscard]] bool worth_connecting(View from, View to) const override {
-    return drawn_ != Part::guide || guide_->worth_connecting(from, to);
+  [[nodiscard]] std::uint32_t vertex() const override {
+    const Guidance* h = drawn_from();
+    return h != nullptr ? h->vertex() : no_node;
   }
-  [[nodiscard]] double progress() const override { return guide_ != nullptr ? guide_->progress() : 0.0; }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    const Guidance* h = drawn_from();
+    return h == nullptr || h->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override {
+    return informed_.progress() + (guide_ != nullptr ? guide_->progress() : 0.0);
+  }
   [[nodiscard]] double edge_factor(View a, View b) const override {
     return guide_ != nullptr ? guide_->edge_factor(a, b) : 1.0;
   }
   void restart() override {
+    informed_.restart();
     if (guide_ != nullptr) guide_->restart();
   }
 
   [[nodiscard]] double density(View q) const override {
     const Shares share = shares();
     double sum = share.uniform * uniform_.density(q);
-    if (share.hint > 0.0) sum += share.hint * hint_->density(q);
+    if (share.informed > 0.0) sum += share.informed * informed_.h().density(q);
     if (share.guide > 0.0) sum += share.guide * guide_->density(q);
     return sum;
   }
@@ -132,16 +139,19 @@ class LevelGuidance final : public Guidance {
     const Shares share = shares();
     return share.goal + (share.guide > 0.0 ? share.guide * guide_->atom_mass() : 0.0);
   }
-  [[nodiscard]] std::uint64_t epoch() const override { return guide_ == nullptr ? epoch_ : epoch_ + guide_->epoch(); }
+  [[nodiscard]] std::uint64_t epoch() const override {
+    return epoch_ + informed_.epoch() + (guide_ != nullptr ? guide_->epoch() : 0);
+  }
   void record(DensityRecord& record, double share) const override {
     const Shares of = shares();
     goal_.record(record, share * of.goal);
     uniform_.record(record, share * of.uniform);
-    if (of.hint > 0.0) record.add(hint_->density(), share * of.hint);
+    if (of.informed > 0.0) informed_.h().record(record, share * of.informed);
     if (of.guide > 0.0) guide_->record(record, share * of.guide);
   }
 
   void observe(const Outcome& outcome, bool mine) override {
+    informed_.observe(outcome, mine && drawn_ == Part::informed);
     if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
   }
   void found(double length) override {
@@ -179,8 +189,8 @@ class LevelGuidance final : public Guidance {
   }
 
  private:
-  enum class Part : std::uint8_t { goal, uniform, hint, guide };
-  static constexpr double hint_share = 0.5;
+  enum class Part : std::uint8_t { goal, uniform, informed, guide };
+  static constexpr double informed_share = 0.5;
   /// A path of the length from start to goal, checked at the resolution, is the least that any planner spends; so many
   /// times that is granted to the guide at the outset.
   static constexpr double grant_rate = 1.5;
@@ -195,7 +205,7 @@ class LevelGuidance final : public Guidance {
     double u = stream.uniform();
     drawn_ = Part::goal;
     if (u < common_.goal_bias) return goal_.sample(stream, out);
-    if (!open_) {
+    if (!open_ || !guided()) {
       drawn_ = Part::uniform;
       uniform_.sample(stream, out);
       return 1;
@@ -207,9 +217,9 @@ class LevelGuidance final : public Guidance {
       return 1;
     }
     u = (u - common_.uniform) / (1.0 - common_.uniform);
-    if (hint_ && (guide_ == nullptr || u < hint_share)) {
-      drawn_ = Part::hint;
-      hint_->sample(stream, out);
+    if (informed_.guides() && (guide_ == nullptr || u < informed_share)) {
+      drawn_ = Part::informed;
+      informed_.h().sample(stream, out);
       return 2;
     }
     drawn_ = Part::guide;
@@ -221,7 +231,7 @@ class LevelGuidance final : public Guidance {
   /// Adds what was spent since `counted_` to the part that drew last.
   void charge(BothSpent& both) const {
     const Spent now = own();
-    Spent& side = drawn_ == Part::guide || drawn_ == Part::hint ? both.guided : both.unguided;
+    Spent& side = drawn_ == Part::guide || drawn_ == Part::informed ? both.guided : both.unguided;
     side.checks += now.checks - counted_.checks;
     side.proposals += now.proposals - counted_.proposals;
   }
@@ -231,15 +241,20 @@ class LevelGuidance final : public Guidance {
   struct Shares {
     double goal = 0.0;
     double uniform = 0.0;
-    double hint = 0.0;
+    double informed = 0.0;
     double guide = 0.0;
   };
   [[nodiscard]] Shares shares() const {
     const double rest = 1.0 - common_.goal_bias;
     if (!guided() || !open_) return {common_.goal_bias, rest, 0.0, 0.0};
     const double guided_share = rest * (1.0 - common_.uniform);
-    const double hint = !hint_ ? 0.0 : guide_ == nullptr ? 1.0 : hint_share;
-    return {common_.goal_bias, rest * common_.uniform, guided_share * hint, guided_share * (1.0 - hint)};
+    const double informed = !informed_.guides() ? 0.0 : guide_ == nullptr ? 1.0 : informed_share;
+    return {common_.goal_bias, rest * common_.uniform, guided_share * informed, guided_share * (1.0 - informed)};
+  }
+  /// The part that drew the last proposal where it is guided; nullptr where it is not.
+  [[nodiscard]] const Guidance* drawn_from() const {
+    if (drawn_ == Part::guide) return guide_.get();
+    return drawn_ == Part::informed && informed_.guides() ? &informed_.h() : nullptr;
   }
 
   const Instance& instance_;
@@ -247,7 +262,7 @@ class LevelGuidance final : public Guidance {
   const Search& search_;
   UniformGuidance uniform_;
   GoalGuidance goal_;
-  std::optional<TubeKernel> hint_;
+  InformedPath informed_;
   std::unique_ptr<Prepared> guide_;
   std::function<double()> slice_left_;
   double direct_ = instance_.to_goal(instance_.start);
@@ -257,7 +272,7 @@ class LevelGuidance final : public Guidance {
   bool open_ = false;      ///< whether the guide may draw
   bool prepared_ = false;  ///< for the next proposal
   Part drawn_ = Part::goal;
-  std::uint64_t epoch_ = 0;  ///< how often the hint or the shares changed
+  std::uint64_t epoch_ = 0;  ///< how often the shares changed
 };
 
 /// A level's guidance, shown to whoever watches the run each time that it has drawn.

@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <trellis/base/configurations.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/planner/guidance.hpp>
 #include <trellis/strategy/spec.hpp>
@@ -31,7 +33,13 @@ struct Slice {
   double work = std::numeric_limits<double>::infinity();       ///< of a level and all below it, see `Level::work`
 };
 
-/// A guidance that a level can prepare (solve what is below) before it draws from it, and inform by another's path.
+/// What a guidance found so far, in the space of the level that it guides.
+struct Finding {
+  Configurations path;     ///< along which it guides now; empty where it has none
+  Configurations refuted;  ///< places that evidence showed no path to lead through
+};
+
+/// A guidance that a level can prepare (solve what is below) before it draws from it, and inform of what another found.
 class Prepared : public Guidance {
  public:
   /// Called before every proposal is drawn: solves the instances below where that is needed, the first time or because
@@ -50,8 +58,14 @@ class Prepared : public Guidance {
   [[nodiscard]] virtual bool searches() const { return false; }
   /// The path in this level's space along which it guides now; empty where it has none.
   [[nodiscard]] virtual Configurations guiding_path() const { return {}; }
-  /// A path in this level's space found by other means, for the searches below to go by.
-  virtual void inform(const Configurations& path) { static_cast<void>(path); }
+  /// Places in this level's space through which evidence showed that no path leads.
+  [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
+  [[nodiscard]] Finding finding() const { return {guiding_path(), refuted_places()}; }
+  /// What another guidance of this level found, for the searches below: they go along its path, and leave out the
+  /// places refuted.
+  virtual void inform(const Finding& finding) { static_cast<void>(finding); }
+  /// Called before anything is searched, where `inform` may be.
+  virtual void expect_findings() {}
 };
 
 /// What mixtures and sequences share: parts, one of which draws.
@@ -115,8 +129,23 @@ class PartsGuidance : public Prepared {
     return sum;
   }
   [[nodiscard]] std::vector<std::string> sources() const override { return sources_; }
-  void inform(const Configurations& path) override {
-    for (auto& part : parts_) part->inform(path);
+  [[nodiscard]] Configurations refuted_places() const override {
+    Configurations all;
+    for (const auto& part : parts_) {
+      Configurations places = part->refuted_places();
+      if (all.empty()) {
+        all = std::move(places);
+        continue;
+      }
+      for (std::size_t i = 0; i < places.size(); ++i) all.push(std::as_const(places)[i]);
+    }
+    return all;
+  }
+  void inform(const Finding& finding) override {
+    for (auto& part : parts_) part->inform(finding);
+  }
+  void expect_findings() override {
+    for (auto& part : parts_) part->expect_findings();
   }
 
  protected:

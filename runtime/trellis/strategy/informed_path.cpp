@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/informed_path.hpp>
+
+#include <limits>
+
+#include <trellis/guide/path_steps.hpp>
+#include <trellis/planner/planner.hpp>
+
+namespace trellis {
+
+void InformedPath::follow(Configurations path) {
+  expect();
+  path_ = std::move(path);
+  make();
+}
+
+void InformedPath::observe(const Outcome& outcome, bool mine) {
+  if (nodes_.begun() && !outcome.added.empty() && outcome.connected) nodes_.add(outcome.added, outcome.from_goal);
+  if (!h_) return;
+  h_->observe(outcome, mine);
+  if (!h_->stale()) return;
+  drop();
+  path_ = {};
+}
+
+void InformedPath::restart() {
+  if (!nodes_.begun()) return;
+  nodes_.clear();
+  if (h_) make();
+}
+
+void InformedPath::make() {
+  drop();
+  const Space& space = instance_.space;
+  if (path_.size() < 2 || !(path_length(space, path_) > 0.0)) return;
+  if (instance_.step > 0.0) {
+    const StepHeuristic::Settings steps = {.radius = tube_radius({}, instance_), .step = instance_.step};
+    h_ = std::make_unique<StepHeuristic>("informed path", space, path_, steps, nodes_.both());
+  } else {
+    // There is no tree that proposals could be ahead of.
+    h_ = std::make_unique<PathHeuristic>("informed path", space, path_, natural_distance(instance_),
+                                         std::numeric_limits<double>::infinity(),
+                                         std::numeric_limits<std::int64_t>::max(), nullptr);
+  }
+  h_->select_tree(side_);
+}
+
+void InformedPath::drop() {
+  progress_ = progress();
+  epoch_ = epoch() + 1;
+  h_.reset();
+}
+
+}  // namespace trellis

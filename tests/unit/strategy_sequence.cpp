@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// a .. b: when a turn ends, and what one space tells the next.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/guide/guide.hpp>
+#include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/informed_path.hpp>
+#include <trellis/strategy/prepared.hpp>
+
+#include "support/catch.hpp"
+#include "support/refuses.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+Configurations rows(const std::vector<Configuration>& all) {
+  Configurations result(all.front().size());
+  for (const auto& q : all) result.push(q);
+  return result;
+}
+
+bool same(const Configurations& a, const Configurations& b) {
+  return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
+}
+
+/// A part of a sequence that does what a test says, and notes what it is given.
+struct Part final : Prepared {
+  Advance advance = Advance::found;
+  std::uint64_t times_refuted = 0;
+  bool is_spent = false;
+  bool expects = false;
+  Finding has;
+  std::vector<Finding> given;
+  int drew = 0;
+
+  Advance prepare(const Slice&) override { return advance; }
+  [[nodiscard]] std::uint64_t refuted() const override { return times_refuted; }
+  [[nodiscard]] bool spent() const override { return is_spent; }
+  [[nodiscard]] bool searches() const override { return true; }
+  [[nodiscard]] Configurations guiding_path() const override { return has.path; }
+  [[nodiscard]] Configurations refuted_places() const override { return has.refuted; }
+  void inform(const Finding& finding) override { given.push_back(finding); }
+  void expect_findings() override { expects = true; }
+  Source sample(Stream&, MutableView) override {
+    ++drew;
+    return 0;
+  }
+  [[nodiscard]] double density(View) const override { return 1.0; }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"part"}; }
+};
+
+/// A sequence of three such parts.
+struct Three {
+  std::vector<Part*> parts;
+  std::unique_ptr<Prepared> sequence;
+  Stream stream{1, "", "sequence"};
+
+  explicit Three(std::int64_t turn) {
+    std::vector<std::unique_ptr<Prepared>> owned;
+    for (int i = 0; i < 3; ++i) {
+      owned.push_back(std::make_unique<Part>());
+      parts.push_back(static_cast<Part*>(owned.back().get()));
+    }
+    sequence = make_sequence({.turn = turn}, std::move(owned));
+  }
+  /// Who draws the next proposals: "001".
+  std::string draw(int proposals) {
+    std::string drew;
+    for (int i = 0; i < proposals; ++i) {
+      REQUIRE(sequence->prepare({}) != Advance::unfinished);
+      std::vector<int> before;
+      for (const Part* part : parts) before.push_back(part->drew);
+      Configuration q(1);
+      sequence->sample(stream, q);
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (parts[k]->drew > before[k]) drew.push_back(static_cast<char>('0' + k));
+      }
+    }
+    return drew;
+  }
+};
+
+GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& given = {}) {
+  return GuideSpec::make(name, given);
+}
+PlannerSpec unbounded(std::vector<Options::Entry> given = {}) {
+  given.emplace_back("bound", 0.0);
+  return PlannerSpec::make("rrt", given);
+}
+
+}  // namespace
+
+TEST_CASE("a turn ends after its proposals, and after the last part the first has its turn again",
+          "[strategy][sequence]") {
+  Three three(2);
+  CHECK(three.draw(7) == "0011220");
+}
+
+TEST_CASE("a turn ends at once where evidence refutes the guide in turn", "[strategy][sequence]") {
+  Three three(100);
+  CHECK(three.draw(2) == "00");
+  three.parts[0]->times_refuted = 1;
+  CHECK(three.draw(2) == "11");
+  // What is refuted while another guide draws ends no turn, and is no reason to pass when the turn comes round.
+  three.parts[2]->times_refuted = 5;
+  CHECK(three.draw(1) == "1");
+  three.parts[1]->times_refuted = 1;
+  CHECK(three.draw(2) == "22");
+  // Where all are refuted for good the turn does not end before its proposals do.
+  for (Part* part : three.parts) part->is_spent = true;
+  three.parts[2]->times_refuted = 6;
+  CHECK(three.draw(2) == "22");
+}
+
+TEST_CASE("a guide whose search ends without a path leaves its turn to the next", "[strategy][sequence]") {
+  Three three(2);
+  three.parts[1]->advance = Advance::nothing;
+  CHECK(three.draw(6) == "002200");
+  for (Part* part : three.parts) part->advance = Advance::nothing;
+  CHECK(three.draw(3).size() == 3);
+}
+
+TEST_CASE("what a guide found goes to the next: its path, and the places refuted", "[strategy][sequence]") {
+  Three three(1);
+  for (const Part* part : three.parts) CHECK(part->expects);
+  three.parts[0]->has = {rows({{0.0}, {1.0}}), rows({{0.5}})};
+  three.parts[1]->has = {rows({{0.0}, {2.0}}), {}};
+  CHECK(three.draw(3) == "012");
+  REQUIRE(three.parts[1]->given.size() == 1);
+  CHECK(same(three.parts[1]->given[0].path, three.parts[0]->has.path));
+  CHECK(same(three.parts[1]->given[0].refuted, three.parts[0]->has.refuted));
+  REQUIRE(three.parts[2]->given.size() == 1);
+  CHECK(same(three.parts[2]->given[0].path, three.parts[1]->has.path));
+  // Its refutations so far are those of the whole sequence, for whatever the sequence is a part of.
+  CHECK(same(three.sequence->refuted_places(), three.parts[0]->has.refuted));
+}
+
+TEST_CASE("in a sequence, another path in one space gives another search of the next", "[strategy][sequence][pairs]") {
+  const auto problem = test::cup_problem();
+  const auto run = [&](const GuideSpec& a, const GuideSpec& b) {
+    return execute(sequence({a, b}, 3) >> unbounded({{"proposals", std::int64_t{12}}}), problem, 2);
+  };
+  int pairs = 0;
+  for (const auto& first : guide_kinds()) {
+    if (first.default_planner.empty() || find_planner(first.default_planner)->graph) continue;
+    // Two searches of the same space, and so two paths.
+    const auto a =
+        GuideSpec::make(first.component->name, {}, PlannerSpec::make("rrt_connect", {{"step", 0.5}, {"bound", 0.0}}));
+    const auto other =
+        GuideSpec::make(first.component->name, {}, PlannerSpec::make("rrt_connect", {{"step", 0.4}, {"bound", 0.0}}));
+    for (const auto& second : guide_kinds()) {
+      if (second.default_planner.empty() || second.component->name == "experience") continue;
+      const auto b = GuideSpec::make(second.component->name, {},
+                                     PlannerSpec::make(second.default_planner, {{"proposals", std::int64_t{300}}}));
+      CAPTURE(first.component->name, second.component->name);
+      const RunRecord one = run(a, b);
+      const RunRecord two = run(other, b);
+      if (one.levels.size() < 3 || two.levels.size() < 3) continue;
+      const auto& path = one.levels[1].solution.path;
+      if (path.size() < 2 || same(path, two.levels[1].solution.path)) continue;
+      const auto drawn = [](const RunRecord& record) {
+        const auto& values = record.levels[2].search.proposals.values();
+        return std::vector<double>(values.begin(), values.end());
+      };
+      const auto x = drawn(one);
+      const auto y = drawn(two);
+      if (x.empty() || y.empty()) continue;
+      ++pairs;
+      const auto shorter = static_cast<std::ptrdiff_t>(std::min(x.size(), y.size()));
+      CHECK_FALSE(std::equal(x.begin(), x.begin() + shorter, y.begin()));
+    }
+  }
+  CHECK(pairs > 40);
+}
+
+TEST_CASE("a search that is informed finds its path in fewer proposals", "[strategy][sequence]") {
+  const auto problem = test::simple_passage_problem();
+  const auto b = GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {{"step", 0.5}}));
+  std::vector<double> ratios;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    const auto drawn = [&](const GuideSpec& first) {
+      const RunRecord run =
+          execute(sequence({first, b}, 1) >> unbounded({{"proposals", std::int64_t{4}}}), problem, seed);
+      REQUIRE(run.levels.back().solution.solved());
+      return static_cast<double>(run.levels.back().search.proposals.size());
+    };
+    ratios.push_back(drawn(guide("skeleton")) / drawn(guide("uniform")));
+  }
+  std::sort(ratios.begin(), ratios.end());
+  CHECK(ratios[7] < 0.3);
+}
+
+TEST_CASE("a space leaves out what evidence refuted in the space before it", "[strategy][sequence]") {
+  const auto problem = test::simple_passage_problem();
+  const auto parent = make_instance(problem);
+  const Configuration place = {5, 5, 0.3};
+  for (const std::string name : {"shrink", "widen"}) {
+    CAPTURE(name);
+    const GuideKind& kind = *find_guide(name);
+    const auto made = kind.make(Options::validate(*kind.component, {}));
+    auto sub = made->project(*parent);
+    made->attach(*sub);
+    REQUIRE(sub->valid(place));
+    CHECK(made->refuted_places().empty());
+    const auto before = sub->epoch();
+    made->avoid(place);
+    CHECK_FALSE(sub->valid(place));
+    CHECK(sub->epoch() > before);
+    // It says so to the next one; and twice is once.
+    CHECK(made->refuted_places().size() == 1);
+    const auto once = sub->epoch();
+    made->avoid(place);
+    CHECK(sub->epoch() == once);
+    // The start stays valid.
+    made->avoid(problem.start);
+    CHECK(sub->valid(problem.start));
+  }
+}
+
+TEST_CASE("a skeleton goes round what another space's evidence refuted", "[strategy][sequence]") {
+  // Two gaps; the lower one is nearer.
+  const auto problem = test::make_problem(
+      "two gaps", test::rectangle_world({{4.5, 0, 5.5, 4.5}, {4.5, 5.5, 5.5, 8.5}, {4.5, 9.5, 5.5, 10}}),
+      test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  const auto parent = make_instance(problem);
+  const GuideKind& kind = *find_guide("skeleton");
+  const auto made = kind.make(Options::validate(*kind.component, {}));
+  const auto sub = made->project(*parent);
+  const auto height = [&] {
+    UniformGuidance uniform(sub->space);
+    Search search(2);
+    const PlannerKind& planner = *find_planner("graph_search");
+    const Solution found =
+        planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false, {}})
+            ->solve({});
+    REQUIRE(found.solved());
+    double highest = 0.0;
+    for (std::size_t i = 0; i < found.path.size(); ++i) highest = std::max(highest, found.path[i][1]);
+    return highest;
+  };
+  CHECK(height() < 8.0);
+  // Far from any edge nothing is refuted.
+  made->avoid(Configuration{9.9, 0.1, 0});
+  CHECK(height() < 8.0);
+  made->avoid(Configuration{5, 5, 0});
+  CHECK(height() > 8.5);
+}
+
+TEST_CASE("h of a space that is searched late goes on from where the search stands", "[strategy][sequence]") {
+  const auto problem =
+      test::make_problem("empty", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  for (const std::string name : {"shrink", "identity", "widen"}) {
+    CAPTURE(name);
+    const GuideKind& kind = *find_guide(name);
+    auto parent = make_instance(problem);
+    parent->step = 0.5;
+    const auto made = kind.make(Options::validate(*kind.component, {}));
+    auto sub = made->project(*parent);
+    made->attach(*sub);
+    for (double x = 1.5; x <= 5.0; x += 0.5) {
+      const Configuration q = {x, 5, 0};
+      Outcome outcome;
+      outcome.fate = Fate::reached;
+      outcome.proposal = q;
+      outcome.near = q;
+      outcome.added = q;
+      made->learn(outcome);
+    }
+    const Solution found{Status::solved, rows({problem.start, problem.goal}), {}};
+    const auto h = made->heuristic(*parent, sub.get(), &found);
+    Stream stream(1, "", "late");
+    Configuration q(3);
+    for (int i = 0; i < 100; ++i) {
+      h->sample(stream, q);
+      CHECK(q[0] > 4.8);
+      CHECK(q[0] < 5.8);
+    }
+  }
+}
+
+TEST_CASE("a path that another space found is followed ahead of the tree, until it is refuted",
+          "[strategy][sequence]") {
+  const auto problem =
+      test::make_problem("empty", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
+  const auto instance = make_instance(problem);
+  instance->step = 0.5;
+  InformedPath informed(*instance);
+  CHECK_FALSE(informed.guides());
+  informed.expect();
+  const auto tell = [&](const Configuration& q, bool blocked) {
+    Outcome outcome;
+    outcome.proposal = q;
+    outcome.near = problem.start;
+    if (blocked) {
+      outcome.blocked_at = q;
+    } else {
+      outcome.fate = Fate::reached;
+      outcome.added = q;
+    }
+    informed.observe(outcome, blocked);
+  };
+  tell({3, 5, 0}, false);
+  informed.follow(rows({problem.start, problem.goal}));
+  REQUIRE(informed.guides());
+  Stream stream(1, "", "informed");
+  Configuration q(3);
+  const auto drawn = [&] {
+    informed.h().sample(stream, q);
+    return q[0];
+  };
+  CHECK(drawn() > 2.8);
+  CHECK(drawn() < 3.8);
+  const auto before = informed.epoch();
+  tell({3.5, 5, 0}, false);
+  CHECK(informed.progress() == Approx(0.5).margin(0.1));
+  CHECK(informed.epoch() > before);
+  CHECK(drawn() > 3.3);
+  // The planner lost its nodes: the search begins again at the start.
+  informed.restart();
+  CHECK(drawn() < 1.8);
+  CHECK(informed.progress() == Approx(0.5).margin(0.1));
+  for (int i = 0; i < 60; ++i) {
+    REQUIRE(informed.guides());
+    tell({1.5, 5, 0}, true);
+  }
+  CHECK_FALSE(informed.guides());
+  // Another one takes its place; none, where there is none.
+  informed.follow(rows({problem.start, problem.goal}));
+  CHECK(informed.guides());
+  informed.follow(Configurations(3));
+  CHECK_FALSE(informed.guides());
+}
