@@ -225,3 +225,125 @@ TEST_CASE("a way on which the planner is stuck is left for another one", "[guide
   CHECK(tries > 0);
   CHECK(tries < 10);
 }
+
+namespace {
+
+/// C has a node.
+void add_node(Retrieved& r, View q) {
+  Outcome outcome;
+  outcome.fate = Fate::reached;
+  outcome.proposal = q;
+  outcome.near = q;
+  outcome.added = q;
+  r.guide->learn(outcome);
+  r.h->observe(outcome, false);
+}
+void block(Retrieved& r, View at) {
+  Outcome outcome;
+  outcome.proposal = at;
+  outcome.near = at;
+  outcome.blocked_at = at;
+  r.guide->learn(outcome);
+  r.h->observe(outcome, true);
+}
+
+}  // namespace
+
+TEST_CASE("motions of a path that are valid are not checked again, and those that are not are repaired",
+          "[guide][experience]") {
+  const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}});
+  // A box on the upper side of the way.
+  const Problem query = plane({{4, 0, 6, 3}, {4.5, 8.5, 5.5, 9.5}}, {1, 1}, {9, 1});
+  auto r = retrieve(query, {{"db", library.file()}});
+  REQUIRE(r.found.solved());
+  const Configurations path = r.h->lifted_path();
+  std::size_t gap = 0;
+  int gaps = 0;
+  const auto before = r.parent->checks.validity;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    if (r.parent->motion(path[i], path[i + 1]).valid) continue;
+    gap = i;
+    ++gaps;
+  }
+  REQUIRE(gaps == 1);
+  // Only the gap cost checks.
+  CHECK(r.parent->checks.validity - before < 30);
+  // Before the tree has come there, the points of the path are proposed themselves.
+  CHECK(r.h->atom_mass() == 1.0);
+  for (std::size_t i = 1; i <= gap; ++i) add_node(r, path[i]);
+  // The far end is tried first; then half of the proposals lie about the gap, on either side of the box.
+  block(r, Configuration{4.6, 9});
+  CHECK(r.h->atom_mass() < 0.6);
+  const auto count = [&](const auto& where) {
+    Stream stream(1, "0", "gap");
+    Configuration q(2);
+    int inside = 0;
+    for (int i = 0; i < 1000; ++i) {
+      r.h->sample(stream, q);
+      inside += where(q) ? 1 : 0;
+    }
+    return inside;
+  };
+  CHECK(count([](View q) { return q[0] > 4.4 && q[0] < 5.6 && std::abs(q[1] - 9) > 0.15; }) > 200);
+  CHECK(r.h->density(Configuration{5, 9.2}) > 0.0);
+  CHECK(r.h->density(Configuration{5, 5}) == 0.0);
+  // The balls grow: the way round the box comes into them.
+  const auto around = [](View q) { return q[0] > 4.4 && q[0] < 5.6 && q[1] < 8.3; };
+  CHECK(count(around) == 0);
+  for (int i = 0; i < 70; ++i) block(r, Configuration{4.6, 9});
+  CHECK(count(around) > 20);
+  // A node at the far end closes the gap.
+  add_node(r, path[gap + 1]);
+  CHECK(r.h->atom_mass() == 1.0);
+  CHECK_FALSE(r.h->stale());
+}
+
+TEST_CASE("a gap that stays open refutes the path, which is no candidate any more while there is another",
+          "[guide][experience]") {
+  const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}, {plane({}, {1, 1}, {9, 1}), way(under)}});
+  const Problem query = plane({{4.5, 8.5, 5.5, 9.5}, {4.5, 0, 5.5, 1}}, {1, 1}, {9, 1});
+  for (const std::string follow : {"waypoints", "steps"}) {
+    CAPTURE(follow);
+    auto r = retrieve(query, {{"db", library.file()}, {"evidence", std::int64_t{20}}, {"follow", follow}});
+    const Configurations first = r.h->lifted_path();
+    for (int i = 0; i < 200 && !r.h->stale(); ++i) block(r, query.start);
+    REQUIRE(r.h->stale());
+    r.guide->before_resolve();
+    r.solve();
+    CHECK_FALSE(r.h->stale());
+    CHECK(farthest(query.space, r.h->lifted_path(), first) > 1.0);
+  }
+  // Where no other is left it is followed again: what the tree has reached since may be beyond the gap.
+  const Stored one({{plane({}, {1, 1}, {9, 1}), way(over)}});
+  auto r = retrieve(query, {{"db", one.file()}, {"evidence", std::int64_t{20}}});
+  const Configurations first = r.h->lifted_path();
+  for (int i = 0; i < 200 && !r.h->stale(); ++i) block(r, query.start);
+  REQUIRE(r.h->stale());
+  r.guide->before_resolve();
+  r.solve();
+  CHECK_FALSE(r.h->stale());
+  CHECK(farthest(query.space, r.h->lifted_path(), first) < 0.1);
+}
+
+TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][experience]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  auto r = retrieve(stored, {{"db", library.file()}});
+  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
+  // On the way that nobody checked: it needs a repair now, so the other is left for it only when that costs more.
+  const auto cost = [&] {
+    double sum = 0.0;
+    for (const auto& edge : r.sub->graph->edges) sum += edge.cost;
+    return sum;
+  };
+  const double before = cost();
+  block(r, Configuration{5, 9});
+  const double after = cost();
+  CHECK(after > before + 1.0);
+  block(r, Configuration{5, 9});
+  CHECK(cost() == after);
+  // Beside the way it says nothing of it, and of what was found valid nothing either.
+  block(r, Configuration{5, 8});
+  block(r, Configuration{5, 0.5});
+  CHECK(cost() == after);
+}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -65,6 +66,138 @@ constexpr double avoided = 4.0;
 double apart(const Space& space, View start, View goal, const Configurations& path) {
   return space.distance(start, path.front()) + space.distance(goal, path.back());
 }
+
+/// h along a retrieved path whose valid motions are verified in C. Those that are not are gaps: where a tree has come
+/// to one, half of the proposals that follow the path repair it, a local search towards its other end. They come from
+/// balls about the gap, which grow while the gap stays open.
+class RepairedPath final : public PathFollower {
+ public:
+  /// \param gaps      the first points of the motions that have to be repaired
+  /// \param ends      share of the proposals for a gap that are its far end
+  /// \param reach     metres in the metric, of a node from the end of a gap that it is at
+  /// \param evidence  blocked proposals at one gap that refute the path
+  RepairedPath(const Instance& instance, std::unique_ptr<PathFollower> path, const std::vector<std::size_t>& gaps,
+               double ends, double reach, std::int64_t evidence, const std::array<const NearestIndex*, 2>& reached)
+      : space_(instance.space), path_(std::move(path)), ends_(ends), reach_(reach), evidence_(evidence) {
+    const Configurations points = path_->lifted_path();
+    for (const std::size_t i : gaps) {
+      Configurations motion(space_.dimension());
+      motion.push(points[i]);
+      motion.push(points[i + 1]);
+      const double least = std::max(path_->radius(), 0.5 * path_length(space_, motion));
+      Gap& gap = gaps_.emplace_back(motion);
+      for (std::size_t k = 0; k < sizes; ++k) {
+        gap.kernels.emplace_back(space_, motion, least * std::exp2(0.5 * static_cast<double>(k)));
+      }
+      for (std::size_t side = 0; side < 2; ++side) {
+        for (std::size_t end = 0; end < 2; ++end) {
+          gap.has[side][end] = reached[side]->nearest(std::as_const(motion)[end]).squared_distance <= reach_ * reach_;
+        }
+      }
+    }
+    choose();
+  }
+
+  void select_tree(TreeSide side) override {
+    path_->select_tree(side);
+    side_ = static_cast<std::size_t>(side);
+    choose();
+  }
+  Source sample(Stream& stream, MutableView out) override {
+    repairs_ = gap_ && stream.uniform() < share();
+    if (!repairs_) return path_->sample(stream, out);
+    if (ends_ > 0.0 && stream.uniform() < ends_) {
+      const View end = std::as_const(gaps_[*gap_].ends)[1 - side_];
+      std::copy(end.begin(), end.end(), out.begin());
+    } else {
+      kernel().sample(stream, out);
+    }
+    return 0;
+  }
+  [[nodiscard]] std::uint32_t vertex() const override { return repairs_ ? no_node : path_->vertex(); }
+  [[nodiscard]] bool worth_connecting(View from, View to) const override {
+    return repairs_ || path_->worth_connecting(from, to);
+  }
+  [[nodiscard]] double progress() const override { return path_->progress(); }
+  [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
+  [[nodiscard]] double density(View q) const override {
+    return (1.0 - share()) * path_->density(q) + (gap_ ? share() * (1.0 - ends_) * kernel().density(q) : 0.0);
+  }
+  [[nodiscard]] double atom_mass() const override { return (1.0 - share()) * path_->atom_mass() + share() * ends_; }
+  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
+  void record(DensityRecord& record, double of) const override {
+    path_->record(record, of * (1.0 - share()));
+    if (!gap_) return;
+    record.add_atoms(of * share() * ends_);
+    record.add(kernel().density(), of * share() * (1.0 - ends_));
+  }
+  void observe(const Outcome& outcome, bool mine) override {
+    path_->observe(outcome, mine && !repairs_);
+    if (path_->stale()) refute();
+    if (!outcome.added.empty() && outcome.connected) note(outcome.added, outcome.from_goal ? 1 : 0);
+    if (mine && gap_) {
+      Gap& gap = gaps_[*gap_];
+      const std::size_t before = size();
+      ++gap.tries;
+      if (size() != before) ++epoch_;
+      if (outcome.fate == Fate::rejected && !outcome.blocked_at.empty() && ++gap.blocked >= evidence_) refute();
+    }
+    choose();
+  }
+  void restart() override { path_->restart(); }
+  void found(double length) override { path_->found(length); }
+  [[nodiscard]] std::vector<std::string> sources() const override { return path_->sources(); }
+  [[nodiscard]] Configurations lifted_path() const override { return path_->lifted_path(); }
+  [[nodiscard]] double radius() const override { return path_->radius(); }
+  [[nodiscard]] std::optional<Configuration> refuted_place() const override { return path_->refuted_place(); }
+
+ private:
+  static constexpr std::size_t sizes = 4;
+  static constexpr std::int64_t tries_per_size = 20;
+  struct Gap {
+    explicit Gap(Configurations of) : ends(std::move(of)) {}
+    Configurations ends;
+    std::vector<TubeKernel> kernels;           ///< of radii that grow
+    std::array<std::array<bool, 2>, 2> has{};  ///< of each tree, whether it has come to the one end and to the other
+    std::int64_t tries = 0;                    ///< guided proposals
+    std::int64_t blocked = 0;
+  };
+
+  [[nodiscard]] double share() const { return gap_ ? 0.5 : 0.0; }
+  [[nodiscard]] TubeKernel& kernel() { return gaps_[*gap_].kernels[size()]; }
+  [[nodiscard]] const TubeKernel& kernel() const { return gaps_[*gap_].kernels[size()]; }
+  [[nodiscard]] std::size_t size() const {
+    return std::min(sizes - 1, static_cast<std::size_t>(gaps_[*gap_].tries / tries_per_size));
+  }
+  void note(View q, std::size_t side) {
+    for (Gap& gap : gaps_) {
+      for (std::size_t end = 0; end < 2; ++end) {
+        if (space_.squared_distance(std::as_const(gap.ends)[end], q) <= reach_ * reach_) gap.has[side][end] = true;
+      }
+    }
+  }
+  /// Chooses the gap that the tree in turn has come to: the last one at its near end and not at its far one.
+  void choose() {
+    std::optional<std::size_t> chosen;
+    for (std::size_t k = 0; k < gaps_.size(); ++k) {
+      const std::size_t i = side_ == 0 ? k : gaps_.size() - 1 - k;
+      if (gaps_[i].has[side_][side_] && !gaps_[i].has[side_][1 - side_]) chosen = i;
+    }
+    if (chosen != gap_) ++epoch_;
+    gap_ = chosen;
+  }
+
+  Space space_;
+  std::unique_ptr<PathFollower> path_;
+  double ends_;
+  double reach_;
+  std::int64_t evidence_;
+  std::vector<Gap> gaps_;
+  std::optional<std::size_t> gap_;  ///< that the tree in turn repairs
+  std::size_t side_ = 0;
+  bool repairs_ = false;  ///< the last proposal was drawn for the gap
+  std::uint64_t epoch_ = 0;
+};
 
 /// The retrieved paths as a graph, with start and goal. Vertices in one place are one vertex.
 class ExperienceGraph {
@@ -157,10 +290,19 @@ class Experience final : public PathGuide {
                           settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
     for (const StoredPath* stored : retrieved(parent)) graph.add(stored->path);
     graph_ = std::make_shared<Graph>(graph.take());
+    edges_.clear();
+    by_ends_.clear();
+    incident_.assign(graph_->vertices.size(), {});
+    valid_.assign(graph_->vertices.size(), Seen::no);
+    refuted_ways_.clear();
+    if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal);
     for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
       edges_.push_back({graph_->edges[e].cost});
       by_ends_.emplace(std::minmax(graph_->edges[e].from, graph_->edges[e].to), e);
+      incident_[graph_->edges[e].from].push_back(e);
+      incident_[graph_->edges[e].to].push_back(e);
     }
+    touch_ = 0.5 * parent.resolution;
     places_.emplace(parent.space);
     for (std::size_t v = 0; v < graph_->vertices.size(); ++v) places_->add(std::as_const(graph_->vertices)[v]);
     instance->graph = graph_;
@@ -171,47 +313,78 @@ class Experience final : public PathGuide {
     sub_ = &sub;
   }
 
+  /// What C finds invalid on an edge that nobody checked counts as a check of it.
+  void learn(const Outcome& outcome) override {
+    PathGuide::learn(outcome);
+    if (!outcome.added.empty() && outcome.connected) nodes_.add(outcome.added, outcome.from_goal);
+    if (!outcome.blocked_at.empty()) refute_edges_at(outcome.blocked_at);
+  }
+  void restart() override {
+    PathGuide::restart();
+    if (nodes_.begun()) nodes_.clear();
+  }
+
   /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
-  /// the way that is left is the cheapest of all, and only what could have been it was checked.
+  /// the way that is left is the cheapest of all, and only what could have been it was checked. A way that was refuted
+  /// is no candidate any more, until all are.
   std::int64_t another(const Solution* found) override {
     constexpr std::int64_t again = 200;  // proposals, where a guide weighs the edges
     if (found != nullptr) {
-      std::vector<std::uint32_t> way = edges_along(found->path);
+      Way way = edges_along(found->path);
       if (!check(way)) return again;
-      if (std::find(ways_.begin(), ways_.end(), way) == ways_.end()) {
+      const bool refuted = refuted_ways_.contains(way);
+      if (refuted && ways_.empty() && passed_over_ < most_passed_over) {
+        ++passed_over_;
+        avoid(way);
+        return again;
+      }
+      if (std::find(ways_.begin(), ways_.end(), way) == ways_.end() && (!refuted || ways_.empty())) {
+        if (refuted) refuted_ways_.clear();
         paths_.push_back(kept(way));
         ways_.push_back(std::move(way));
-        if (static_cast<std::int64_t>(ways_.size()) < settings_.paths) {
+        if (!refuted && static_cast<std::int64_t>(ways_.size()) < settings_.paths) {
           for (const std::uint32_t e : ways_.back()) graph_->edges[e].cost *= avoided;
           return again;
         }
       }
     }
+    passed_over_ = 0;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) set_cost(e);
     return 0;
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
-    if (paths_.empty()) return PathGuide::heuristic(parent, sub, found);
-    const Solution first{found->status, paths_.front(), {}};
+    current_ = nullptr;
     followed_ = std::exchange(ways_, {});
-    follow(std::exchange(paths_, {}));
-    return PathGuide::heuristic(parent, sub, &first);
+    if (paths_.empty()) return PathGuide::heuristic(parent, sub, found);
+    // S is C: what was found valid in the one need not be checked in the other.
+    if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
+    parent.verified->hold_at(parent.epoch());
+    for (const auto& way : followed_) {
+      for (const std::uint32_t e : way) {
+        if (edges_[e].seen != Seen::valid) continue;
+        const auto& points = std::as_const(graph_->edges[e].points);
+        parent.verified->add(points.front(), points.back());
+      }
+    }
+    std::vector<std::unique_ptr<PathFollower>> parts;
+    for (const Configurations& path : std::exchange(paths_, {})) parts.push_back(along(parent, path));
+    std::unique_ptr<PathFollower> h;
+    if (parts.size() == 1) {
+      h = std::move(parts.front());
+    } else {
+      h = std::make_unique<SeveralPaths>(std::move(parts));
+    }
+    current_ = h.get();
+    return h;
   }
 
   /// The first place of each way that the planner did not reach is avoided from now on.
   void before_resolve() override {
-    if (path_heuristic() == nullptr) return;
+    if (current_ == nullptr) return;
     for (const auto& way : followed_) {
-      std::uint32_t at = graph_->start;
-      for (const std::uint32_t e : way) {
-        const auto& edge = graph_->edges[e];
-        at = edge.from == at ? edge.to : edge.from;
-        if (reached(std::as_const(graph_->vertices)[at], path_heuristic()->radius())) continue;
-        edges_[e].stuck *= avoided;
-        set_cost(e);
-        break;
-      }
+      avoid(way);
+      refuted_ways_.insert(way);
     }
   }
 
@@ -220,6 +393,8 @@ class Experience final : public PathGuide {
 
  private:
   enum class Seen : std::uint8_t { no, valid, invalid };
+  using Way = std::vector<std::uint32_t>;  ///< edges from start to goal
+  static constexpr int most_passed_over = 4;
 
   /// What is known of an edge of the graph.
   struct EdgeState {
@@ -231,6 +406,48 @@ class Experience final : public PathGuide {
   static PathGuideSettings searching_itself(PathGuideSettings settings) {
     settings.paths = 1;
     return settings;
+  }
+
+  /// h along a path, whose gaps are repaired on the way.
+  [[nodiscard]] std::unique_ptr<PathFollower> along(Instance& parent, const Configurations& path) const {
+    auto h = follow_path("experience", settings_, parent, path, nodes_.both());
+    if (settings_.follow == "tube") return h;
+    std::vector<std::size_t> gaps;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      if (!parent.is_verified(path[i], path[i + 1])) gaps.push_back(i);
+    }
+    if (gaps.empty()) return h;
+    // Who follows the points in turn proposes the far end of a gap, too.
+    const bool in_turn = settings_.follow == "waypoints";
+    const double reach = in_turn ? parent.goal_tolerance : h->radius();
+    return std::make_unique<RepairedPath>(parent, std::move(h), gaps, in_turn ? 0.0 : 0.5, reach, settings_.evidence,
+                                          nodes_.both());
+  }
+
+  /// The first edge of a way whose end the planner did not reach costs more from now on.
+  void avoid(const Way& way) {
+    const double within = tube_radius(settings_, *sub_);
+    std::uint32_t at = graph_->start;
+    for (const std::uint32_t e : way) {
+      const auto& edge = graph_->edges[e];
+      at = edge.from == at ? edge.to : edge.from;
+      const View place = std::as_const(graph_->vertices)[at];
+      if (nodes_.from_start().nearest(place).squared_distance <= within * within) continue;
+      edges_[e].stuck *= avoided;
+      set_cost(e);
+      break;
+    }
+  }
+
+  void refute_edges_at(View q) {
+    if (edges_.empty()) return;
+    for (const std::uint32_t e : incident_[places_->nearest(q).id]) {
+      const auto& points = std::as_const(graph_->edges[e].points);
+      if (edges_[e].seen != Seen::no) continue;
+      if (nearest_on_motion(sub_->space, points.front(), points.back(), q).squared_distance > touch_ * touch_) continue;
+      edges_[e].seen = Seen::invalid;
+      set_cost(e);
+    }
   }
 
   /// The stored paths of this space, those first whose ends are nearest to start and goal.
@@ -254,8 +471,8 @@ class Experience final : public PathGuide {
   }
 
   /// The edges that a path found in the graph runs along.
-  [[nodiscard]] std::vector<std::uint32_t> edges_along(const Configurations& path) const {
-    std::vector<std::uint32_t> way;
+  [[nodiscard]] Way edges_along(const Configurations& path) const {
+    Way way;
     way.reserve(path.size());
     std::uint32_t at = graph_->start;
     for (std::size_t i = 1; i < path.size(); ++i) {
@@ -267,8 +484,7 @@ class Experience final : public PathGuide {
   }
 
   /// Checks what was not yet looked at along a way; whether all of it costs what it was thought to.
-  bool check(const std::vector<std::uint32_t>& way) {
-    valid_.resize(graph_->vertices.size(), Seen::no);
+  bool check(const Way& way) {
     bool as_thought = true;
     std::uint32_t at = graph_->start;
     for (const std::uint32_t e : way) {
@@ -291,7 +507,7 @@ class Experience final : public PathGuide {
   }
 
   /// The points of a way without those that are invalid: where it has to be repaired, its next valid point is the aim.
-  [[nodiscard]] Configurations kept(const std::vector<std::uint32_t>& way) const {
+  [[nodiscard]] Configurations kept(const Way& way) const {
     const auto& vertices = std::as_const(graph_->vertices);
     Configurations points(vertices.dimension());
     points.push(vertices[graph_->start]);
@@ -312,13 +528,19 @@ class Experience final : public PathGuide {
   std::shared_ptr<const std::vector<StoredPath>> library_;
   std::shared_ptr<Graph> graph_;
   Instance* sub_ = nullptr;
+  ReachedNodes nodes_;               ///< the planner's
+  PathFollower* current_ = nullptr;  ///< h in use, owned by whoever asked for it
+  double touch_ = 0.0;               ///< metres in the metric, of an invalid configuration from an edge that it is on
   std::vector<EdgeState> edges_;
-  std::vector<Seen> valid_;  ///< vertices
+  std::vector<std::vector<std::uint32_t>> incident_;  ///< of each vertex its edges
+  std::vector<Seen> valid_;                           ///< vertices
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> by_ends_;
-  std::optional<NearestIndex> places_;            ///< of the vertices
-  std::vector<Configurations> paths_;             ///< found since h was made last
-  std::vector<std::vector<std::uint32_t>> ways_;  ///< their edges
-  std::vector<std::vector<std::uint32_t>> followed_;
+  std::optional<NearestIndex> places_;  ///< of the vertices
+  std::vector<Configurations> paths_;   ///< found since h was made last
+  std::vector<Way> ways_;               ///< theirs
+  std::vector<Way> followed_;
+  std::set<Way> refuted_ways_;  ///< by evidence
+  int passed_over_ = 0;         ///< refuted ways, in the present search
 };
 
 }  // namespace
@@ -330,11 +552,12 @@ GuideKind experience_kind() {
       "examples/experience/use.lua");
   claims.h =
       "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` "
-      "times, "
-      "and what is near those that are blocked; or a tube about the way";
+      "times; where a motion between two of them is invalid, half the time a ball about it, which grows; or a tube "
+      "about the way";
   claims.feedback =
-      "a node near a point moves h on to the next; after `evidence` blocked proposals at one place the first place not "
-      "reached is made dearer and the graph is searched again";
+      "a node at a point moves h on to the next, and motions of the way that are valid are not checked again; after "
+      "`evidence` blocked proposals at one place the way is left for another one; an edge on which C finds something "
+      "invalid counts as invalid";
   claims.fallback = GuideClaims::Fallback::own;
   claims.no_path = "nothing was stored of this space and robot: h is uniform";
   return {&experience_settings().component(),

@@ -154,7 +154,12 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
       evidence_(evidence),
       reached_(reached) {
   const auto& points = tube_.path();
-  exact_ = points.size() > 1 && parent.is_verified(points[0], points[1]);
+  // A path to the goal, of which motions are verified, has to be repaired at most where they are not.
+  const bool whole = parent.to_goal(points.back()) <= parent.goal_tolerance;
+  const std::size_t looked_at = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
+  for (std::size_t i = 1; i < looked_at && !exact_; ++i) {
+    exact_ = parent.is_verified(points[i - 1], points[i]);
+  }
   back_ = points.size() - 1;
   lengths_.reserve(points.size());
   lengths_.push_back(0.0);
