@@ -309,7 +309,7 @@
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point; with `lift = "path"`, of the balls in C that proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm
----@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
+---@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too, where Holleman and Kavraki move the robot itself; other coordinates stay uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
@@ -1371,7 +1371,7 @@ function skeleton(options) end
 ---@overload fun(scale: number, options?: trellis.shrink.Options): trellis.Guide
 function shrink(options) end
 
----some of the degrees of freedom: what hangs on the others is left out of the robot
+---some of the degrees of freedom: what hangs on the others is left out of the robot; S is sampled, where the paper divides it into slices, and the others are uniform, where it computes their free ranges
 ---
 ---Source: Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators
 ---@param options? trellis.joints.Options

@@ -58,7 +58,7 @@ TEST_CASE("the methods' guides serve at any level") {
   CHECK(
       value("tostring(blend { strategies.several(), strategies.relaxation { scales = {0.5} } } >> prm {})") ==
       "blend { shrink { 0.5, follow = \"waypoints\", evidence = 100, resolves = 10, paths = 3, "
-      "planner = rrt { uniform = 0.1, bound = 0 } }, shrink { 0.5, keep_tree = true, "
+      "inhibit = \"bottlenecks\", planner = rrt { uniform = 0.1, bound = 0 } }, shrink { 0.5, keep_tree = true, "
       "follow = \"waypoints\", evidence = 100, resolves = 10, planner = rrt { uniform = 0.5, bound = 0 } } } >> prm()");
   CHECK(value("skeleton() >> strategies.irc { scales = {0.5} } == "
               "(skeleton() >> strategies.relaxation { scales = {0.5} }) >> rrt { uniform = 0.5, bound = 0 }") ==

@@ -26,9 +26,12 @@ struct JointsSettings : PathGuideSettings {
 
 const Settings<JointsSettings>& joints_settings() {
   static const Settings<JointsSettings> settings = with_resolves(with_progress(with_radius(
-      Settings<JointsSettings>(Component::Kind::guide, "joints",
-                               "some of the degrees of freedom: what hangs on the others is left out of the robot",
-                               "Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators")
+      Settings<JointsSettings>(
+          Component::Kind::guide, "joints",
+          "some of the degrees of freedom: what hangs on the others is left out of the robot; S is "
+          "sampled, where the paper divides it into slices, and the others are uniform, where it "
+          "computes their free ranges",
+          "Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators")
           .names("axes", &JointsSettings::axes,
                  "the axes of C that S keeps, by name (\"theta2\") or by number (\"2\"), in any order; none: the first "
                  "ones")

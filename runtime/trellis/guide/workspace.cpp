@@ -51,7 +51,9 @@ const Settings<WorkspaceSettings>& workspace_settings() {
               "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
               "any "
               "that bring its tip there); \"handles\", angles that lay both ends of each body, its handle points, near "
-              "the medial axis of the workspace, to which the path is moved too; other coordinates stay uniform; "
+              "the medial axis of the workspace, to which the path is moved too, where Holleman and Kavraki move the "
+              "robot "
+              "itself; other coordinates stay uniform; "
               "\"path\", as skeleton does: points of the path are validated in C with angles that follow those before, "
               "and proposals are a step of the planner ahead of the node that came farthest; \"auto\", \"path\" for an "
               "arm that is fixed to its base and \"uniform\" for any other robot")
