@@ -605,6 +605,9 @@ class ScriptGuide final : public Guide {
   void make_space(Instance& parent);
   void make_validity(Instance& parent, Instance& sub);
   void make_graph(Instance& parent, Instance& sub) const;
+  /// Takes up the nodes that were learnt so far, projected to S.
+  void begin_in_s();
+  void add_in_s(View q);
   /// \param in_s  it is a distribution over S
   std::unique_ptr<Heuristic> compose(const GuideSpec& spec, bool in_s);
   std::unique_ptr<Heuristic> component(const GuideSpec& spec, bool in_s);
@@ -622,6 +625,7 @@ class ScriptGuide final : public Guide {
   std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by what 'heuristic' was given
   Asked::Over over_{*asked_};
   Reached reached_;
+  Configurations learnt_{0};  ///< the nodes of C, where there is an S
   Reached reached_in_s_;
   bool follows_in_s_ = false;  ///< reached_in_s_ is kept up to date
 };
@@ -813,6 +817,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
     c_ = parent.space;
     c_start_ = parent.start;
     reached_.begin(c_, c_start_);
+    learnt_ = Configurations(c_.dimension());
   }
   if (calls_->definition().spaceless) return nullptr;
   // What the functions have checked is charged to the level that they make.
@@ -854,24 +859,36 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   }
   sub->checks = c.checks;
   sub_ = sub.get();
-  reached_in_s_.begin(*s_, sub->start);
+  begin_in_s();
   return sub;
+}
+
+void ScriptGuide::begin_in_s() {
+  reached_in_s_.begin(*s_, sub_->start);
+  if (!follows_in_s_) return;
+  for (std::size_t i = 0; i < learnt_.size(); ++i) add_in_s(std::as_const(learnt_)[i]);
+}
+
+void ScriptGuide::add_in_s(View q) {
+  Configuration s(s_->dimension());
+  projection_->project(q, s);
+  reached_in_s_.add(s);
 }
 
 void ScriptGuide::learn(const Outcome& outcome) {
   if (outcome.added.empty() || !outcome.connected) return;
   reached_.add(outcome.added);
-  if (!follows_in_s_) return;
-  Configuration s(s_->dimension());
-  projection_->project(outcome.added, s);
-  reached_in_s_.add(s);
+  if (!projection_) return;
+  learnt_.push(outcome.added);
+  if (follows_in_s_) add_in_s(outcome.added);
 }
 
 void ScriptGuide::restart() {
   reached_.begin(c_, c_start_);
+  learnt_.clear();
   // Before h was made the first time there was nothing to believe.
   if (parent_ == nullptr) return;
-  if (sub_ != nullptr) reached_in_s_.begin(*s_, sub_->start);
+  if (sub_ != nullptr) begin_in_s();
   if (!calls_->has(Slot::restart)) return;
   calls_->call(
       Slot::restart, *calls_->definition()[Slot::restart], [] { return std::string("restart"); },
@@ -939,7 +956,7 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   }
   if (const auto* piece = dynamic_cast<const Piece*>(spec.custom().get())) {
     if (!in_s) return piece->over(over, reached_.index());
-    follows_in_s_ = true;
+    if (!std::exchange(follows_in_s_, true)) begin_in_s();
     return piece->over(over, reached_in_s_.index());
   }
   const auto* lift = dynamic_cast<const Lifted*>(spec.custom().get());

@@ -145,6 +145,7 @@ class Holonomic final : public PathGuide {
   }
 
  protected:
+  [[nodiscard]] const Instance& followed_in(const Instance&, const Instance& sub) const override { return sub; }
   /// What S lacks bounds velocities: its paths are free of collision in C too, and nothing found blocked refutes them.
   [[nodiscard]] bool relaxes() const override { return false; }
   /// Turns the path into the direction of travel: each leg is passed with the heading of its direction, the ends keep

@@ -377,8 +377,9 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     instance->shared_resolution = parent.resolution;
   }
   // From here on nodes are learnt: h starts from where the search stands, however late it is made.
-  if (!reached_.begun()) reached_.begin(parent.space, parent.start, parent.goal);
-  if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(parent.space, parent.start);
+  const Instance& in = followed_in(parent, *instance);
+  if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal);
+  if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
   if (path_settings_.paths > 1 || excludes()) {
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,

@@ -351,6 +351,8 @@ class PathGuide : public Guide {
  protected:
   /// f of the instance.
   virtual std::unique_ptr<Instance> reduced(const Instance& parent) = 0;
+  /// The instance whose space paths are followed in and nodes are learnt in: C, or S where h is lifted from there.
+  [[nodiscard]] virtual const Instance& followed_in(const Instance& parent, const Instance&) const { return parent; }
   /// Whether a path in S may be invalid in C. Where not, nothing refutes it.
   [[nodiscard]] virtual bool relaxes() const { return true; }
   /// Whether S loses what was refuted by `before_resolve` of this class, rather than in a way of the guide's own.
