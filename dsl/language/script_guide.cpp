@@ -483,6 +483,7 @@ class ScriptHeuristic final : public Heuristic {
   [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return progress_ + h_->progress(); }
+  [[nodiscard]] double connected() const override { return h_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   void restart() override { h_->restart(); }
   void found(double length) override { h_->found(length); }
@@ -516,6 +517,7 @@ class OwnedHeuristic final : public Heuristic {
   [[nodiscard]] std::uint32_t vertex() const override { return h_->vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_->worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_->progress(); }
+  [[nodiscard]] double connected() const override { return h_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   [[nodiscard]] double density(View q) const override { return h_->density(q); }
   [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }

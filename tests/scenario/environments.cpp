@@ -76,6 +76,21 @@ SCENARIO("lazy: what is presumed valid mostly is, or mostly is not", "[catalogue
   }
 }
 
+SCENARIO("lazy below a planner and above other guides: it takes little from what they save",
+         "[catalogue][environments]") {
+  GIVEN("boxes at random, between which a smaller robot passes where the whole one may not") {
+    const Problem problem = field();
+    const Trial two = tried(guide("skeleton") >> guide("shrink") >> tree(), problem);
+    WHEN("the path of the smaller robot guides a search that presumes everything valid") {
+      const Trial three = tried(guide("skeleton") >> guide("shrink") >> guide("lazy") >> tree(), problem);
+      THEN("the three spaces save checks beside the tree, and cost little beside the two") {
+        CHECK_THAT(three, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
+        CHECK_THAT(three, LosesLittle(two));
+      }
+    }
+  }
+}
+
 SCENARIO("drop: obstacles that are not in the way, and those that are", "[catalogue][environments]") {
   GIVEN("an avenue between rows of boxes") {
     const Problem problem = avenue();

@@ -70,6 +70,7 @@ class SpyHeuristic final : public PathFollower {
     ++calls_->progresses;
     return metres;
   }
+  [[nodiscard]] double connected() const override { return 2.0 * metres; }
   [[nodiscard]] double edge_factor(View a, View b) const override {
     calls_->edges.emplace_back(copy(a), copy(b));
     return factor;

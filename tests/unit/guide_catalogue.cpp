@@ -216,6 +216,31 @@ TEST_CASE("a dropped obstacle comes back when C finds it in the way, and no othe
   CHECK(w.sub->valid(in_second));
 }
 
+TEST_CASE("what is presumed valid and found invalid at one place, time and again, refutes the path there",
+          "[guide][lazy]") {
+  for (const std::string name : {"shrink", "skeleton", "widen"}) {
+    CAPTURE(name);
+    auto w = work(name, {{"evidence", 5.0}}, test::cup_problem());
+    REQUIRE(w.found.solved());
+    REQUIRE_FALSE(w.h->stale());
+    const Configurations path = w.h->lifted_path();
+    const View there = std::as_const(path)[path.size() / 2];
+    const Configuration place(there.begin(), there.end());
+    const Configuration elsewhere(path[1].begin(), path[1].end());
+    w.guide->found_invalid(elsewhere);
+    for (int i = 0; i < 4; ++i) w.guide->found_invalid(place);
+    CHECK_FALSE(w.h->stale());
+    w.guide->found_invalid(place);
+    CHECK(w.h->stale());
+    const Configurations refuted = w.guide->refuted_places();
+    REQUIRE(refuted.size() == 1);
+    CHECK(std::hypot(refuted[0][0] - place[0], refuted[0][1] - place[1]) < 1e-9);
+    // Another search in S finds another path, or none; what was counted is forgotten.
+    w.guide->before_resolve();
+    if (!w.sub->graph) CHECK_FALSE(w.sub->valid(place));
+  }
+}
+
 TEST_CASE("drop knows the world's obstacles by name", "[guide][drop]") {
   const auto parent = make_instance(test::cup_problem());
   const auto make = [&](const std::string& name) {

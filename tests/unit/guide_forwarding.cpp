@@ -122,6 +122,7 @@ void check_forwards(Wrapped w) {
   }
   CHECK(asked == 1);  // whoever drew decides
   CHECK(h.progress() == SpyHeuristic::metres * static_cast<double>(w.calls.size()));
+  CHECK(h.connected() == 2.0 * SpyHeuristic::metres * static_cast<double>(w.calls.size()));
   CHECK(h.edge_factor(a, b) == SpyHeuristic::factor);
   for (const auto& calls : w.calls) CHECK(calls->edges.back() == pair);
   CHECK(h.atom_mass() == Approx(SpyHeuristic::atoms));
@@ -210,6 +211,7 @@ TEST_CASE("lengths of S hold in C only where f lengthens none", "[guide][forward
   axes[0].weight *= 2.0;
   Wrapped w = lifted(Space("stretched", axes));
   CHECK(w.h->progress() == 0.0);
+  CHECK(w.h->connected() == 0.0);
   w.h->found(12.5);
   CHECK(w.calls.front()->lengths.empty());
 }

@@ -137,6 +137,23 @@ TEST_CASE("evidence refutes a path, and nothing else does", "[guide][steps]") {
   CHECK((*h.refuted_place())[0] == Approx(1.16).margin(0.1));
 }
 
+TEST_CASE("what is connected along a path is where its nodes are", "[guide][steps]") {
+  const Space space = test::cup_problem().space;
+  StepHeuristic h = follow(space, straight());
+  CHECK(h.connected() == 0.0);
+  h.observe(reached(Configuration{1.5, 5, 0}, 1), true);
+  CHECK(h.connected() == Approx(h.progress()));
+  h.observe(reached(Configuration{8.5, 5, 0}, 2, true), false);
+  CHECK(h.connected() == Approx(1.0).margin(0.2));
+  // What is made for the nodes that are there already has made no progress with them.
+  NearestIndex nodes(space);
+  nodes.add(Configuration{1, 5, 0});
+  nodes.add(Configuration{3, 5, 0});
+  const StepHeuristic later("path", space, straight(), {.radius = 0.16, .step = 0.5}, {&nodes, nullptr});
+  CHECK(later.connected() == Approx(2.0).margin(0.2));
+  CHECK(later.progress() == 0.0);
+}
+
 TEST_CASE("what follows a path by steps enters into a record is its density at every step", "[guide][steps][density]") {
   const auto problem = test::cup_problem();
   for (const std::size_t every : {2U, 7U}) {

@@ -125,7 +125,7 @@ TEST_CASE("every kind prints itself and can be taken apart", "[combinators]") {
         "   │     └─ 0.5 x lazy()  searched by lazy_prm()\n"
         "   └─ 2. sequence, turns of 200 proposals\n"
         "      ├─ 1. shrink(0.5)  searched by rrt()\n"
-        "      └─ 2. lazy()  searched by rrt { goal_bias = 0, uniform = 0 }\n"
+        "      └─ 2. lazy()  searched by rrt { goal_bias = 0, uniform = 0, bound = 0 }\n"
         "         └─ skeleton()  searched by graph_search()\n");
   CHECK(strategy.json().find(R"("rounds":2,"turn":null)") != std::string::npos);
 }

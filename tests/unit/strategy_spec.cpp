@@ -109,7 +109,7 @@ TEST_CASE("a spec prints as it is written, as a tree, and as JSON with a stable 
   CHECK(nested.text() == "skeleton() >> shrink(0.5) >> lazy() >> rrt()");
   CHECK(nested.tree() ==
         "rrt()\n"
-        "└─ lazy()  searched by rrt { goal_bias = 0, uniform = 0 }\n"
+        "└─ lazy()  searched by rrt { goal_bias = 0, uniform = 0, bound = 0 }\n"
         "   └─ shrink(0.5)  searched by rrt()\n"
         "      └─ skeleton()  searched by graph_search()\n");
   CHECK((guide("skeleton") >> guide("shrink")).tree() ==

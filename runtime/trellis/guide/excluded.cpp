@@ -41,6 +41,12 @@ double ExcludedBalls::depth(View q) const {
   return std::max(0.0, radius_ - std::sqrt(index_.nearest(q).squared_distance));
 }
 
+std::size_t ExcludedBalls::count(View q) {
+  if (index_.size() == 0) return 0;
+  index_.within(q, radius_, found_);
+  return found_.size();
+}
+
 std::optional<double> ExcludedBalls::entered(View a, View b) {
   if (index_.size() == 0) return std::nullopt;
   const double length = space_.distance(a, b);
@@ -54,15 +60,63 @@ std::optional<double> ExcludedBalls::entered(View a, View b) {
   return std::nullopt;
 }
 
+Places::Places(const Space& space, std::vector<std::size_t> position_axes, double radius)
+    : axes_(std::move(position_axes)),
+      space_(axes_.empty() ? space : positions_of(space, axes_)),
+      balls_(space_, radius),
+      given_(space.dimension()) {}
+
+void Places::project(View q, Configuration& position) const {
+  if (axes_.empty()) {
+    position.assign(q.begin(), q.end());
+    return;
+  }
+  position.resize(axes_.size());
+  for (std::size_t j = 0; j < axes_.size(); ++j) position[j] = q[axes_[j]];
+}
+
+void Places::add(View q) {
+  project(q, a_);
+  balls_.add(a_);
+  given_.push(q);
+}
+
+void Places::clear() {
+  if (given_.empty()) return;
+  balls_.clear();
+  given_.clear();
+}
+
+bool Places::contains(View q) {
+  if (given_.empty()) return false;
+  project(q, a_);
+  return balls_.contains(a_);
+}
+
+std::size_t Places::count(View q) {
+  project(q, a_);
+  return balls_.count(a_);
+}
+
+std::optional<double> Places::entered(View a, View b) {
+  if (given_.empty()) return std::nullopt;
+  project(a, a_);
+  project(b, b_);
+  return balls_.entered(a_, b_);
+}
+
+bool Places::near(View a, View b) {
+  project(a, a_);
+  project(b, b_);
+  return space_.squared_distance(a_, b_) <= balls_.radius() * balls_.radius();
+}
+
 ExcludingValidity::ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
                                      std::vector<std::size_t> position_axes, double place_radius)
     : inner_(std::move(inner)),
       space_(space),
       balls_(space, radius),
-      position_axes_(std::move(position_axes)),
-      position_space_(position_axes_.empty() ? space : positions_of(space, position_axes_)),
-      places_(position_space_, place_radius),
-      excluded_places_(space.dimension()),
+      places_(space, std::move(position_axes), place_radius),
       inner_epoch_(inner_->epoch()) {}
 
 void ExcludingValidity::exclude(const Configurations& path) {
@@ -100,43 +154,22 @@ void ExcludingValidity::include_paths() {
 }
 
 bool ExcludingValidity::exclude_place(View q, const std::vector<Configuration>& keep) {
-  project(q, a_);
-  for (const auto& kept : keep) {
-    project(kept, b_);
-    if (position_space_.distance(a_, b_) <= places_.radius()) return false;
+  if (std::any_of(keep.begin(), keep.end(), [&](const Configuration& kept) { return places_.near(q, kept); })) {
+    return false;
   }
-  places_.add(a_);
-  excluded_places_.push(q);
+  places_.add(q);
   ++epoch_;
   return true;
 }
 
 void ExcludingValidity::replace(const ExcludingValidity& other) {
   replaces_ = true;
-  for (std::size_t i = 0; i < other.excluded_places_.size(); ++i) exclude_place(other.excluded_places_[i], {});
-}
-
-void ExcludingValidity::project(View q, Configuration& position) const {
-  if (position_axes_.empty()) {
-    position.assign(q.begin(), q.end());
-    return;
-  }
-  position.resize(position_axes_.size());
-  for (std::size_t j = 0; j < position_axes_.size(); ++j) position[j] = q[position_axes_[j]];
-}
-
-bool ExcludingValidity::in_place(View q) {
-  if (excluded_places_.empty()) return false;
-  project(q, a_);
-  return places_.contains(a_);
+  for (std::size_t i = 0; i < other.excluded_places().size(); ++i) exclude_place(other.excluded_places()[i], {});
 }
 
 std::optional<double> ExcludingValidity::entered(View a, View b) {
   if (const auto t = balls_.entered(a, b)) return t;
-  if (excluded_places_.empty()) return std::nullopt;
-  project(a, a_);
-  project(b, b_);
-  return places_.entered(a_, b_);
+  return places_.entered(a, b);
 }
 
 MotionReport ExcludingValidity::motion(View a, View b) {

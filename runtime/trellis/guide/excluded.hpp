@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
+#include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/space/space.hpp>
@@ -29,6 +30,8 @@ class ExcludedBalls {
   /// Where on the motion from a to b, in [0, 1], it comes nearest to the first ball that it enters; none where it
   /// enters none.
   [[nodiscard]] std::optional<double> entered(View a, View b);
+  /// How many centres are within the radius of q.
+  [[nodiscard]] std::size_t count(View q);
   [[nodiscard]] double radius() const { return radius_; }
 
  private:
@@ -39,9 +42,41 @@ class ExcludedBalls {
   std::vector<NearestIndex::Neighbour> found_;
 };
 
+/// Places: each holds every configuration whose position is near that of one given, or, without a position, what is near
+/// the configuration.
+class Places {
+ public:
+  /// \param position_axes  the axes of the reference point's position; none: places are configurations
+  /// \param radius         metres in the metric, of a place
+  Places(const Space& space, std::vector<std::size_t> position_axes, double radius);
+
+  void add(View q);
+  void clear();
+  [[nodiscard]] bool contains(View q);
+  /// How many of the configurations given are near q.
+  [[nodiscard]] std::size_t count(View q);
+  /// Where on the motion from a to b, in [0, 1], it comes nearest to the first place that it enters; none where it
+  /// enters none.
+  [[nodiscard]] std::optional<double> entered(View a, View b);
+  /// Whether the place about one of them would hold the other.
+  [[nodiscard]] bool near(View a, View b);
+  /// The configurations, as they were given.
+  [[nodiscard]] const Configurations& given() const { return given_; }
+
+ private:
+  void project(View q, Configuration& position) const;
+
+  std::vector<std::size_t> axes_;
+  Space space_;  ///< of positions
+  ExcludedBalls balls_;
+  Configurations given_;
+  Configuration a_;  ///< scratch
+  Configuration b_;
+};
+
 /// A validity without some balls: paths that a search for another one is kept out of for a while, and places that were
 /// refuted.
-class ExcludingValidity final : public Validity {
+class ExcludingValidity final : public EvaluatedValidity {
  public:
   /// \param radius          metres in the metric, of the balls about a path
   /// \param position_axes   the axes of the reference point's position; none: places are configurations
@@ -64,9 +99,9 @@ class ExcludingValidity final : public Validity {
   /// checks motions that were valid there anew.
   void replace(const ExcludingValidity& other);
   /// Whether a place excluded holds q.
-  [[nodiscard]] bool in_place(View q);
+  [[nodiscard]] bool in_place(View q) { return places_.contains(q); }
   /// The places, as they were given.
-  [[nodiscard]] const Configurations& excluded_places() const { return excluded_places_; }
+  [[nodiscard]] const Configurations& excluded_places() const { return places_.given(); }
 
   [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
@@ -83,20 +118,18 @@ class ExcludingValidity final : public Validity {
     return at ? at : inner_->excluded(a, b);
   }
   void expect_guided(bool guided) override { inner_->expect_guided(guided); }
+  [[nodiscard]] EdgeEvaluator* evaluator() override {
+    auto* evaluated = dynamic_cast<EvaluatedValidity*>(inner_.get());
+    return evaluated != nullptr ? evaluated->evaluator() : nullptr;
+  }
 
  private:
   [[nodiscard]] std::optional<double> entered(View a, View b);
-  void project(View q, Configuration& position) const;
 
   std::shared_ptr<Validity> inner_;
   Space space_;
   ExcludedBalls balls_;
-  std::vector<std::size_t> position_axes_;
-  Space position_space_;
-  ExcludedBalls places_;
-  Configurations excluded_places_;
-  Configuration a_;  ///< scratch
-  Configuration b_;
+  Places places_;
   std::uint64_t inner_epoch_;  ///< when this was made
   bool replaces_ = false;      ///< motions that were valid may have been so in another world
   std::uint64_t epoch_ = 0;

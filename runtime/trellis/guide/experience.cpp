@@ -119,6 +119,7 @@ class RepairedPath final : public PathFollower {
     return repairs_ || path_->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override { return path_->progress(); }
+  [[nodiscard]] double connected() const override { return path_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
   [[nodiscard]] double density(View q) const override {
     return (1.0 - share()) * path_->density(q) + (gap_ ? share() * (1.0 - ends_) * kernel().density(q) : 0.0);

@@ -66,6 +66,11 @@ class Guide {
   [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
   /// Called with each such place that another guide of C found: S may leave it out.
   virtual void avoid(View place) { static_cast<void>(place); }
+  /// Called where C presumes validity, with each configuration of C that was found invalid after all: what leads there
+  /// time and again is refuted.
+  virtual void found_invalid(View q) { static_cast<void>(q); }
+  /// Configurations of S, if that presumes validity, that were found invalid since this was asked last.
+  virtual Configurations take_found_invalid() { return {}; }
   /// Told of every outcome in C, so that the instance in S can learn before it is solved again.
   virtual void learn(const Outcome& outcome) { static_cast<void>(outcome); }
   /// Called when the planner in C removed nodes: those that are left are learnt again.

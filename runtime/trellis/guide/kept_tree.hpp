@@ -74,6 +74,7 @@ class TreeAndPath final : public PathFollower {
     return branch_ || path_->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override { return path_->progress(); }
+  [[nodiscard]] double connected() const override { return path_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
   [[nodiscard]] double density(View q) const override { return (1.0 - share()) * path_->density(q); }
   [[nodiscard]] double atom_mass() const override { return share() + (1.0 - share()) * path_->atom_mass(); }

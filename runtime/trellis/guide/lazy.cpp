@@ -16,7 +16,6 @@ namespace trellis {
 namespace {
 
 struct LazySettings : PathGuideSettings {
-  LazySettings() { follow = "waypoints"; }
   double margin = 0.0;
   double sparse = 0.0;
   std::string selector = "alternate";
@@ -156,6 +155,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     instance->verified = verified_;
     // What was found invalid in a world that has changed may be valid now.
     validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_);
+    found_invalid_ = Configurations(parent.space.dimension());
+    left_.emplace(parent.space, parent.position_axes, 0.5 * natural_distance(parent));
     checked_ = parent.validity;
     margin_ = margin(parent);
     instance->validity = validity_;
@@ -178,14 +179,19 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return h;
   }
 
+  Configurations take_found_invalid() override {
+    return std::exchange(found_invalid_, Configurations(found_invalid_.dimension()));
+  }
+
   /// What C found invalid elsewhere S forgets that it presumed valid, too.
   void learn(const Outcome& outcome) override {
     PathGuide::learn(outcome);
-    if (!outcome.blocked_at.empty()) forbid(outcome.blocked_at);
+    if (outcome.blocked_at.empty()) return;
+    forbid(outcome.blocked_at);
+    found_invalid_.push(outcome.blocked_at);
   }
 
  protected:
-  [[nodiscard]] bool excludes() const override { return false; }
   /// In the steps that were validated.
   Configurations followed(Configurations path) const override {
     if (parent_->step <= 0.0) return path;
@@ -220,7 +226,10 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
   /// Takes out of S what is known to be invalid about q, which C found invalid.
-  void forbid(View q) { validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q))); }
+  void forbid(View q) {
+    validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q)));
+    left_->add(q);
+  }
 
   [[nodiscard]] const LazyEvaluation& how() const override { return how_; }
   std::uint64_t begin() override {
@@ -310,7 +319,9 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
   /// Validates the edges of a path in the selector's order, first sparsely, and forbids the first configuration found
-  /// invalid. An edge that was found valid once is not checked again.
+  /// invalid. An edge that was found valid once is not checked again. Nor is what leads through a place where another
+  /// candidate was refuted: balls as small as a checker proves invalid would be taken out of S one by one, while the
+  /// planner in C, which looks for a way about them, makes progress, or refutes the place as a whole.
   bool validated(const Configurations& path) {
     const double spacing = sparse();
     const auto order = selected(path);
@@ -321,7 +332,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
       for (const std::size_t i : order) {
         const View a = path[i];
         const View b = path[i + 1];
-        if (evaluated_->contain(a, b)) continue;
+        if (evaluated_->contain(a, b) || left_->entered(a, b)) continue;
         if (whole) {
           if (!motion(a, b).valid) return false;
           continue;
@@ -332,7 +343,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
         const double length = parent_->space.distance(a, b);
         for (; since + length >= spacing; since -= spacing) {
           parent_->space.interpolate(a, b, std::clamp((spacing - since) / length, 0.0, 1.0), q);
-          if (!state(q)) return false;
+          if (!left_->contains(q) && !state(q)) return false;
         }
         since += length;
       }
@@ -349,6 +360,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::shared_ptr<Validity> checked_;           ///< of C
   std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of the planner that searches it
   std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
+  Configurations found_invalid_;  ///< that the guide of S was not told of yet
+  std::optional<Places> left_;    ///< where C was found invalid: its planner is left to find a way there
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
 };
@@ -371,7 +384,7 @@ GuideKind lazy_kind() {
           false,
           // A tree follows what guides it; a roadmap would look for short cuts. What is not guided would go through
           // obstacles, where everything is presumed valid.
-          {"rrt", {{"goal_bias", 0.0}, {"uniform", 0.0}}}};
+          {"rrt", {{"goal_bias", 0.0}, {"uniform", 0.0}, {"bound", 0.0}}}};
 }
 
 }  // namespace trellis

@@ -76,6 +76,7 @@ class ProjectedHeuristic : public Heuristic {
   [[nodiscard]] bool worth_connecting(View from, View to) const override;
   /// 0 where lengths in S say nothing of those in C.
   [[nodiscard]] double progress() const override { return projection_->contracts() ? inner().progress() : 0.0; }
+  [[nodiscard]] double connected() const override { return projection_->contracts() ? inner().connected() : 0.0; }
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override { inner().restart(); }
   /// A path of C is no longer in S where f contracts; elsewhere its length is none in S.

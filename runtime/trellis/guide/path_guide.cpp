@@ -296,6 +296,12 @@ double SeveralPaths::progress() const {
   return sum;
 }
 
+double SeveralPaths::connected() const {
+  double sum = 0.0;
+  for (const auto& part : parts_) sum += part->connected();
+  return sum;
+}
+
 double SeveralPaths::edge_factor(View a, View b) const {
   double least = std::numeric_limits<double>::infinity();
   for (const std::size_t i : live_) least = std::min(least, parts_[i]->edge_factor(a, b));
@@ -381,13 +387,15 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal);
   if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
   if (path_settings_.paths > 1 || excludes()) {
+    const double place_radius = 0.5 * natural_distance(parent);
     const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
-                                                         instance->position_axes, 0.5 * natural_distance(parent));
+                                                         instance->position_axes, place_radius);
     if (excluding_) excluding->replace(*excluding_);
     excluding_ = std::move(excluding);
     instance->validity = excluding_;
     parents_ = parent.validity;
+    found_invalid_.emplace(parent.space, parent.position_axes, place_radius);
   }
   return instance;
 }
@@ -426,6 +434,7 @@ std::optional<Configuration> PathGuide::take_refuted() {
 }
 
 void PathGuide::before_resolve() {
+  if (found_invalid_) found_invalid_->clear();
   if (!excludes() || current_ == nullptr) return;
   const std::optional<Configuration> place = take_refuted();
   // What holds the start or the goal cannot be excluded: the path is followed for all that.
@@ -492,6 +501,16 @@ Configurations PathGuide::refuted_places() const {
     if (const auto place = current_->refuted_place()) places.push(*place);
   }
   return places;
+}
+
+void PathGuide::found_invalid(View q) {
+  if (!excludes() || only_path_ || current_ == nullptr || path_settings_.evidence <= 0) return;
+  found_invalid_->add(q);
+  const auto there = static_cast<std::int64_t>(found_invalid_->count(q));
+  if (there < path_settings_.evidence) return;
+  refuted_.emplace(sub_->space.dimension());
+  project(q, *refuted_);
+  current_->refute();
 }
 
 void PathGuide::avoid(View place) {

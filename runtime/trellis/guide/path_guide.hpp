@@ -258,6 +258,7 @@ class SeveralPaths final : public PathFollower {
     return parts_[drawn_]->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override;
+  [[nodiscard]] double connected() const override;
   /// The least of what the paths in use say.
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override {
@@ -347,6 +348,7 @@ class PathGuide : public Guide {
   void no_other_path() override { only_path_ = true; }
   [[nodiscard]] Configurations refuted_places() const override;
   void avoid(View place) override;
+  void found_invalid(View q) override;
 
  protected:
   /// f of the instance.
@@ -398,6 +400,7 @@ class PathGuide : public Guide {
   std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
   std::shared_ptr<Validity> parents_;             ///< of C
+  std::optional<Places> found_invalid_;           ///< where C was, since the last path was found
   // Where several paths are wanted:
   std::vector<Configurations> paths_;  ///< found since h was made last
   std::shared_ptr<KeptTree> tree_;     ///< of S, where it is kept

@@ -2,6 +2,7 @@
 // h that follows a path in C by steps, just ahead of what is connected.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -102,6 +103,7 @@ class StepHeuristic final : public PathFollower {
   [[nodiscard]] std::uint32_t vertex() const override;
   [[nodiscard]] bool worth_connecting(View from, View to) const override;
   [[nodiscard]] double progress() const override { return progress_; }
+  [[nodiscard]] double connected() const override { return std::min(length(), fronts_[0].at + fronts_[1].at); }
   /// An edge away from the path costs five times its length; one that takes a short cut from one part of it to another,
   /// what the path does between them, up to that.
   [[nodiscard]] double edge_factor(View a, View b) const override;

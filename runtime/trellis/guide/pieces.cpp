@@ -173,6 +173,12 @@ double SumHeuristic::progress() const {
   return sum;
 }
 
+double SumHeuristic::connected() const {
+  double sum = 0.0;
+  for (const Part& part : parts_) sum += part.heuristic->connected();
+  return sum;
+}
+
 double SumHeuristic::edge_factor(View a, View b) const {
   double least = std::numeric_limits<double>::infinity();
   for (const Part& part : parts_) least = std::min(least, part.heuristic->edge_factor(a, b));

@@ -50,6 +50,7 @@ class SumHeuristic final : public Heuristic {
     return parts_[drawn_].heuristic->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override;
+  [[nodiscard]] double connected() const override;
   /// The least of what the parts say.
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override;

@@ -541,6 +541,7 @@ class SkeletonGuide final : public Guide {
       start_ = parent.start;
       position_axes_ = parent.position_axes;
       place_radius_ = 0.5 * natural_distance(parent);
+      found_invalid_.emplace(parent.space, parent.position_axes, place_radius_);
     }
     spacing_ = settings_.spacing > 0.0 ? settings_.spacing : projection_->spacing(parent, *instance);
     sparse_.emplace(projection_->space(), spacing_, projection_->arm());
@@ -588,6 +589,7 @@ class SkeletonGuide final : public Guide {
   }
 
   void before_resolve() override {
+    if (found_invalid_) found_invalid_->clear();
     if (regions_ != nullptr) {
       for (const std::uint32_t e : regions_->stuck_edges()) graph_->edges[e].cost *= stuck_penalty;
       return;
@@ -624,6 +626,16 @@ class SkeletonGuide final : public Guide {
       if (const auto place = steps_->refuted_place()) places.push(*place);
     }
     return places;
+  }
+
+  void found_invalid(View q) override {
+    if (steps_ == nullptr || refuted_ || path_is_refuted()) return;
+    found_invalid_->add(q);
+    const auto there = static_cast<std::int64_t>(found_invalid_->count(q));
+    if (there < settings_.evidence) return;
+    refuted_.emplace(2);
+    projection_->project(q, *refuted_);
+    steps_->refute();
   }
 
   void avoid(View place) override {
@@ -702,6 +714,7 @@ class SkeletonGuide final : public Guide {
   bool along_path_ = true;
   Configuration start_;
   std::vector<std::size_t> position_axes_;
+  std::optional<Places> found_invalid_;  ///< where C was, since the path was found
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, for regions
   ReachedNodes nodes_;                   ///< the planner's nodes, for a path
   std::optional<SparseValidation> sparse_;

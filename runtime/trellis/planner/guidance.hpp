@@ -83,6 +83,9 @@ class Guidance {
   }
   /// Length, in metres of the metric, by which connected nodes advanced along what guides, over the whole run.
   [[nodiscard]] virtual double progress() const { return 0.0; }
+  /// Length, in metres of the metric, along which nodes are connected now: what a planner's nodes that are removed
+  /// have been worth.
+  [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Factor on the cost of an edge that a search of a roadmap may use, >= 1: more where the edge leaves what guides.
   [[nodiscard]] virtual double edge_factor(View a, View b) const {
     static_cast<void>(a);

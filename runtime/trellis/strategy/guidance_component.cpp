@@ -60,7 +60,8 @@ class ComponentGuidance final : public Prepared {
     // What was found in another world is searched for again.
     if (heuristic_ && level_ && parent_.instance().scene != projected_) renewing_ = true;
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
-    if (heuristic_ && !renewing_ && outdated) make_heuristic();
+    // What was refuted stays so, whatever has changed since.
+    if (heuristic_ && !renewing_ && outdated && !renewable()) make_heuristic();
     if (heuristic_ && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
       make_heuristic();
@@ -75,6 +76,7 @@ class ComponentGuidance final : public Prepared {
         guide_->before_resolve();
       }
       if (parent_.instance().scene != projected_) project_again();
+      tell_found_invalid();
       const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
       const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
       if (advance == Advance::unfinished) return advance;
@@ -107,6 +109,7 @@ class ComponentGuidance final : public Prepared {
   void restart() override {
     guide_->restart();
     if (!heuristic_) return;
+    lost_ = std::max(lost_, heuristic_->connected());
     heuristic_->restart();
     if (level_ || custom_) made_at_ = never;
   }
@@ -136,7 +139,13 @@ class ComponentGuidance final : public Prepared {
     guide_->learn(outcome);
     if (!heuristic_) return;
     heuristic_->observe(outcome, mine);
-    if (heuristic_->stale() && !std::exchange(counted_, true)) ++refuted_;
+    count_refutation();
+  }
+
+  void found_invalid(View q) override {
+    if (!heuristic_ || renewing_) return;
+    guide_->found_invalid(q);
+    count_refutation();
   }
 
   void found(double length) override {
@@ -168,6 +177,10 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
+  void count_refutation() {
+    if (heuristic_->stale() && !std::exchange(counted_, true)) ++refuted_;
+  }
+
   void make(const GuideSpec& spec) {
     if (spec.custom()) {
       custom_ = true;
@@ -212,6 +225,14 @@ class ComponentGuidance final : public Prepared {
     if (level_) guide_->searched(level_->record().search);
     heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
     heuristic_->select_tree(side_);
+    // What the nodes left are worth is kept; the rest has to be earned again.
+    const double lost = std::exchange(lost_, 0.0);
+    if (lost > 0.0) progress_ -= std::max(0.0, lost - heuristic_->connected());
+  }
+  /// Tells what guides S of what S presumed valid and was found invalid.
+  void tell_found_invalid() {
+    const Configurations invalid = guide_->take_found_invalid();
+    for (std::size_t i = 0; i < invalid.size(); ++i) level_->guidance().found_invalid(invalid[i]);
   }
 
   /// Reports where the instances live.
@@ -266,6 +287,7 @@ class ComponentGuidance final : public Prepared {
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t made_at_ = never;  ///< of the parent's instance, when h was made
   TreeSide side_ = TreeSide::start;
+  double lost_ = 0.0;                 ///< what was connected along h before nodes were lost
   double progress_ = 0.0;             ///< along the heuristics before this one
   Advance first_ = Advance::nothing;  ///< of the search for the first path
   std::int64_t more_ = 0;             ///< proposals for the search of another path, which has begun

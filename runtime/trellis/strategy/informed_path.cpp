@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/strategy/informed_path.hpp>
 
+#include <algorithm>
 #include <limits>
 
 #include <trellis/guide/path_steps.hpp>
@@ -26,7 +27,11 @@ void InformedPath::observe(const Outcome& outcome, bool mine) {
 void InformedPath::restart() {
   if (!nodes_.begun()) return;
   nodes_.clear();
-  if (h_) make();
+  if (!h_) return;
+  // The nodes that are left are told of anew.
+  const double before = h_->connected();
+  make();
+  progress_ -= std::max(0.0, before - (h_ ? h_->connected() : 0.0));
 }
 
 void InformedPath::make() {

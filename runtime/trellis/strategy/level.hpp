@@ -123,6 +123,9 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] double edge_factor(View a, View b) const override {
     return guide_ != nullptr ? guide_->edge_factor(a, b) : 1.0;
   }
+  void found_invalid(View q) {
+    if (guide_ != nullptr) guide_->found_invalid(q);
+  }
   void restart() override {
     informed_.restart();
     if (guide_ != nullptr) guide_->restart();

@@ -66,6 +66,8 @@ class Prepared : public Guidance {
   virtual void inform(const Finding& finding) { static_cast<void>(finding); }
   /// Called before anything is searched, where `inform` may be.
   virtual void expect_findings() {}
+  /// Called where this level presumes validity, with a configuration that was found invalid after all.
+  virtual void found_invalid(View q) { static_cast<void>(q); }
 };
 
 /// What mixtures and sequences share: parts, one of which draws.
@@ -146,6 +148,9 @@ class PartsGuidance : public Prepared {
   }
   void expect_findings() override {
     for (auto& part : parts_) part->expect_findings();
+  }
+  void found_invalid(View q) override {
+    for (auto& part : parts_) part->found_invalid(q);
   }
 
  protected:
