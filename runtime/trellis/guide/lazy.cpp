@@ -192,6 +192,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
  protected:
+  /// A search that evaluates its own edges leaves nothing to C.
+  [[nodiscard]] bool excludes() const override { return !evaluates_; }
   /// In the steps that were validated.
   Configurations followed(Configurations path) const override {
     if (parent_->step <= 0.0) return path;
@@ -228,11 +230,12 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   /// Takes out of S what is known to be invalid about q, which C found invalid.
   void forbid(View q) {
     validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q)));
-    left_->add(q);
+    if (!evaluates_) left_->add(q);
   }
 
   [[nodiscard]] const LazyEvaluation& how() const override { return how_; }
   std::uint64_t begin() override {
+    evaluates_ = true;
     hold();
     evaluations_ = 0;
     checks_begun_ = parent_->checks.validity;
@@ -354,6 +357,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   LazySettings settings_;
   LazyEvaluation how_;
   Instance* parent_ = nullptr;
+  bool evaluates_ = false;                      ///< the search of S evaluates the edges of its candidates itself
   bool refuted_ = false;                        ///< something of a candidate path was found invalid
   std::uint64_t evaluations_ = 0;               ///< since the search in S continued
   std::uint64_t checks_begun_ = 0;              ///< of C, then
