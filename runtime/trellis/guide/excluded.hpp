@@ -104,6 +104,7 @@ class ExcludingValidity final : public EvaluatedValidity {
   [[nodiscard]] const Configurations& excluded_places() const { return places_.given(); }
 
   [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
+  [[nodiscard]] bool needed(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
   /// Only what was excluded can have become invalid, unless the validity inside changes too.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b) override;

@@ -64,8 +64,11 @@ class Guide {
   }
   /// Places of C through which evidence showed that no path in S leads to one in C.
   [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
-  /// Called with each such place that another guide of C found: S may leave it out.
+  /// Called with each such place that another guide of C found, or that C lost because evidence refuted it above: S may
+  /// leave it out, and a path that leads through it is refuted.
   virtual void avoid(View place) { static_cast<void>(place); }
+  /// Places that S has lost since this was asked last, for what guides the search of S.
+  virtual Configurations take_lost_places() { return {}; }
   /// Called where C presumes validity, with each configuration of C that was found invalid after all: what leads there
   /// time and again is refuted.
   virtual void found_invalid(View q) { static_cast<void>(q); }

@@ -352,6 +352,7 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   instance->shared_resolution = 0.0;
   if (parent.scene->robot.translates()) {
     instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
+    instance->needed_reach = std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
   }
   // An explicit graph is a way of searching the parent's space, not part of what is projected.
   instance->graph = nullptr;
@@ -395,6 +396,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     excluding_ = std::move(excluding);
     instance->validity = excluding_;
     parents_ = parent.validity;
+    lost_ = Configurations(instance->space.dimension());
     found_invalid_.emplace(parent.space, parent.position_axes, place_radius);
   }
   return instance;
@@ -437,8 +439,11 @@ void PathGuide::before_resolve() {
   if (found_invalid_) found_invalid_->clear();
   if (!excludes() || current_ == nullptr) return;
   const std::optional<Configuration> place = take_refuted();
+  // What guides elsewhere refuted it, or a guide above: the place is lost already.
+  if (!place && !lost_.empty()) return;
   // What holds the start or the goal cannot be excluded: the path is followed for all that.
   last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal});
+  if (!last_) lost_.push(*place);
 }
 
 PointLift PathGuide::near_point(const Instance& parent) {
@@ -514,8 +519,29 @@ void PathGuide::found_invalid(View q) {
 }
 
 void PathGuide::avoid(View place) {
-  if (!excluding_ || !excludes() || excluding_->in_place(place)) return;
-  excluding_->exclude_place(place, {sub_->start, sub_->goal});
+  if (!excluding_ || !excludes()) return;
+  Configuration s(sub_->space.dimension());
+  project(place, s);
+  if (excluding_->in_place(s) || !excluding_->exclude_place(s, {sub_->start, sub_->goal})) return;
+  lost_.push(s);
+  if (current_ != nullptr && !only_path_ && leads_through_lost_place(current_->lifted_path())) current_->refute();
+}
+
+bool PathGuide::leads_through_lost_place(const Configurations& path) const {
+  // h may be over C or over S.
+  const bool over_s = path.dimension() == sub_->space.dimension();
+  Configuration from(sub_->space.dimension());
+  Configuration to(sub_->space.dimension());
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (over_s) {
+      to.assign(path[i].begin(), path[i].end());
+    } else {
+      project(path[i], to);
+    }
+    if (i > 0 && excluding_->excluded(from, to)) return true;
+    std::swap(from, to);
+  }
+  return false;
 }
 
 std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path, bool whole) {

@@ -348,6 +348,9 @@ class PathGuide : public Guide {
   void no_other_path() override { only_path_ = true; }
   [[nodiscard]] Configurations refuted_places() const override;
   void avoid(View place) override;
+  Configurations take_lost_places() override {
+    return std::exchange(lost_, Configurations(lost_.dimension()));
+  }
   void found_invalid(View q) override;
 
  protected:
@@ -380,6 +383,7 @@ class PathGuide : public Guide {
   /// \param whole  whether the path ends at the goal
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
+  [[nodiscard]] bool leads_through_lost_place(const Configurations& path) const;
   /// Keeps the next path in S distinct from one found; whether there is to be a next one.
   bool keep_apart_from(const Configurations& path);
 
@@ -400,6 +404,7 @@ class PathGuide : public Guide {
   std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
   std::shared_ptr<Validity> parents_;             ///< of C
+  Configurations lost_;                           ///< places of S, excluded since this was asked last
   std::optional<Places> found_invalid_;           ///< where C was, since the last path was found
   // Where several paths are wanted:
   std::vector<Configurations> paths_;  ///< found since h was made last

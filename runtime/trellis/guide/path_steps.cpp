@@ -40,7 +40,10 @@ constexpr double meeting = 1e-6;
 
 bool SparseValidation::valid(Instance& parent, View q) {
   if (!parent.space.contains(q)) return false;
-  if (parent.validity->spends_checks()) return parent.valid(q);
+  if (parent.validity->spends_checks()) {
+    ++parent.checks.validity;
+    return parent.validity->needed(q);
+  }
   if (!parent.validity->state(q)) return false;
   if (!checked_) checked_ = parent.validity_in(parent.scene);
   ++parent.checks.validity;

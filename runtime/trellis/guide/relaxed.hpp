@@ -24,6 +24,7 @@ class RelaxedValidity final : public Validity {
       : own_(std::move(own)), c_(std::move(c)), c_epoch_(c_->epoch()) {}
 
   [[nodiscard]] bool state(View q) override { return own_->state(q); }
+  [[nodiscard]] bool needed(View q) override { return c_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
   /// The checks of motions are those of both spaces.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b) override {

@@ -642,8 +642,13 @@ class SkeletonGuide final : public Guide {
     Configuration s(2);
     projection_->project(place, s);
     if (graph_->edges.empty()) return;
+    // A path that was found by a smaller robot keeps no exact distance from the axis.
+    const double within = 2.0 * place_radius_;
     const auto [edge, squared_distance] = nearest_edge(s, false);
-    if (squared_distance <= place_radius_ * place_radius_ && refuted_edges_[edge] == 0) refute(edge);
+    if (squared_distance > within * within || refuted_edges_[edge] != 0) return;
+    refute(edge);
+    refuted_positions_.push(s);
+    if (steps_ != nullptr && along_[edge] != 0 && !steps_->stale()) steps_->refute();
   }
 
  private:
@@ -653,7 +658,8 @@ class SkeletonGuide final : public Guide {
     const PointLift lift = projection_->point_lift(parent, variation_);
     // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
     const double reach =
-        projection_->arm() ? std::numeric_limits<double>::infinity() : parent.scene->robot.bounding_radius();
+        projection_->arm() ? std::numeric_limits<double>::infinity()
+                           : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
     const PathClearance clearance(*graph_, clearances_, along_, path_);
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);

@@ -27,6 +27,9 @@ class Validity {
   [[nodiscard]] virtual double clearance(View q) = 0;
   /// False where deciding costs no collision checks (presumed validity): then nothing is counted.
   [[nodiscard]] virtual bool spends_checks() const { return true; }
+  /// Whether q is valid in the space that this one relaxes, or, where it relaxes none, in this one: what is not valid
+  /// there is of no use here.
+  [[nodiscard]] virtual bool needed(View q) { return state(q); }
   /// What is touched at q; none where nothing is, or where validity is not decided by collisions.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) {
     static_cast<void>(q);
@@ -113,6 +116,9 @@ class Instance {
   /// What the reference point's path keeps from all obstacles, metres, at least, in every solution of the instances
   /// that this one was projected from: a path in this space that does not helps none of them.
   double needed_clearance = 0.0;
+  /// How far from the reference point a robot reaches that is to follow what is found here, metres: of a space that
+  /// this one relaxes.
+  double needed_reach = 0.0;
   std::string collision = "planar";
   double step = 0.0;  ///< longest extension of the planner that searches it, metres in the metric; 0: it has none
   std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states

@@ -76,7 +76,7 @@ class ComponentGuidance final : public Prepared {
         guide_->before_resolve();
       }
       if (parent_.instance().scene != projected_) project_again();
-      tell_found_invalid();
+      tell();
       const Slice left{slice.proposals, slice.work - (work_so_far() - begun)};
       const Advance advance = left.work > 0.0 ? search(left) : Advance::unfinished;
       if (advance == Advance::unfinished) return advance;
@@ -142,6 +142,11 @@ class ComponentGuidance final : public Prepared {
     count_refutation();
   }
 
+  void lost(View place) override {
+    guide_->avoid(place);
+    if (heuristic_) count_refutation();
+  }
+
   void found_invalid(View q) override {
     if (!heuristic_ || renewing_) return;
     guide_->found_invalid(q);
@@ -161,7 +166,7 @@ class ComponentGuidance final : public Prepared {
 
   void inform(const Finding& finding) override {
     if (!level_) return;
-    for (std::size_t i = 0; i < finding.refuted.size(); ++i) guide_->avoid(finding.refuted[i]);
+    for (std::size_t i = 0; i < finding.refuted.size(); ++i) lost(finding.refuted[i]);
     if (finding.path.empty()) return;
     const Space& space = level_->instance().space;
     Configurations projected(space.dimension());
@@ -229,8 +234,10 @@ class ComponentGuidance final : public Prepared {
     const double lost = std::exchange(lost_, 0.0);
     if (lost > 0.0) progress_ -= std::max(0.0, lost - heuristic_->connected());
   }
-  /// Tells what guides S of what S presumed valid and was found invalid.
-  void tell_found_invalid() {
+  /// Tells what guides S of the places that S lost, and of what S presumed valid and was found invalid.
+  void tell() {
+    const Configurations lost = guide_->take_lost_places();
+    for (std::size_t i = 0; i < lost.size(); ++i) level_->guidance().lost(lost[i]);
     const Configurations invalid = guide_->take_found_invalid();
     for (std::size_t i = 0; i < invalid.size(); ++i) level_->guidance().found_invalid(invalid[i]);
   }

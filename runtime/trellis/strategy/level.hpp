@@ -123,6 +123,9 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] double edge_factor(View a, View b) const override {
     return guide_ != nullptr ? guide_->edge_factor(a, b) : 1.0;
   }
+  void lost(View place) {
+    if (guide_ != nullptr) guide_->lost(place);
+  }
   void found_invalid(View q) {
     if (guide_ != nullptr) guide_->found_invalid(q);
   }
@@ -155,7 +158,13 @@ class LevelGuidance final : public Guidance {
 
   void observe(const Outcome& outcome, bool mine) override {
     informed_.observe(outcome, mine && drawn_ == Part::informed);
-    if (guide_ != nullptr) guide_->observe(outcome, mine && drawn_ == Part::guide);
+    if (guide_ == nullptr) return;
+    const double before = own().checks;
+    guide_->observe(outcome, mine && drawn_ == Part::guide);
+    // What a guide looks at is on its account, whoever drew.
+    const double looked = own().checks - before;
+    spent_.guided.checks += looked;
+    counted_.checks += looked;
   }
   void found(double length) override {
     if (guide_ != nullptr) guide_->found(length);

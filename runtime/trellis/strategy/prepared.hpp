@@ -66,6 +66,8 @@ class Prepared : public Guidance {
   virtual void inform(const Finding& finding) { static_cast<void>(finding); }
   /// Called before anything is searched, where `inform` may be.
   virtual void expect_findings() {}
+  /// Called with a place that this level lost because evidence above refuted it.
+  virtual void lost(View place) { static_cast<void>(place); }
   /// Called where this level presumes validity, with a configuration that was found invalid after all.
   virtual void found_invalid(View q) { static_cast<void>(q); }
 };
@@ -148,6 +150,9 @@ class PartsGuidance : public Prepared {
   }
   void expect_findings() override {
     for (auto& part : parts_) part->expect_findings();
+  }
+  void lost(View place) override {
+    for (auto& part : parts_) part->lost(place);
   }
   void found_invalid(View q) override {
     for (auto& part : parts_) part->found_invalid(q);
