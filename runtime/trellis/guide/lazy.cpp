@@ -377,9 +377,10 @@ GuideKind lazy_kind() {
                                    "they are presumed valid, until C finds something invalid within `margin` of them",
                                    "examples/nested.lua");
   claims.feedback =
-      "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds "
-      "invalid, "
-      "there or by proposals, is taken out of S, whose search continues where the path was refuted";
+      "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds invalid, "
+      "there or by proposals, is taken out of S, whose search continues where the path was refuted. Where a tree searches "
+      "S, a place refutes one candidate only: the planner in C looks for a way there, and `evidence` blocked proposals "
+      "take the place out of S";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
           "lazy_prm",
