@@ -173,7 +173,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
     hold();
-    const bool holds = !found->solved() || validated(found->path);
+    const bool holds = !found->solved() || only_path() || validated(found->path);
     auto h = PathGuide::heuristic(parent, sub, found);
     if (!holds && path_heuristic() != nullptr) path_heuristic()->refute();
     return h;

@@ -564,8 +564,9 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
   }
   SparsePath sparse = sparse_->validate(parent, chosen, whole, lift, [&](double at) { return verified.contains(at); });
   auto [waypoints, edges] = verified.merged_into(sparse);
-  auto follower =
-      std::make_unique<StepHeuristic>(name_, parent.space, std::move(waypoints), steps, reached_.both(), edges);
+  edges = known_edges(parent, waypoints, std::move(edges));
+  auto follower = std::make_unique<StepHeuristic>(name_, parent.space, std::move(waypoints), steps, reached_.both(),
+                                                  std::move(edges));
   if (sparse.refuted && !std::exchange(last_, false) && !only_path_) {
     refuted_ = std::move(sparse.refuted);
     follower->refute();

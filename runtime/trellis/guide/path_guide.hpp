@@ -368,6 +368,8 @@ class PathGuide : public Guide {
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
   /// The heuristic in use; nullptr where nothing was found to go by.
   [[nodiscard]] PathFollower* path_heuristic() const { return current_; }
+  /// Whether a search for another path found none: the last one is followed for all that.
+  [[nodiscard]] bool only_path() const { return only_path_; }
   /// The place of the path in S that was refuted last, if any; none when asked again.
   [[nodiscard]] std::optional<Configuration> take_refuted();
   /// Whether a node of the planner's lies within a distance of q.

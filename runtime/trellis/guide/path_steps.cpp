@@ -182,6 +182,15 @@ std::pair<Configurations, std::vector<char>> VerifiedStretches::merged_into(cons
   return {std::move(points), std::move(verified)};
 }
 
+std::vector<char> known_edges(const Instance& instance, const Configurations& path, std::vector<char> verified) {
+  if (instance.validity->spends_checks() || path.size() < 2) return verified;
+  verified.resize(path.size() - 1, 0);
+  for (std::size_t i = 0; i < verified.size(); ++i) {
+    if (verified[i] == 0 && instance.validity->motion(path[i], path[i + 1]).valid) verified[i] = 1;
+  }
+  return verified;
+}
+
 double StepHeuristic::edge_factor(View a, View b) const {
   constexpr double most = 5.0;
   if (!index_) {

@@ -77,6 +77,10 @@ class VerifiedStretches {
   std::vector<char> edges_;
 };
 
+/// Of each edge of a path, whether it is known to be valid: it was verified, or the instance presumes it. Then a tree
+/// may go along it as it is; beside it, it would lose what was found out about its points.
+std::vector<char> known_edges(const Instance& instance, const Configurations& path, std::vector<char> verified = {});
+
 /// h along a path in C in steps of the planner: a point of the path a little ahead of the node that has come farthest
 /// along it, then uniform on a ball about it. The balls are small at first and grow where nothing is added; so does the
 /// stretch that proposals are drawn from, backwards. Two trees have two ends to go on from.

@@ -667,8 +667,9 @@ class SkeletonGuide final : public Guide {
     const StepHeuristic::Settings steps = {.radius = radius,
                                            .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
                                            .evidence = settings_.evidence};
-    auto h =
-        std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps, nodes_.both());
+    std::vector<char> known = known_edges(parent, sparse.waypoints);
+    auto h = std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps, nodes_.both(),
+                                             std::move(known));
     steps_ = h.get();
     if (path_is_refuted()) return h;
     if (sparse.refuted) {

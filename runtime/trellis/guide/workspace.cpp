@@ -295,8 +295,9 @@ class Workspace final : public Guide {
     const StepHeuristic::Settings steps = {.radius = radius,
                                            .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
                                            .evidence = settings_.evidence};
-    auto h =
-        std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps, nodes_.both());
+    std::vector<char> known = known_edges(parent, sparse.waypoints);
+    auto h = std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps,
+                                             nodes_.both(), std::move(known));
     steps_ = h.get();
     // A path through a place that was refuted before is the only one.
     if (path_is_refuted()) return h;
