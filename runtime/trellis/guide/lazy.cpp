@@ -164,8 +164,9 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
   /// A search of a roadmap in S evaluates the edges of its candidate paths itself.
-  void attach_parent(Instance& parent) override {
+  void attach_parent(Instance& parent, bool guided) override {
     parent_ = &parent;
+    guided_ = guided;
     validity_->evaluate_by(*this);
   }
 
@@ -192,8 +193,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
  protected:
-  /// A search that evaluates its own edges leaves nothing to C.
-  [[nodiscard]] bool excludes() const override { return !evaluates_; }
+  /// What C was left to try and could not pass S loses as a whole.
+  [[nodiscard]] bool excludes() const override { return parent_ == nullptr || leaves(); }
   /// In the steps that were validated.
   Configurations followed(Configurations path) const override {
     if (parent_->step <= 0.0) return path;
@@ -230,7 +231,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   /// Takes out of S what is known to be invalid about q, which C found invalid.
   void forbid(View q) {
     validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q)));
-    if (!evaluates_) left_->add(q);
+    if (leaves()) left_->add(q);
   }
 
   [[nodiscard]] const LazyEvaluation& how() const override { return how_; }
@@ -321,24 +322,28 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return order;
   }
 
+  /// Whether the planner in C is left to find a way where a candidate is invalid: where a tree follows a guide in S.
+  /// Balls as small as a checker proves invalid would be taken out of S one by one, and the tree would pass beside each,
+  /// while the planner in C makes progress there, or refutes the place as a whole.
+  [[nodiscard]] bool leaves() const { return guided_ && !evaluates_; }
+
   /// Validates the edges of a path in the selector's order, first sparsely, and forbids the first configuration found
-  /// invalid. An edge that was found valid once is not checked again. Nor is what leads through a place where another
-  /// candidate was refuted: balls as small as a checker proves invalid would be taken out of S one by one, while the
-  /// planner in C, which looks for a way about them, makes progress, or refutes the place as a whole.
+  /// invalid. An edge that was found valid once is not checked again. What leaves something to the planner in C goes on
+  /// with the other edges, and passes over those that lead where it was left something before.
   bool validated(const Configurations& path) {
     const double spacing = sparse();
     const auto order = selected(path);
     Configuration q(path.dimension());
     std::array<double, 2> walked = {0.0, 0.0};  // since the last configuration that was checked, from either end
     for (const bool whole : {false, true}) {
-      if (!whole && !sparse_first()) continue;
+      if (!whole && (!sparse_first() || leaves())) continue;
       for (const std::size_t i : order) {
         const View a = path[i];
         const View b = path[i + 1];
-        if (evaluated_->contain(a, b) || left_->entered(a, b)) continue;
+        if (evaluated_->contain(a, b)) continue;
         if (whole) {
-          if (!motion(a, b).valid) return false;
-          continue;
+          if (left_->entered(a, b) || motion(a, b).valid || leaves()) continue;
+          return false;
         }
         // The ends of the path are valid.
         const bool second = how_.selector == LazyEvaluation::Selector::alternate && 2 * i >= path.size() - 1;
@@ -346,7 +351,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
         const double length = parent_->space.distance(a, b);
         for (; since + length >= spacing; since -= spacing) {
           parent_->space.interpolate(a, b, std::clamp((spacing - since) / length, 0.0, 1.0), q);
-          if (!left_->contains(q) && !state(q)) return false;
+          if (!state(q)) return false;
         }
         since += length;
       }
@@ -357,6 +362,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   LazySettings settings_;
   LazyEvaluation how_;
   Instance* parent_ = nullptr;
+  bool guided_ = false;                         ///< a guide guides the search of S
   bool evaluates_ = false;                      ///< the search of S evaluates the edges of its candidates itself
   bool refuted_ = false;                        ///< something of a candidate path was found invalid
   std::uint64_t evaluations_ = 0;               ///< since the search in S continued
@@ -365,7 +371,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of the planner that searches it
   std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
   Configurations found_invalid_;  ///< that the guide of S was not told of yet
-  std::optional<Places> left_;    ///< where C was found invalid: its planner is left to find a way there
+  std::optional<Places> left_;    ///< where the planner in C is left to find a way
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
 };
@@ -378,9 +384,9 @@ GuideKind lazy_kind() {
                                    "examples/nested.lua");
   claims.feedback =
       "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds invalid, "
-      "there or by proposals, is taken out of S, whose search continues where the path was refuted. Where a tree searches "
-      "S, a place refutes one candidate only: the planner in C looks for a way there, and `evidence` blocked proposals "
-      "take the place out of S";
+      "there or by proposals, is taken out of S, whose search continues where the path was refuted. Where a tree "
+      "follows a guide in S, an invalid edge refutes no candidate: the planner in C looks for a way there, and `evidence` "
+      "blocked proposals take the place out of S";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
           "lazy_prm",

@@ -62,8 +62,8 @@ class EvaluatedValidity : public Validity {
 class SpendsParentsChecks {
  public:
   virtual ~SpendsParentsChecks() = default;
-  /// Where that instance lives. Called after it was projected.
-  virtual void attach_parent(Instance& parent) = 0;
+  /// Where that instance lives. Called after it was projected. \param guided  whether a guide guides the search
+  virtual void attach_parent(Instance& parent, bool guided) = 0;
 };
 
 }  // namespace trellis
