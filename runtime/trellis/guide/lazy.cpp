@@ -16,6 +16,7 @@ namespace trellis {
 namespace {
 
 struct LazySettings : PathGuideSettings {
+  LazySettings() { follow = "waypoints"; }
   double margin = 0.0;
   double sparse = 0.0;
   std::string selector = "alternate";
@@ -174,7 +175,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
     hold();
-    const bool holds = !found->solved() || only_path() || validated(found->path);
+    const bool holds = !found->solved() || (leaves() && only_path()) || validated(found->path);
     auto h = PathGuide::heuristic(parent, sub, found);
     if (!holds && path_heuristic() != nullptr) path_heuristic()->refute();
     return h;
@@ -195,6 +196,10 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
  protected:
   /// What C was left to try and could not pass S loses as a whole.
   [[nodiscard]] bool excludes() const override { return parent_ == nullptr || leaves(); }
+  /// Waypoints are those of a path that was validated as a whole.
+  [[nodiscard]] std::string follow() const override {
+    return leaves() && path_settings().follow == "waypoints" ? "steps" : path_settings().follow;
+  }
   /// In the steps that were validated.
   Configurations followed(Configurations path) const override {
     if (parent_->step <= 0.0) return path;

@@ -547,6 +547,7 @@ bool PathGuide::leads_through_lost_place(const Configurations& path) const {
 std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const Configurations& path, bool whole) {
   const Configurations chosen = followed(path);
   PathGuideSettings settings = path_settings_;
+  settings.follow = follow();
   if (!relaxes() || only_path_) settings.evidence = std::numeric_limits<std::int64_t>::max();
   if (settings.follow != "steps" || !relaxes()) {
     return follow_path(name_, settings, parent, chosen, reached_.both());

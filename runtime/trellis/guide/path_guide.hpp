@@ -362,6 +362,8 @@ class PathGuide : public Guide {
   [[nodiscard]] virtual bool relaxes() const { return true; }
   /// Whether S loses what was refuted by `before_resolve` of this class, rather than in a way of the guide's own.
   [[nodiscard]] virtual bool excludes() const { return relaxes(); }
+  /// How paths are followed.
+  [[nodiscard]] virtual std::string follow() const { return path_settings_.follow; }
   /// The path of the space that is followed where `path` was found.
   virtual Configurations followed(Configurations path) const { return path; }
   /// A copy of the instance with everything but its validity's own state: what f starts from.
