@@ -42,8 +42,8 @@ class ExcludedBalls {
   std::vector<NearestIndex::Neighbour> found_;
 };
 
-/// Places: each holds every configuration whose position is near that of one given, or, without a position, what is near
-/// the configuration.
+/// Places: each holds every configuration whose position is near that of one given, or, without a position, what is
+/// near the configuration.
 class Places {
  public:
   /// \param position_axes  the axes of the reference point's position; none: places are configurations

@@ -370,12 +370,8 @@ class Experience final : public PathGuide {
     }
     std::vector<std::unique_ptr<PathFollower>> parts;
     for (const Configurations& path : std::exchange(paths_, {})) parts.push_back(along(parent, path));
-    std::unique_ptr<PathFollower> h;
-    if (parts.size() == 1) {
-      h = std::move(parts.front());
-    } else {
-      h = std::make_unique<SeveralPaths>(std::move(parts));
-    }
+    auto h = parts.size() == 1 ? std::move(parts.front())
+                               : std::unique_ptr<PathFollower>(std::make_unique<SeveralPaths>(std::move(parts)));
     current_ = h.get();
     return h;
   }

@@ -328,8 +328,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
   /// Whether the planner in C is left to find a way where a candidate is invalid: where a tree follows a guide in S.
-  /// Balls as small as a checker proves invalid would be taken out of S one by one, and the tree would pass beside each,
-  /// while the planner in C makes progress there, or refutes the place as a whole.
+  /// Balls as small as a checker proves invalid would be taken out of S one by one, and the tree would pass beside
+  /// each, while the planner in C makes progress there, or refutes the place as a whole.
   [[nodiscard]] bool leaves() const { return guided_ && !evaluates_; }
 
   /// Validates the edges of a path in the selector's order, first sparsely, and forbids the first configuration found
@@ -375,8 +375,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::shared_ptr<Validity> checked_;           ///< of C
   std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of the planner that searches it
   std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
-  Configurations found_invalid_;  ///< that the guide of S was not told of yet
-  std::optional<Places> left_;    ///< where the planner in C is left to find a way
+  Configurations found_invalid_;                ///< that the guide of S was not told of yet
+  std::optional<Places> left_;                  ///< where the planner in C is left to find a way
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
 };
@@ -388,9 +388,11 @@ GuideKind lazy_kind() {
                                    "they are presumed valid, until C finds something invalid within `margin` of them",
                                    "examples/nested.lua");
   claims.feedback =
-      "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds invalid, "
+      "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds "
+      "invalid, "
       "there or by proposals, is taken out of S, whose search continues where the path was refuted. Where a tree "
-      "follows a guide in S, an invalid edge refutes no candidate: the planner in C looks for a way there, and `evidence` "
+      "follows a guide in S, an invalid edge refutes no candidate: the planner in C looks for a way there, and "
+      "`evidence` "
       "blocked proposals take the place out of S";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },

@@ -348,9 +348,7 @@ class PathGuide : public Guide {
   void no_other_path() override { only_path_ = true; }
   [[nodiscard]] Configurations refuted_places() const override;
   void avoid(View place) override;
-  Configurations take_lost_places() override {
-    return std::exchange(lost_, Configurations(lost_.dimension()));
-  }
+  Configurations take_lost_places() override { return std::exchange(lost_, Configurations(lost_.dimension())); }
   void found_invalid(View q) override;
 
  protected:

@@ -657,9 +657,8 @@ class SkeletonGuide final : public Guide {
     along_ = edges_along(*graph_, path_);
     const PointLift lift = projection_->point_lift(parent, variation_);
     // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
-    const double reach =
-        projection_->arm() ? std::numeric_limits<double>::infinity()
-                           : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
+    const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
+                                            : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
     const PathClearance clearance(*graph_, clearances_, along_, path_);
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
@@ -668,8 +667,8 @@ class SkeletonGuide final : public Guide {
                                            .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
                                            .evidence = settings_.evidence};
     std::vector<char> known = known_edges(parent, sparse.waypoints);
-    auto h = std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps, nodes_.both(),
-                                             std::move(known));
+    auto h = std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps,
+                                             nodes_.both(), std::move(known));
     steps_ = h.get();
     if (path_is_refuted()) return h;
     if (sparse.refuted) {

@@ -18,7 +18,10 @@ namespace {
 class ComponentGuidance final : public Prepared {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
-      : parent_(parent), name_(spec.alone().text()), guided_below_(spec.below() != nullptr), site_{run.seed, key, place(run, spec), run.shared} {
+      : parent_(parent),
+        name_(spec.alone().text()),
+        guided_below_(spec.below() != nullptr),
+        site_{run.seed, key, place(run, spec), run.shared} {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
     make(spec);
@@ -245,7 +248,8 @@ class ComponentGuidance final : public Prepared {
   /// Reports where the instances live.
   void attach() {
     guide_->attach(level_->instance());
-    if (auto* spender = dynamic_cast<SpendsParentsChecks*>(guide_.get())) spender->attach_parent(parent_.instance(), guided_below_);
+    if (auto* spender = dynamic_cast<SpendsParentsChecks*>(guide_.get()))
+      spender->attach_parent(parent_.instance(), guided_below_);
   }
 
   /// f of the instance as it stands now.
