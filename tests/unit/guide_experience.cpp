@@ -15,6 +15,7 @@
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
+#include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -228,23 +229,16 @@ TEST_CASE("a way on which the planner is stuck is left for another one", "[guide
 
 namespace {
 
-/// C has a node.
-void add_node(Retrieved& r, View q) {
-  Outcome outcome;
-  outcome.fate = Fate::reached;
-  outcome.proposal = q;
-  outcome.near = q;
-  outcome.added = q;
+/// Reports an outcome to the guide and to its heuristic.
+void report(Retrieved& r, const Outcome& outcome, bool mine) {
   r.guide->learn(outcome);
-  r.h->observe(outcome, false);
+  r.h->observe(outcome, mine);
+}
+void add_node(Retrieved& r, View q) {
+  report(r, test::reached(q), false);
 }
 void block(Retrieved& r, View at) {
-  Outcome outcome;
-  outcome.proposal = at;
-  outcome.near = at;
-  outcome.blocked_at = at;
-  r.guide->learn(outcome);
-  r.h->observe(outcome, true);
+  report(r, test::blocked(at), true);
 }
 
 }  // namespace
@@ -302,27 +296,25 @@ TEST_CASE("a gap that stays open refutes the path, which is no candidate any mor
           "[guide][experience]") {
   const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}, {plane({}, {1, 1}, {9, 1}), way(under)}});
   const Problem query = plane({{4.5, 8.5, 5.5, 9.5}, {4.5, 0, 5.5, 1}}, {1, 1}, {9, 1});
-  for (const std::string follow : {"waypoints", "steps"}) {
-    CAPTURE(follow);
-    auto r = retrieve(query, {{"db", library.file()}, {"evidence", std::int64_t{20}}, {"follow", follow}});
+  // The distance between the path before and after blocked proposals at the start refuted it.
+  const auto refuted_distance = [&](Retrieved& r) {
     const Configurations first = r.h->lifted_path();
     for (int i = 0; i < 200 && !r.h->stale(); ++i) block(r, query.start);
     REQUIRE(r.h->stale());
     r.guide->before_resolve();
     r.solve();
     CHECK_FALSE(r.h->stale());
-    CHECK(farthest(query.space, r.h->lifted_path(), first) > 1.0);
+    return farthest(query.space, r.h->lifted_path(), first);
+  };
+  for (const std::string follow : {"waypoints", "steps"}) {
+    CAPTURE(follow);
+    auto r = retrieve(query, {{"db", library.file()}, {"evidence", std::int64_t{20}}, {"follow", follow}});
+    CHECK(refuted_distance(r) > 1.0);
   }
   // Where no other is left it is followed again: what the tree has reached since may be beyond the gap.
   const Stored one({{plane({}, {1, 1}, {9, 1}), way(over)}});
   auto r = retrieve(query, {{"db", one.file()}, {"evidence", std::int64_t{20}}});
-  const Configurations first = r.h->lifted_path();
-  for (int i = 0; i < 200 && !r.h->stale(); ++i) block(r, query.start);
-  REQUIRE(r.h->stale());
-  r.guide->before_resolve();
-  r.solve();
-  CHECK_FALSE(r.h->stale());
-  CHECK(farthest(query.space, r.h->lifted_path(), first) < 0.1);
+  CHECK(refuted_distance(r) < 0.1);
 }
 
 TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][experience]") {
@@ -330,7 +322,7 @@ TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][ex
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});
   REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
-  // On the way that nobody checked: it needs a repair now, so the other is left for it only when that costs more.
+  // The found point lies on a path that was not validated. That path now needs a repair; the other one is followed unless its cost is higher.
   const auto cost = [&] {
     double sum = 0.0;
     for (const auto& edge : r.sub->graph->edges) sum += edge.cost;

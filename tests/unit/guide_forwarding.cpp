@@ -13,6 +13,7 @@
 
 #include "support/catch.hpp"
 #include "support/spy_heuristic.hpp"
+#include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -92,15 +93,6 @@ const Configuration b = {3, 4, 1.5};
 Outcome rejected(View q) {
   Outcome outcome;
   outcome.proposal = q;
-  return outcome;
-}
-
-Outcome reached(View q) {
-  Outcome outcome;
-  outcome.fate = Fate::reached;
-  outcome.proposal = q;
-  outcome.added = q;
-  outcome.added_row = 3;
   return outcome;
 }
 
@@ -231,7 +223,7 @@ TEST_CASE("a path that guides by itself forgets the nodes that the planner lost"
       Configuration q(3);
       for (int i = 0; learns && i <= 20; ++i) {
         parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
-        guide->learn(reached(q));
+        guide->learn(test::reached(q, 3));
       }
       if (restarts) guide->restart();
       const auto h = guide->heuristic(*parent, nullptr, nullptr);
@@ -274,7 +266,7 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
         Configuration q(parent->space.dimension());
         for (int i = 0; i <= 40; ++i) {
           parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
-          guide->learn(reached(q));
+          guide->learn(test::reached(q, 3));
         }
       }
       if (restarts) guide->restart();

@@ -11,6 +11,7 @@
 #include <trellis/guide/path_steps.hpp>
 
 #include "support/catch.hpp"
+#include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -490,11 +491,7 @@ TEST_CASE("regions travel along the skeleton as the planner's nodes enter them",
     const View p = std::as_const(solved.found.path)[i];
     if (p[0] > 5.0) break;
     const Configuration q = {p[0], p[1], 0.0};
-    Outcome outcome;
-    outcome.fate = Fate::reached;
-    outcome.proposal = q;
-    outcome.near = q;
-    outcome.added = q;
+    const Outcome outcome = test::reached(q);
     solved.guide->learn(outcome);
     solved.h->observe(outcome, false);
   }

@@ -11,9 +11,12 @@
 #include <trellis/instance/verified_motions.hpp>
 
 #include "support/catch.hpp"
+#include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
+using test::blocked;
+using test::reached;
 
 namespace {
 
@@ -26,25 +29,6 @@ Configurations straight(double y = 5.0) {
 
 StepHeuristic follow(const Space& space, const Configurations& path, std::int64_t evidence = 60) {
   return {"path", space, path, {.radius = 0.16, .step = 0.5, .evidence = evidence}, {nullptr, nullptr}};
-}
-
-Outcome reached(View q, std::uint32_t row, bool from_goal = false) {
-  Outcome outcome;
-  outcome.fate = Fate::reached;
-  outcome.proposal = q;
-  outcome.near = q;
-  outcome.added = q;
-  outcome.added_row = row;
-  outcome.from_goal = from_goal;
-  return outcome;
-}
-
-Outcome blocked(View q) {
-  Outcome outcome;
-  outcome.proposal = q;
-  outcome.near = q;
-  outcome.blocked_at = q;
-  return outcome;
 }
 
 const PointLift as_it_is = [](int attempt, View s, View, View, Stream&, MutableView q) {

@@ -13,6 +13,7 @@
 #include <trellis/strategy/prepared.hpp>
 
 #include "support/catch.hpp"
+#include "support/outcomes.hpp"
 #include "support/refuses.hpp"
 #include "support/worlds.hpp"
 
@@ -266,12 +267,7 @@ TEST_CASE("h of a space that is searched late goes on from where the search stan
     made->attach(*sub);
     for (double x = 1.5; x <= 5.0; x += 0.5) {
       const Configuration q = {x, 5, 0};
-      Outcome outcome;
-      outcome.fate = Fate::reached;
-      outcome.proposal = q;
-      outcome.near = q;
-      outcome.added = q;
-      made->learn(outcome);
+      made->learn(test::reached(q));
     }
     const Solution found{Status::solved, rows({problem.start, problem.goal}), {}};
     const auto h = made->heuristic(*parent, sub.get(), &found);
@@ -295,16 +291,7 @@ TEST_CASE("a path that another space found is followed ahead of the tree, until 
   CHECK_FALSE(informed.guides());
   informed.expect();
   const auto tell = [&](const Configuration& q, bool blocked) {
-    Outcome outcome;
-    outcome.proposal = q;
-    outcome.near = problem.start;
-    if (blocked) {
-      outcome.blocked_at = q;
-    } else {
-      outcome.fate = Fate::reached;
-      outcome.added = q;
-    }
-    informed.observe(outcome, blocked);
+    informed.observe(blocked ? test::blocked(q) : test::reached(q), blocked);
   };
   tell({3, 5, 0}, false);
   informed.follow(rows({problem.start, problem.goal}));
@@ -325,7 +312,7 @@ TEST_CASE("a path that another space found is followed ahead of the tree, until 
   // The planner lost its nodes: the search begins again at the start.
   informed.restart();
   CHECK(drawn() < 1.8);
-  // What they were worth is taken back; the nodes that are left are told of anew.
+  // Their progress is subtracted, and the remaining nodes are reported again.
   CHECK(informed.progress() == Approx(-2.0).margin(0.1));
   tell({1.5, 5, 0}, false);
   CHECK(informed.progress() == Approx(-1.5).margin(0.1));

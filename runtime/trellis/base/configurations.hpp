@@ -36,7 +36,8 @@ class Configurations {
     const auto id = static_cast<std::uint32_t>(size());
     if (data_.size() + dimension_ > data_.capacity()) {
       const Configuration copy(q.begin(), q.end());
-      data_.reserve(std::max(data_.size() + dimension_, 2 * data_.capacity()));
+      constexpr std::size_t least_rows = 8;
+      data_.reserve(std::max(least_rows * dimension_, 2 * data_.capacity()));
       data_.insert(data_.end(), copy.begin(), copy.end());
     } else {
       // A row is a few numbers: cheaper one by one than as a range.

@@ -296,7 +296,6 @@ class Experience final : public PathGuide {
     incident_.assign(graph_->vertices.size(), {});
     valid_.assign(graph_->vertices.size(), Seen::no);
     refuted_ways_.clear();
-    if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal);
     for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
       edges_.push_back({graph_->edges[e].cost});
       by_ends_.emplace(std::minmax(graph_->edges[e].from, graph_->edges[e].to), e);
@@ -314,15 +313,10 @@ class Experience final : public PathGuide {
     sub_ = &sub;
   }
 
-  /// What C finds invalid on an edge that nobody checked counts as a check of it.
+  /// An invalid configuration that C reports on an edge not yet validated invalidates that edge.
   void learn(const Outcome& outcome) override {
     PathGuide::learn(outcome);
-    if (!outcome.added.empty() && outcome.connected) nodes_.add(outcome.added, outcome.from_goal);
     if (!outcome.blocked_at.empty()) refute_edges_at(outcome.blocked_at);
-  }
-  void restart() override {
-    PathGuide::restart();
-    if (nodes_.begun()) nodes_.clear();
   }
 
   /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
@@ -407,7 +401,7 @@ class Experience final : public PathGuide {
 
   /// h along a path, whose gaps are repaired on the way.
   [[nodiscard]] std::unique_ptr<PathFollower> along(Instance& parent, const Configurations& path) const {
-    auto h = follow_path("experience", settings_, parent, path, nodes_.both());
+    auto h = follow_path("experience", settings_, parent, path, reached_nodes().both());
     if (settings_.follow == "tube") return h;
     std::vector<std::size_t> gaps;
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -418,7 +412,7 @@ class Experience final : public PathGuide {
     const bool in_turn = settings_.follow == "waypoints";
     const double reach = in_turn ? parent.goal_tolerance : h->radius();
     return std::make_unique<RepairedPath>(parent, std::move(h), gaps, in_turn ? 0.0 : 0.5, reach, settings_.evidence,
-                                          nodes_.both());
+                                          reached_nodes().both());
   }
 
   /// The first edge of a way whose end the planner did not reach costs more from now on.
@@ -429,7 +423,7 @@ class Experience final : public PathGuide {
       const auto& edge = graph_->edges[e];
       at = edge.from == at ? edge.to : edge.from;
       const View place = std::as_const(graph_->vertices)[at];
-      if (nodes_.from_start().nearest(place).squared_distance <= within * within) continue;
+      if (reached(place, within)) continue;
       edges_[e].stuck *= avoided;
       set_cost(e);
       break;
@@ -525,7 +519,6 @@ class Experience final : public PathGuide {
   std::shared_ptr<const std::vector<StoredPath>> library_;
   std::shared_ptr<Graph> graph_;
   Instance* sub_ = nullptr;
-  ReachedNodes nodes_;               ///< the planner's
   PathFollower* current_ = nullptr;  ///< h in use, owned by whoever asked for it
   double touch_ = 0.0;               ///< metres in the metric, of an invalid configuration from an edge that it is on
   std::vector<EdgeState> edges_;

@@ -376,6 +376,8 @@ class PathGuide : public Guide {
   [[nodiscard]] bool reached(View q, double within) const {
     return reached_.begun() && reached_.from_start().nearest(q).squared_distance <= within * within;
   }
+  /// The planner's nodes that are connected to the start, and those connected to the goal.
+  [[nodiscard]] const ReachedNodes& reached_nodes() const { return reached_; }
   /// The paths that the next h follows where they are several, of a guide that looks for them by itself.
   void follow(std::vector<Configurations> paths) { paths_ = std::move(paths); }
   [[nodiscard]] const PathGuideSettings& path_settings() const { return path_settings_; }

@@ -2,13 +2,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <queue>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kernels.hpp>
@@ -137,21 +140,27 @@ class GraphBuilder {
       std::size_t point;
     };
     std::vector<Sight> sights;
+    std::size_t count = 0;
+    for (const auto& edge : graph_.edges) count += edge.points.size();
+    sights.reserve(count);
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
       const auto& points = std::as_const(graph_.edges[e].points);
       for (std::size_t i = 0; i < points.size(); ++i) {
         sights.push_back({std::hypot(points[i][0] - q[0], points[i][1] - q[1]), e, i});
       }
     }
-    // A heap, as the nearest is seen most often: then the others need no order.
-    const auto farther = [](const Sight& a, const Sight& b) {
-      return std::tie(a.distance, a.edge, a.point) > std::tie(b.distance, b.edge, b.point);
+    const auto nearer = [](const Sight& a, const Sight& b) {
+      return std::tie(a.distance, a.edge, a.point) < std::tie(b.distance, b.edge, b.point);
     };
-    std::make_heap(sights.begin(), sights.end(), farther);
-    for (std::size_t tried = 0; tried < most_sights && !sights.empty(); ++tried) {
-      std::pop_heap(sights.begin(), sights.end(), farther);
-      const Sight sight = sights.back();
-      sights.pop_back();
+    for (std::size_t tried = 0; tried < std::min(most_sights, sights.size()); ++tried) {
+      // The nearest point is visible most often. Then the other points are not sorted.
+      const auto first = sights.begin() + static_cast<std::ptrdiff_t>(tried);
+      if (tried == 0) std::iter_swap(first, std::min_element(first, sights.end(), nearer));
+      if (tried == 1) {
+        const auto last = sights.begin() + static_cast<std::ptrdiff_t>(std::min(most_sights, sights.size()));
+        std::partial_sort(first, last, sights.end(), nearer);
+      }
+      const Sight sight = sights[tried];
       const View p = std::as_const(graph_.edges[sight.edge].points)[sight.point];
       if (sight.distance > 0.0 && !instance_.motion(q, p).valid) continue;
       Configurations way(2);
@@ -187,52 +196,73 @@ class GraphBuilder {
   std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
 };
 
-/// The edges of a graph that a path found in it runs along: those of which a point in their middle is a point of it.
-std::vector<char> edges_along(const Graph& graph, const Configurations& path) {
-  std::vector<std::pair<double, double>> points;
-  points.reserve(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i) points.emplace_back(path[i][0], path[i][1]);
-  std::sort(points.begin(), points.end());
-  std::vector<char> along(graph.edges.size(), 0);
-  for (std::size_t e = 0; e < along.size(); ++e) {
-    const auto& of = graph.edges[e].points;
-    // Of an edge of two points both must be.
-    const View a = of[of.size() / 2];
-    const View b = of[(of.size() - 1) / 2];
-    along[e] = std::binary_search(points.begin(), points.end(), std::pair(a[0], a[1])) &&
-                       std::binary_search(points.begin(), points.end(), std::pair(b[0], b[1]))
-                   ? 1
-                   : 0;
+/// Where a path lies on a graph: the edges that it contains, and lower bounds on its clearance.
+class PathOnGraph {
+ public:
+  PathOnGraph(const Graph& graph, const Configurations& path) {
+    points_.reserve(path.size());
+    for (std::size_t i = 0; i < path.size(); ++i) points_.push_back({path[i][0], path[i][1], i});
+    std::sort(points_.begin(), points_.end());
+    along_.reserve(graph.edges.size());
+    for (const auto& edge : graph.edges) {
+      const std::size_t n = edge.points.size();
+      // An edge is on the path where its middle point is; of an edge with two points, both must be.
+      along_.push_back(at(edge.points[n / 2]).empty() || at(edge.points[(n - 1) / 2]).empty() ? 0 : 1);
+    }
   }
-  return along;
-}
 
-/// Lower bounds on the clearance along a path found in the graph.
+  /// Per edge of the graph, whether the path contains it.
+  [[nodiscard]] const std::vector<char>& along() const { return along_; }
+
+  /// Per point of the path its clearance, metres; 0 where no edge has the point.
+  /// \param clearances  of each edge, along its points
+  [[nodiscard]] std::vector<double> clearance(const Graph& graph,
+                                              const std::vector<std::vector<double>>& clearances) const {
+    std::vector<double> most(points_.size(), 0.0);
+    for (std::size_t e = 0; e < along_.size(); ++e) {
+      if (along_[e] == 0) continue;
+      const auto& points = graph.edges[e].points;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        for (const Point& p : at(points[i])) most[p.index] = std::max(most[p.index], clearances[e][i]);
+      }
+    }
+    return most;
+  }
+
+ private:
+  struct Point {
+    double x;
+    double y;
+    std::size_t index;  ///< in the path
+    auto operator<=>(const Point&) const = default;
+  };
+
+  /// The points of the path at a position.
+  [[nodiscard]] std::span<const Point> at(View position) const {
+    const auto first = std::lower_bound(points_.begin(), points_.end(), Point{position[0], position[1], 0});
+    auto last = first;
+    while (last != points_.end() && last->x == position[0] && last->y == position[1]) ++last;
+    return {first, last};
+  }
+
+  std::vector<Point> points_;  ///< of the path, sorted by position
+  std::vector<char> along_;
+};
+
+/// Lower bounds on the clearance along a path.
 class PathClearance {
  public:
-  /// \param clearances  of each edge, along its points
-  /// \param along       of each edge, whether the path runs along it
-  PathClearance(const Graph& graph, const std::vector<std::vector<double>>& clearances, const std::vector<char>& along,
-                const Configurations& path) {
-    std::vector<std::array<double, 3>> known;  // x, y, clearance
-    for (std::size_t e = 0; e < along.size(); ++e) {
-      if (along[e] == 0) continue;
-      const auto& points = graph.edges[e].points;
-      for (std::size_t i = 0; i < points.size(); ++i) known.push_back({points[i][0], points[i][1], clearances[e][i]});
-    }
-    std::sort(known.begin(), known.end());
+  /// \param clearance  per point of the path
+  PathClearance(const Configurations& path, const std::vector<double>& clearance) {
+    points_.reserve(path.size());
     double at = 0.0;
     for (std::size_t i = 0; i < path.size(); ++i) {
       if (i > 0) at += std::hypot(path[i][0] - path[i - 1][0], path[i][1] - path[i - 1][1]);
-      // Of several entries for a point the last has the most clearance.
-      const std::array<double, 3> beyond = {path[i][0], path[i][1], std::numeric_limits<double>::infinity()};
-      const auto it = std::upper_bound(known.begin(), known.end(), beyond);
-      const bool found = it != known.begin() && (*(it - 1))[0] == beyond[0] && (*(it - 1))[1] == beyond[1];
-      points_.emplace_back(at, found ? (*(it - 1))[2] : 0.0);
+      points_.emplace_back(at, clearance[i]);
     }
   }
 
-  /// At an arc length: clearance changes by no more than one goes.
+  /// At an arc length: clearance is 1-Lipschitz in arc length.
   [[nodiscard]] double at(double s) const {
     const auto next = std::lower_bound(points_.begin(), points_.end(), std::pair(s, 0.0));
     double most = 0.0;
@@ -322,7 +352,7 @@ class DynamicRegions final : public Heuristic {
       : projection_(std::move(projection)),
         parent_(std::move(parent)),
         graph_(std::move(graph)),
-        on_path_(edges_along(*graph_, path)),
+        on_path_(PathOnGraph(*graph_, path).along()),
         directed_(directed(*graph_)),
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
@@ -654,12 +684,13 @@ class SkeletonGuide final : public Guide {
  private:
   /// h along the path found, lifted to valid configurations of C.
   std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found) {
-    along_ = edges_along(*graph_, path_);
+    const PathOnGraph on_graph(*graph_, path_);
+    along_ = on_graph.along();
     const PointLift lift = projection_->point_lift(parent, variation_);
     // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
     const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
                                             : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
-    const PathClearance clearance(*graph_, clearances_, along_, path_);
+    const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
     const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace trellis {
 
@@ -39,14 +40,20 @@ template <std::size_t D>
 class Tree final : public NearestIndex::Implementation {
  public:
   explicit Tree(const Space& space) : dimension_(space.dimension()) {
-    for (const auto& axis : space.axes()) {
-      weight_.push_back(axis.weight);
-      period_.push_back(axis.periodic ? axis.weight * axis.period() : infinity);
+    if constexpr (D == 0) {
+      weight_.resize(dimension_);
+      period_.resize(dimension_);
     }
-    new_leaf();
+    for (std::size_t j = 0; j < dim(); ++j) {
+      const auto& axis = space.axes()[j];
+      weight_[j] = axis.weight;
+      period_[j] = axis.periodic ? axis.weight * axis.period() : infinity;
+    }
   }
 
   std::uint32_t add(View q) override {
+    // Many indices stay empty, so memory is allocated with the first point.
+    if (nodes_.empty()) new_leaf();
     const auto id = static_cast<std::uint32_t>(size_++);
     std::array<double, capacity> y{};
     std::vector<double> large;
@@ -115,6 +122,7 @@ class Tree final : public NearestIndex::Implementation {
 
  private:
   static constexpr std::size_t capacity = D == 0 ? 32 : D;
+  using PerAxis = std::conditional_t<D == 0, std::vector<double>, std::array<double, capacity>>;
 
   struct Node {
     std::int32_t leaf = -1;  ///< which bucket; -1 for an inner node
@@ -313,8 +321,8 @@ class Tree final : public NearestIndex::Implementation {
 
   std::size_t dimension_;
   std::size_t size_ = 0;
-  std::vector<double> weight_;
-  std::vector<double> period_;
+  PerAxis weight_{};
+  PerAxis period_{};
   std::vector<Node> nodes_;
   std::vector<double> boxes_;        ///< per node: the lower corner, then the upper
   std::vector<std::size_t> count_;   ///< per bucket

@@ -166,8 +166,8 @@ void LifelongSearch::isolate(std::span<const std::uint32_t> vertices) {
 }
 
 void LifelongSearch::raise_changed() {
-  // What hangs below has no cost any more: a vertex may then only be offered costs that hold, and is looked at once.
-  // Vertices that were not raised would be taken for parents though their own costs are to be raised, too.
+  // Sets the costs of all descendants to infinity before any vertex is offered a new cost. Otherwise a vertex whose
+  // cost is about to be raised could be chosen as a parent, and vertices would be expanded more than once.
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const auto [side, vertex] = changed_[i];
     if (vertex == side) continue;

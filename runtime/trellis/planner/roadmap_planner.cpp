@@ -30,7 +30,7 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task tas
   // Where validity is presumed, validating a node costs no checks.
   presumed_ = !task_.instance.validity->spends_checks();
   judged_ = mode_.lazy_nodes && !presumed_;
-  // Where nothing guides, nobody learns what was only presumed.
+  // Without a guide, presumed validity is reported to no level.
   tracked_ = task_.guided || !presumed_;
   task_.search.expands = !judged_ || task_.guided;
 }

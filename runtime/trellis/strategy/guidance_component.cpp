@@ -19,7 +19,7 @@ class ComponentGuidance final : public Prepared {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
       : parent_(parent),
-        name_(spec.alone().text()),
+        name_(spec.text_alone()),
         guided_below_(spec.below() != nullptr),
         site_{run.seed, key, place(run, spec), run.shared} {
     double seconds = 0.0;

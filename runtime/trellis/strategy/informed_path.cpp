@@ -28,7 +28,7 @@ void InformedPath::restart() {
   if (!nodes_.begun()) return;
   nodes_.clear();
   if (!h_) return;
-  // The nodes that are left are told of anew.
+  // The remaining nodes are reported to the new path.
   const double before = h_->connected();
   make();
   progress_ -= std::max(0.0, before - (h_ ? h_->connected() : 0.0));

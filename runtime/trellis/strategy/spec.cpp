@@ -343,16 +343,20 @@ bool GuideSpec::searches() const {
   return std::any_of(terms().begin(), terms().end(), [](const Term& term) { return term.guide.searches(); });
 }
 
+std::string GuideSpec::text_of_component(const Node& node, const std::string& planner) {
+  if (!node.custom) {
+    return node.name + options_text(component(Component::Kind::guide, node.name), node.options, planner);
+  }
+  return planner.empty() ? node.name : fmt::format("{} {{ {} }}", node.name, planner);
+}
+
+std::string GuideSpec::text_alone() const { return text_of_component(*node_, ""); }
+
 std::string GuideSpec::text() const {
   switch (kind()) {
     case Kind::component: {
-      const std::string planner = node_->planner_given ? "planner = " + node_->planner->text() : "";
-      std::string self = node_->name;
-      if (!node_->custom) {
-        self += options_text(component(Component::Kind::guide, node_->name), node_->options, planner);
-      } else if (!planner.empty()) {
-        self += fmt::format(" {{ {} }}", planner);
-      }
+      const std::string self =
+          text_of_component(*node_, node_->planner_given ? "planner = " + node_->planner->text() : "");
       if (!node_->below) return self;
       return in_front(*node_->below) + " >> " + self;
     }
@@ -499,7 +503,7 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
   const auto head = [&](const std::string& text) { out += indent + (last ? "└─ " : "├─ ") + label + text + "\n"; };
   const std::string deeper = indent + (last ? "   " : "│  ");
   if (guide.kind() == GuideSpec::Kind::component) {
-    head(guide.alone().text() + (guide.planner() ? "  searched by " + guide.planner()->text() : "  S = {0}"));
+    head(guide.text_alone() + (guide.planner() ? "  searched by " + guide.planner()->text() : "  S = {0}"));
     if (guide.below() != nullptr) draw(*guide.below(), "", deeper, true, out);
     return;
   }

@@ -92,6 +92,8 @@ class GuideSpec {
   [[nodiscard]] const std::shared_ptr<const CustomGuide>& custom() const;
   /// The component without a guide of its own, its planner the default one: what a level is called by.
   [[nodiscard]] GuideSpec alone() const;
+  /// The text of `alone()`.
+  [[nodiscard]] std::string text_alone() const;
   /// The planner of its own search (the default filled in); none where S = {0}.
   [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
   /// Whether that planner was chosen by whoever wrote the guide.
@@ -125,6 +127,7 @@ class GuideSpec {
 
  private:
   struct Node;
+  static std::string text_of_component(const Node& node, const std::string& planner);
   static GuideSpec combine(Kind kind, const std::vector<GuideSpec>& parts, Options options);
   explicit GuideSpec(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
   std::shared_ptr<const Node> node_;
