@@ -74,6 +74,13 @@ int dispatch(int argc, char** argv) {
                       "the strategy that the others are compared with, instead of the experiment's");
   compare->add_option("--out", comparing.out, "write tables and figures into a folder");
 
+  command::VerifyOptions verifying;
+  auto* verify = app.add_subcommand("verify", "validate the paths in results of trellis run again, more finely");
+  verify->add_option("RESULTS", verifying.files, "documents that trellis run --json wrote")->required();
+  verify->add_option("--script", verifying.script, "the script of the results, instead of the one that they name");
+  verify->add_option("--seed", verifying.seed, "the --seed that trellis run had, where the script makes random worlds");
+  add_script_options(verify, verifying.scripts);
+
   std::vector<std::string> scripts;
   command::ScriptOptions checking;
   auto* check = app.add_subcommand("check", "validate scripts without planning and print their strategies");
@@ -154,7 +161,7 @@ int dispatch(int argc, char** argv) {
     }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const auto* parsed : {run, measure, compare, check, test}) {
+  for (const auto* parsed : {run, measure, compare, verify, check, test}) {
     for (const auto* option : parsed->get_options()) {
       const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
       if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
@@ -163,6 +170,7 @@ int dispatch(int argc, char** argv) {
   if (run->parsed()) return command::run(options);
   if (measure->parsed()) return command::measure(measuring);
   if (compare->parsed()) return command::compare(comparing);
+  if (verify->parsed()) return command::verify(verifying);
   if (check->parsed()) return command::check(scripts, checking);
   if (test->parsed()) return command::test(testing);
   if (experience->parsed()) return command::experience(library, list);

@@ -65,6 +65,13 @@ struct CompareOptions {
   std::string out;                 ///< a folder, "" without
 };
 
+struct VerifyOptions {
+  std::vector<std::string> files;  ///< documents of trellis run --json
+  std::string script;              ///< instead of the one that the documents name, "" without
+  std::string seed;                ///< of math.random while the script loads, as typed, "" without
+  ScriptOptions scripts;
+};
+
 struct TestOptions {
   std::vector<std::string> files;
   ScriptOptions scripts;
@@ -82,6 +89,9 @@ int run(const RunOptions& options);
 int measure(const MeasureOptions& options);
 /// Compares the costs of the strategies in documents of results, prints them, and writes tables and figures.
 int compare(const CompareOptions& options);
+/// Validates the paths in documents of results again, at a finer resolution and by the other collision backend, and
+/// prints each fault.
+int verify(const VerifyOptions& options);
 /// Prints what is in a library of paths: a line for each problem, or for each path.
 int experience(const std::string& file, bool list);
 /// Loads scripts without planning and prints their strategies as trees.

@@ -190,10 +190,9 @@ draw::RoleColours palette_option(const RunOptions& options) {
 }  // namespace
 
 int run(const RunOptions& options) {
-  constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const auto seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
-  const auto seed = integer_option("--seed", options.seed, 0, largest_seed);
-  const auto only = integer_option("--only", options.only, 0, largest_seed);
+  const auto seed = integer_option("--seed", options.seed, 0, dsl::largest_seed);
+  const auto only = integer_option("--only", options.only, 0, dsl::largest_seed);
   if (only && (seeds || seed)) throw Error("--only: it is one seed; leave out --seed and --seeds");
   const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
   const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);

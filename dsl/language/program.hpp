@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <functional>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct Program {
 };
 
 inline constexpr std::uint64_t most_seeds = trial::most_seeds;
+/// Lua's largest integer.
+inline constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
 
 /// `count` consecutive seeds from `first`. Throws Error for none, too many, or seeds that a script cannot write (over
 /// 2^63 - 1).

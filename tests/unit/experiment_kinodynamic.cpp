@@ -59,7 +59,7 @@ TEST_CASE("a default planner that becomes kinodynamic keeps the options that its
     const RunRecord run = execute(strategy(guides), driven, 1);
     const LevelRecord& level = run.levels.at(1);
     CHECK(level.planner == "kinodynamic_rrt");
-    CHECK(level.search.proposals.size() > 100);
+    CHECK(level.search.proposals.size() > 50);
     return std::count(level.search.proposal_sources.begin(), level.search.proposal_sources.end(), 0);
   };
   // lazy asks for a search without a goal bias where a guide stands below it; shrink asks for nothing.

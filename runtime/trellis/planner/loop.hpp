@@ -16,7 +16,7 @@ namespace trellis {
 struct CommonSettings {
   double goal_bias = 0.05;
   double uniform = 0.05;
-  double bound = 1.0;
+  double bound = PlannerCommon().bound;
   double proposals = 50000;
   double checks = Budget::unlimited;
   double seconds = Budget::unlimited;

@@ -128,7 +128,7 @@ struct PlannerCommon {
   double step = 0.0;        ///< longest extension of a tree, metres in the metric; 0: the planner has none
   /// Work of guided proposals and of the levels below, per work of unguided proposals, beyond a grant and what progress
   /// earns; 0: without bound.
-  double bound = 1.0;
+  double bound = 0.8;
 };
 
 /// One kind of planner: its description and how to make it.

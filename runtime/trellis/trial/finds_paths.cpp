@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/instance/instance.hpp>
+#include <trellis/instance/path_fault.hpp>
 #include <trellis/report/words.hpp>
 #include <trellis/trial/matcher.hpp>
 #include <trellis/trial/paired_runs.hpp>
@@ -14,26 +13,6 @@
 namespace trellis::trial {
 
 namespace {
-
-/// What is wrong with a path, "" where nothing is.
-std::string fault_of(const Configurations& path, const Problem& problem) {
-  if (path.empty()) return "is empty";
-  const auto instance = make_instance(problem);
-  const Configuration start = problem.start;
-  if (!std::equal(start.begin(), start.end(), path.front().begin(), path.front().end())) {
-    return "does not begin at the start";
-  }
-  if (instance->to_goal(path.back()) > problem.goal_tolerance) return "does not end at the goal";
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (!instance->space.contains(path[i]) || !instance->valid(path[i]))
-      return fmt::format("is invalid at point {}", i + 1);
-    // A planner may have checked it from its other end, which rounds otherwise.
-    if (i > 0 && !instance->motion(path[i - 1], path[i]).valid && !instance->motion(path[i], path[i - 1]).valid) {
-      return fmt::format("is invalid between the points {} and {}", i, i + 1);
-    }
-  }
-  return "";
-}
 
 double length_of(const RunResult& run) {
   return run.run.solved ? run.run.length : std::numeric_limits<double>::quiet_NaN();
@@ -71,7 +50,7 @@ class FindsPaths final : public Matcher {
     for (const RunResult& run : runs) {
       if (!run.run.solved) continue;
       ++found;
-      const std::string fault = fault_of(run.run.path, trial.setup().problem);
+      const std::string fault = path_fault(trial.setup().problem, run.run.path);
       if (fault.empty()) continue;
       verdict.finding = fmt::format("the path of seed {} {}", run.seed, fault);
       verdict.worst = run.seed;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// trellis verify: paths of results are validated again.
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/process.hpp"
+
+using Json = nlohmann::json;
+using trellis::test::content;
+using trellis::test::Outcome;
+using trellis::test::Place;
+
+namespace {
+
+constexpr const char* script = R"(
+return experiment {
+  problems = { scenes.cup(), scenes.trap() },
+  strategies = { guided = skeleton() >> rrt { step = 0.5 }, plain = rrt { step = 0.5, proposals = 20000 } },
+  seeds = 3, measure = false,
+}
+)";
+
+constexpr const char* driven = R"(
+return holonomic() >> kinodynamic_rrt { proposals = 20000 }, problem {
+  name = "yard", world = world { bounds = {0, 0, 4, 4}, box {1.8, 0, 2.2, 2} }, robot = robot.rectangle(0.4, 0.2),
+  motion = motion.unicycle1 {}, start = {0.5, 0.5, 0}, goal = {3.5, 0.5, 0}, goal_tolerance = 0.3,
+}
+)";
+
+/// A folder with a script and its results.
+struct Results {
+  explicit Results(const char* text = script) {
+    place.script("it.lua", text);
+    REQUIRE(place.run({"run", "it.lua", "--quiet", "--json", "it.json"}).status == 0);
+  }
+  [[nodiscard]] Json document() const { return Json::parse(content(place / "it.json")); }
+  void write(const Json& json) const { std::ofstream(place / "it.json") << json; }
+  [[nodiscard]] Outcome verify() const { return place.run({"verify", "it.json"}); }
+
+  Place place;
+};
+
+}  // namespace
+
+TEST_CASE("paths of a run are valid more finely and by the other backend") {
+  const Results results;
+  const Outcome outcome = results.verify();
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out == "12 of 12 paths valid at 4 times the resolution, by the other collision backend\n");
+}
+
+TEST_CASE("a path through an obstacle is named, with the place and the obstacle") {
+  const Results results;
+  Json json = results.document();
+  auto& path = json["runs"][0]["path"];
+  const Json first = path.front();
+  const Json last = path.back();
+  path = Json::array({first, last});
+  json["runs"][1]["path"].back()[0] = 0.5;
+  json["runs"][2]["path"].erase(0);
+  results.write(json);
+  const Outcome outcome = results.verify();
+  CHECK(outcome.status == 1);
+  CAPTURE(outcome.out);
+  CHECK(outcome.out.find("cup: guided, seed 1: the path is invalid between the points 1 and 2: (") == 0);
+  CHECK(outcome.out.find("touches obstacle") != std::string::npos);
+  CHECK(outcome.out.find("cup: guided, seed 2: the path does not end at the goal\n") != std::string::npos);
+  CHECK(outcome.out.find("cup: guided, seed 3: the path does not begin at the start\n") != std::string::npos);
+  CHECK(outcome.out.find("9 of 12 paths valid") != std::string::npos);
+}
+
+TEST_CASE("a trajectory must drive the robot along its path") {
+  const Results results(driven);
+  Json json = results.document();
+  REQUIRE(json["runs"][0]["solved"] == true);
+  CHECK(results.verify().status == 0);
+  json["runs"][0]["trajectory"]["controls"][0][0] = 0.0;
+  results.write(json);
+  const Outcome outcome = results.verify();
+  CHECK(outcome.status == 1);
+  CHECK(outcome.out.find("the path is not where its controls drive the robot, at point ") != std::string::npos);
+}
+
+TEST_CASE("results of another script, and what is no document, are refused") {
+  const Results results;
+  results.place.script("other.lua", "return rrt {}, scenes.simple_passage()\n");
+  const Outcome other = results.place.run({"verify", "it.json", "--script", "other.lua"});
+  CHECK(other.status == 2);
+  CHECK(other.err == "trellis: other.lua: no problem is called 'cup'; --script names the script of the results\n");
+  results.write(Json::array());
+  const Outcome none = results.verify();
+  CHECK(none.status == 2);
+  CHECK(none.err == "trellis: it.json: this is no document that trellis run --json writes\n");
+}
