@@ -327,6 +327,7 @@
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
+---@field alignment? number a number in [-1, 0.99] (cosine); default -1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field clearance? number a number at least 0 (m); default 0: edges of the skeleton with less clearance than this are left out
 ---@field patience? integer an integer at least 1 (proposals); default 200: proposals of a region without progress after which it is stuck; when all are, the edges they are stuck on cost more and the graph is searched again
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often the graph may be searched again
@@ -884,6 +885,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---What `strategies.dr_rrt` takes.
 ---@class trellis.strategies.dr_rrt.Options
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
@@ -893,6 +895,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 
 ---What `strategies.parasol_dr_rrt` takes.
@@ -904,6 +907,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 1: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field alignment? number a number in [-1, 0.99] (cosine); default -1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 
 ---What `strategies.relaxation` takes.
@@ -984,6 +988,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
@@ -1003,6 +1008,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
