@@ -357,6 +357,7 @@
 ---@field axes? string[] a list of names; default {}: the axes of C that S keeps, by name ("theta2") or by number ("2"), in any order; none: the first ones
 ---@field first? integer an integer at least 1 (axes); default 2: how many axes from the first on S keeps where none are named; all where C has no more
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
+---@field slices? integer an integer in [0, 1024] (slices of an axis); default 0: each axis is divided into so many: the axes left out are drawn from the slices in which what is placed so far is valid, given the slices of the axes before, with a share of 0.1 uniform; and a slice of S without a free one of the next axis is invalid. A slice is checked at its middle, once; the level that asks for it pays. 0: the axes left out are uniform
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
@@ -1377,7 +1378,7 @@ function skeleton(options) end
 ---@overload fun(scale: number, options?: trellis.shrink.Options): trellis.Guide
 function shrink(options) end
 
----some of the degrees of freedom: what hangs on the others is left out of the robot; S is sampled, where the paper divides it into slices, and the others are uniform, where it computes their free ranges
+---some of the degrees of freedom: what the others move is left out of the robot; the others are drawn uniformly, or, as published, from their free ranges (`slices`). S is sampled, where the paper searches the union of its slices
 ---
 ---Source: Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators
 ---@param options? trellis.joints.Options
