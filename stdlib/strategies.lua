@@ -91,7 +91,9 @@ method("lazy_prm", {
 end)
 
 local denny = "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT"
-local regions = { "skeleton", region = 2, explore = 0.5, decay = 0.9, penetration = 0.5, drop = 1000 }
+local regions = {
+  "skeleton", region = 2, explore = 0.5, decay = 0.9, penetration = 0.5, alignment = 0.1, drop = 1000,
+}
 
 -- Nothing but the regions: the graph is searched once.
 define("regions", {
@@ -105,7 +107,7 @@ end)
 -- The share of uniform proposals is the whole world's among the regions.
 method("dr_rrt", {
   "dynamic regions along the skeleton of the workspace", source = denny, options = { regions, tree, grows },
-}, { { "skeleton", penetration = 1, drop = 0 }, { "rrt", goal_bias = 0 } }, function(o)
+}, { { "skeleton", penetration = 1, alignment = -1, drop = 0 }, { "rrt", goal_bias = 0 } }, function(o)
   return strategies.regions(part(o, regions)) >> grown(o, 0)
 end)
 

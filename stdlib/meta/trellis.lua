@@ -308,8 +308,9 @@
 ---@field [1]? number `cell` without its name
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
----@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point; with `lift = "path"`, of the balls in C that proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm
----@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", angles that lay both ends of each body, its handle points, near the medial axis of the workspace, to which the path is moved too, where Holleman and Kavraki move the robot itself; other coordinates stay uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
+---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point; with `lift = "path"` or "handles", of the balls in C that proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm
+---@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", as "path", but the whole robot is moved and turned until its handle points come no nearer to the medial axis of the workspace; of a robot with a motion model the path is moved to the axis and only the angles are drawn, the likelier the nearer its handles come to the axis, and other coordinates are uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
+---@field handles? string[] a list of names; default {}: with `lift = "handles"`, points of the robot: "x, y" in the frame of its first body, or "n: x, y" in that of its n-th; a body that turns and has none gets both ends of its longest direction
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
@@ -326,6 +327,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default -1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field clearance? number a number at least 0 (m); default 0: edges of the skeleton with less clearance than this are left out
 ---@field patience? integer an integer at least 1 (proposals); default 200: proposals of a region without progress after which it is stuck; when all are, the edges they are stuck on cost more and the graph is searched again
@@ -355,6 +357,7 @@
 ---@field planner? trellis.Planner a planner; default rrt(): searches the guide's own space
 ---@field axes? string[] a list of names; default {}: the axes of C that S keeps, by name ("theta2") or by number ("2"), in any order; none: the first ones
 ---@field first? integer an integer at least 1 (axes); default 2: how many axes from the first on S keeps where none are named; all where C has no more
+---@field slices? integer an integer in [0, 1024] (slices of an axis); default 0: each axis is divided into so many: the axes left out are drawn from the slices in which what is placed so far is valid, given the slices of the axes before, with a share of 0.1 uniform; and a slice of S without a free one of the next axis is invalid. A slice is checked at its middle, once; the level that asks for it pays. 0: the axes left out are uniform
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
@@ -882,6 +885,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 
 ---What `strategies.dr_rrt` takes.
@@ -891,6 +895,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
@@ -902,6 +907,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 1: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default -1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
@@ -982,6 +988,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
@@ -1001,6 +1008,7 @@
 ---@field explore? number a number in [0, 1] (share of proposals); default 0.5: e: share that is spread evenly over the regions and the whole space; the rest follows the weights
 ---@field decay? number a number in (0, 1] (factor); default 0.9: what a region's successes and attempts are multiplied by before each new one is counted
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
+---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
@@ -1371,7 +1379,7 @@ function skeleton(options) end
 ---@overload fun(scale: number, options?: trellis.shrink.Options): trellis.Guide
 function shrink(options) end
 
----some of the degrees of freedom: what hangs on the others is left out of the robot; S is sampled, where the paper divides it into slices, and the others are uniform, where it computes their free ranges
+---some of the degrees of freedom: what the others move is left out of the robot; the others are drawn uniformly, or, as published, from their free ranges (`slices`). S is sampled, where the paper searches the union of its slices
 ---
 ---Source: Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators
 ---@param options? trellis.joints.Options

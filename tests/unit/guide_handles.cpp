@@ -4,9 +4,12 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <vector>
 
+#include <trellis/base/error.hpp>
 #include <trellis/guide/handles.hpp>
+#include <trellis/planner/planner.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -123,4 +126,93 @@ TEST_CASE("a path is moved to the medial axis where it sees it", "[guide][handle
   std::size_t central = 0;
   for (std::size_t i = 0; i < moved.size(); ++i) central += point->clearance(moved[i]) > 0.55 ? 1 : 0;
   CHECK(central * 10 > moved.size() * 8);
+}
+
+TEST_CASE("the whole robot moves until its handles are nearest to the medial axis", "[guide][handles]") {
+  for (const Problem& problem : {bent_corridor(), with_trailer()}) {
+    CAPTURE(problem.name);
+    const auto parent = make_instance(problem);
+    const auto position = std::make_shared<PositionProjection>("workspace", *parent);
+    const HandleLift lift(position, *parent);
+    Stream stream(5, "0", "near");
+    Configuration q(parent->space.dimension());
+    double before = 0.0;
+    double after = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      q = problem.start;
+      q[0] += stream.uniform(-0.5, 0.5);
+      q[1] += stream.uniform(-0.4, 0.4);
+      for (std::size_t j = 2; j < q.size(); ++j) q[j] += stream.uniform(-0.4, 0.4);
+      const Configuration placed = q;
+      before += lift.distance(q);
+      lift.draw_near(q);
+      CHECK(parent->space.contains(q));
+      CHECK(lift.distance(q) <= lift.distance(placed));
+      after += lift.distance(q);
+      // Another call gains next to nothing.
+      const double reached = lift.distance(q);
+      lift.draw_near(q);
+      CHECK(lift.distance(q) > 0.7 * reached - 0.01);
+    }
+    CHECK(after < 0.25 * before);
+  }
+}
+
+TEST_CASE("the path of the workspace is lifted to robots whose handles lie near the medial axis", "[guide][handles]") {
+  const Problem problem = bent_corridor();
+  const auto parent = make_instance(problem);
+  const GuideKind& kind = *find_guide("workspace");
+  const HandleLift lift(std::make_shared<PositionProjection>("workspace", *parent), *parent);
+  const auto guide = kind.make(Options::validate(*kind.component, {{"lift", std::string("handles")}}));
+  const auto sub = guide->project(*parent);
+  guide->attach(*sub);
+  UniformGuidance uniform(sub->space);
+  Search search(2);
+  const PlannerKind& planner = *find_planner(kind.default_planner);
+  const Options options = Options::validate(*planner.component, {});
+  const Solution found = planner.make(options, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false, {}})
+                             ->solve(planner.common(options).budget);
+  REQUIRE(found.solved());
+  const auto h = guide->heuristic(*parent, sub.get(), &found);
+  const Configurations path = h->lifted_path();
+  REQUIRE(path.size() > 10);
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    CHECK(parent->valid(path[i]));
+    near += lift.distance(path[i]) < 0.1 ? 1 : 0;
+  }
+  CHECK(near * 10 > path.size() * 8);
+}
+
+TEST_CASE("handles are points of the robot that a script gives", "[guide][handles]") {
+  const Problem truck = with_trailer();
+  const auto parent = make_instance(truck);
+  const auto position = std::make_shared<PositionProjection>("workspace", *parent);
+  const auto handles = parse_handles("workspace", {"0.5, 0", "2: -1.2,0.1"}, truck.scene->robot);
+  REQUIRE(handles.size() == 2);
+  CHECK(handles[0].body == 0);
+  CHECK(handles[1].body == 1);
+  CHECK(handles[1].point.y == 0.1);
+  // The car's nose alone is drawn to the axis, the rest of it is left where it is.
+  const HandleLift nose(position, *parent, parse_handles("workspace", {"0.5, 0"}, truck.scene->robot));
+  const HandleLift ends(position, *parent);
+  Configuration q = truck.start;
+  q[1] += 0.3;
+  const Configuration placed = q;
+  nose.draw_near(q);
+  CHECK(nose.distance(q) < nose.distance(placed));
+  CHECK(nose.distance(placed) != Approx(ends.distance(placed)));
+  const auto fault = [&](const std::string& text) {
+    try {
+      static_cast<void>(parse_handles("workspace", {text}, truck.scene->robot));
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  for (const std::string wrong : {"", "1", "1 2", "1, x", "0: 1, 2", ": 1, 2", "1, 2, 3"}) {
+    CAPTURE(wrong);
+    CHECK(fault(wrong).find("expected \"x, y\"") != std::string::npos);
+  }
+  CHECK(fault("3: 1, 2").find("has bodies 1 to 2") != std::string::npos);
 }

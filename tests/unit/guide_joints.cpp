@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Some of the degrees of freedom: which robot is left, and what is valid for it.
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
+#include <trellis/guide/joint_ranges.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -115,4 +118,139 @@ TEST_CASE("what joints cannot keep is told", "[guide][joints]") {
                                                        Contains("did you mean 'theta2'?"));
   CHECK_THAT(fault_of({"5"}, arm_problem()), Contains("no axis '5'") && Contains("(1 to 4)"));
   CHECK_THAT(fault_of({"theta", "1"}, arm_problem()), Contains("theta is there twice"));
+}
+
+namespace {
+
+/// The arm of `slit_problem`.
+Arm slit_arm() { return {.links = {2, 3.5}, .widths = {0.2, 0.2}, .base = {2, 5}}; }
+
+/// An arm of two links in a corridor with a slit below its base: the first link fits into it, and then the second one
+/// has no room at any angle.
+Problem slit_problem() {
+  return test::make_problem("slit", test::rectangle_world({{0, 0, 1.6, 3.6}, {2.4, 0, 10, 3.6}, {0, 5.6, 10, 10}}),
+                            Robot::arm(slit_arm()), {0, 0}, {0.1, -0.2});
+}
+
+std::shared_ptr<JointRanges> ranges_of(const Problem& problem, std::size_t slices) {
+  const auto parent = make_instance(problem);
+  return std::make_shared<JointRanges>(
+      *parent, std::make_shared<AxisProjection>(parent->space, std::vector<std::size_t>{0}, "first"), slices);
+}
+
+}  // namespace
+
+TEST_CASE("the free range of a joint is what slices of it are valid", "[guide][joints]") {
+  constexpr std::size_t slices = 32;
+  for (const Problem& problem : {slit_problem(), arm_problem()}) {
+    CAPTURE(problem.name);
+    const auto parent = make_instance(problem);
+    const auto ranges = ranges_of(problem, slices);
+    const double width = 2.0 * std::numbers::pi / slices;
+    // An independent checker of the arm up to the joint, at the middles of slices.
+    const auto scene = std::make_shared<const Scene>(
+        Scene{problem.scene->world, problem.name == "slit" ? Robot::arm(slit_arm()) : arm_of(2)});
+    const auto checker =
+        make_checker("planar", scene, default_space(scene->robot, scene->world, 1.0), parent->resolution);
+    const auto middle = [&](std::size_t slice) {
+      return -std::numbers::pi + (static_cast<double>(slice) + 0.5) * width;
+    };
+    Stream stream(4, "0", "ranges");
+    std::size_t partly = 0;
+    for (std::size_t first = 0; first < slices; ++first) {
+      std::size_t free = 0;
+      std::vector<char> valid;
+      for (std::size_t k = 0; k < slices; ++k) {
+        valid.push_back(checker->valid(Configuration{middle(first), middle(k)}) ? 1 : 0);
+        free += valid.back() != 0 ? 1 : 0;
+      }
+      partly += free > 0 && free < slices ? 1 : 0;
+      CHECK(ranges->open(Configuration{middle(first)}) == (free > 0));
+      Configuration q(parent->space.dimension());
+      q[0] = middle(first);
+      for (int i = 0; i < 100; ++i) {
+        const bool drawn = ranges->draw(0, stream, q);
+        REQUIRE(drawn == (free > 0));
+        if (drawn) CHECK(valid[ranges->slice(q, 1)] != 0);
+      }
+      for (std::size_t k = 0; k < slices; ++k) {
+        q[1] = middle(k);
+        const double uniform = static_cast<double>(slices) / static_cast<double>(std::max<std::size_t>(free, 1));
+        CHECK(ranges->density_factor(0, q) == (free == 0 ? -1.0 : (valid[k] != 0 ? uniform : 0.0)));
+      }
+    }
+    CHECK(partly > 0);
+    // Each slice of two joints was checked at most once, and what the density asked for was not counted.
+    const std::uint64_t checks = ranges->take_checks();
+    CHECK(checks > slices);
+    CHECK(checks <= slices * slices);
+    CHECK(ranges->take_checks() == 0);
+  }
+}
+
+TEST_CASE("values drawn from free ranges have the density that is claimed", "[guide][joints]") {
+  const Problem problem = arm_problem();
+  const auto parent = make_instance(problem);
+  const auto ranges = ranges_of(problem, 12);
+  const RangedProjection lift(ranges);
+  Stream stream(8, "0", "fibre");
+  Configuration q(all_links);
+  constexpr std::size_t bins = 6;
+  for (const double first : {0.7, -2.4, 2.0}) {
+    CAPTURE(first);
+    std::vector<double> drawn(bins * bins, 0.0);
+    std::vector<double> expected(bins * bins, 0.0);
+    const double uniform = std::exp(ranges->kept().log_fibre_density(parent->start));
+    const auto bin = [&] {
+      const auto part = [&](std::size_t axis) {
+        const double share = (q[axis] + std::numbers::pi) / (2.0 * std::numbers::pi);
+        return std::min(bins - 1, static_cast<std::size_t>(share * static_cast<double>(bins)));
+      };
+      return part(1) * bins + part(2);
+    };
+    constexpr int points = 30000;
+    for (int i = 0; i < points; ++i) {
+      lift.lift(Configuration{first}, stream, q);
+      CHECK(q[0] == first);
+      CHECK(parent->space.contains(q));
+      drawn[bin()] += 1.0 / points;
+      ranges->kept().lift(Configuration{first}, stream, q);
+      const double density = std::exp(lift.log_fibre_density(q)) / uniform;
+      CHECK(density > 0.0);
+      expected[bin()] += density / points;
+    }
+    for (std::size_t k = 0; k < drawn.size(); ++k) CHECK(drawn[k] == Approx(expected[k]).margin(0.012));
+  }
+}
+
+TEST_CASE("a slice of S without a free range of the next joint is invalid, and pays for being asked",
+          "[guide][joints]") {
+  const auto problem = slit_problem();
+  const auto parent = make_instance(problem);
+  const auto plain = guide_of({{"first", std::int64_t{1}}});
+  const auto guide = guide_of({{"first", std::int64_t{1}}, {"slices", std::int64_t{64}}});
+  const auto without = plain->project(*parent);
+  const auto sub = guide->project(*parent);
+  guide->attach(*sub);
+  CHECK(sub->valid(sub->start));
+  CHECK(sub->valid(sub->goal));
+  Stream stream(3, "0", "slices");
+  Configuration s(1);
+  int lost = 0;
+  for (int i = 0; i < 2000; ++i) {
+    sub->space.sample_uniform(stream, s);
+    const bool valid = without->valid(s);
+    if (!valid) CHECK_FALSE(sub->valid(s));
+    lost += valid && !sub->valid(s) ? 1 : 0;
+    if (valid && sub->valid(s)) CHECK(sub->motion(s, s).valid);
+  }
+  CHECK(sub->checks.validity > without->checks.validity);
+  CHECK(without->checks.validity == 2000);
+  // In the slit.
+  s[0] = -0.5 * std::numbers::pi;
+  CHECK(without->valid(s));
+  CHECK_FALSE(sub->valid(s));
+  CHECK_FALSE(sub->motion(sub->start, s).valid);
+  CHECK(lost > 0);
+  CHECK(lost < 400);
 }

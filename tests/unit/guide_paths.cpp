@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Guides that follow the points of a path, and several paths; what spaces are kept out of; options of the skeleton.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <trellis/guide/aligned_lift.hpp>
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/path_steps.hpp>
+#include <trellis/guide/position.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -335,6 +342,108 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
   };
   CHECK(travelled(0.5) > 0);
   CHECK(travelled(1.0) < travelled(0.5));
+}
+
+TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skeleton]") {
+  const auto problem = test::simple_passage_problem();
+  const double robot = problem.scene->robot.bounding_radius();
+  auto w = work("skeleton", {{"follow", std::string("regions")}, {"prune", false}}, problem);
+  // A vertex of the path that is far from where regions are.
+  const Graph& graph = *w.sub->graph;
+  std::optional<std::uint32_t> far;
+  for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
+    const View at = std::as_const(graph.vertices)[v];
+    if (least_distance(w.sub->space, at, w.found.path) > 0.0) continue;
+    const double from_ends = std::min(w.sub->space.distance(at, w.sub->start), w.sub->space.distance(at, w.sub->goal));
+    if (from_ends > 8.0 * robot) far = v;
+  }
+  REQUIRE(far);
+  const View vertex = std::as_const(graph.vertices)[*far];
+  Stream stream(1, "0", "spawn");
+  // The share of proposals that come from regions about it.
+  const auto share = [&] {
+    Configuration q(3);
+    int there = 0;
+    constexpr int draws = 2000;
+    for (int i = 0; i < draws; ++i) {
+      const bool of_region = w.h->sample(stream, q) == 0;
+      there += of_region && w.sub->space.distance(View(q).first(2), vertex) < 6.0 * robot ? 1 : 0;
+    }
+    return static_cast<double>(there) / draws;
+  };
+  CHECK(share() == 0.0);
+  // A region's radius is two bounding radii.
+  tell(w, Configuration{vertex[0], vertex[1] + 2.1 * robot, 0.0}, false);
+  CHECK(share() == 0.0);
+  tell(w, Configuration{vertex[0], vertex[1] + robot, 0.0}, false);
+  CHECK(share() > 0.1);
+}
+
+TEST_CASE("a region's proposals move along its edge where they are aligned", "[guide][skeleton]") {
+  for (const auto* model : {"unicycle1", "unicycle2", "car"}) {
+    CAPTURE(model);
+    // A corridor from left to right, whose axis is level.
+    const auto problem =
+        test::driven(test::make_problem("corridor", test::rectangle_world({{0, 0, 10, 4}, {0, 6, 10, 10}}),
+                                        test::rectangle_robot(), {2, 5, 0}, {8, 5, 0}),
+                     model);
+    const auto backwards = [&](double alignment) {
+      auto w = work("skeleton", {{"explore", 0.0}, {"alignment", alignment}}, problem);
+      Stream stream(1, "0", "aligned");
+      Configuration q(problem.space.dimension());
+      int count = 0;
+      for (int i = 0; i < 2000; ++i) {
+        REQUIRE(w.h->sample(stream, q) == 0);
+        REQUIRE(problem.space.contains(q));
+        const double forward = q.size() > 3 && q[3] < 0.0 ? -1.0 : 1.0;
+        const bool aligned = forward * std::cos(q[2]) >= alignment - 1e-6;
+        count += aligned ? 0 : 1;
+        CHECK(w.h->density(q) > 0.0);
+        // The same place with the opposite heading.
+        q[2] = std::remainder(q[2] + std::numbers::pi, 2.0 * std::numbers::pi);
+        CHECK((w.h->density(q) > 0.0) == (alignment <= 0.0));
+      }
+      return count;
+    };
+    CHECK(backwards(0.5) == 0);
+    CHECK(backwards(-1.0) == 0);
+  }
+}
+
+TEST_CASE("the density of aligned states is that of their draws", "[guide][skeleton]") {
+  for (const auto* model : {"unicycle1", "unicycle2", "car"}) {
+    const auto problem = test::driven(test::simple_passage_problem(), model);
+    const auto parent = make_instance(problem);
+    const auto position = std::make_shared<PositionProjection>("skeleton", *parent);
+    const double fibre = std::exp(-position->log_fibre_density(parent->start));
+    const Configuration place = {4, 5};
+    Configuration q(parent->space.dimension());
+    for (const std::vector<Vec2>& directions : {std::vector<Vec2>{{0.6, 0.8}}, {{1, 0}, {0, -1}}}) {
+      for (const double alignment : {-0.5, 0.1, 0.9}) {
+        CAPTURE(model, directions.size(), alignment);
+        const AlignedLift lift(position, parent->motion_model, directions, alignment);
+        Stream stream(3, "0", "aligned");
+        constexpr int points = 40000;
+        constexpr std::size_t bins = 8;
+        std::array<double, bins> drawn{};
+        std::array<double, bins> expected{};
+        const auto bin = [&] {
+          const double turn = (q[2] + std::numbers::pi) / (2.0 * std::numbers::pi);
+          return std::min(bins - 1, static_cast<std::size_t>(turn * static_cast<double>(bins)));
+        };
+        for (int i = 0; i < points; ++i) {
+          lift.lift(place, stream, q);
+          CHECK(q[0] == place[0]);
+          CHECK(std::exp(lift.log_fibre_density(q)) > 0.0);
+          drawn[bin()] += 1.0 / points;
+          position->lift(place, stream, q);
+          expected[bin()] += std::exp(lift.log_fibre_density(q)) * fibre / points;
+        }
+        for (std::size_t k = 0; k < bins; ++k) CHECK(drawn[k] == Approx(expected[k]).margin(0.02));
+        CHECK(std::accumulate(expected.begin(), expected.end(), 0.0) == Approx(1.0).margin(0.05));
+      }
+    }
+  }
 }
 
 TEST_CASE("with bottlenecks inhibited, further paths keep away from where C may not follow, and from nothing else",

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/handles.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include <trellis/base/error.hpp>
 #include <trellis/planner/nearest.hpp>
 
 namespace trellis {
@@ -18,6 +23,8 @@ namespace {
 constexpr double uniform_share = 0.1;
 /// Distances from the medial axis count by this share of a body's length.
 constexpr double scale_of_length = 0.125;
+/// Of closest points, at most.
+constexpr int most_iterations = 20;
 
 void append_vertices(const ConvexShape& shape, std::vector<Vec2>& out) {
   if (const auto* disc = std::get_if<Disc>(&shape)) {
@@ -31,7 +38,7 @@ void append_vertices(const ConvexShape& shape, std::vector<Vec2>& out) {
 }
 
 /// The ends of a body in the direction in which its vertices spread most, and none where they spread alike in all.
-std::optional<std::array<Vec2, 2>> ends_of(const Body& body) {
+std::vector<Vec2> ends_of(const Body& body) {
   std::vector<Vec2> vertices;
   for (const ConvexShape& part : body.parts) append_vertices(part, vertices);
   if (vertices.size() < 2) return {};
@@ -56,8 +63,36 @@ std::optional<std::array<Vec2, 2>> ends_of(const Body& body) {
     least = std::min(least, t);
     most = std::max(most, t);
   }
-  return std::array{Vec2{mean.x + least * along.x, mean.y + least * along.y},
-                    Vec2{mean.x + most * along.x, mean.y + most * along.y}};
+  return {Vec2{mean.x + least * along.x, mean.y + least * along.y},
+          Vec2{mean.x + most * along.x, mean.y + most * along.y}};
+}
+
+/// The largest distance between two of the points.
+double extent_of(const std::vector<Vec2>& points) {
+  double extent = 0.0;
+  for (const Vec2 a : points) {
+    for (const Vec2 b : points) extent = std::max(extent, norm(a - b));
+  }
+  return extent;
+}
+
+/// A number at the beginning of a text, which loses it and the spaces around it; none where there is none.
+template <class Number>
+std::optional<Number> take_number(std::string_view& text) {
+  const auto skip_spaces = [&] { text.remove_prefix(std::min(text.find_first_not_of(' '), text.size())); };
+  skip_spaces();
+  Number number{};
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (fault != std::errc()) return {};
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  skip_spaces();
+  return number;
+}
+
+bool take(std::string_view& text, char expected) {
+  if (text.empty() || text.front() != expected) return false;
+  text.remove_prefix(1);
+  return true;
 }
 
 Space plane(const Box2& box) {
@@ -117,10 +152,44 @@ class HandleLift::Field {
   std::vector<double> squared_;
 };
 
+std::vector<Handle> parse_handles(const std::string& guide, const std::vector<std::string>& texts, const Robot& robot) {
+  std::vector<Handle> handles;
+  handles.reserve(texts.size());
+  for (const std::string& given : texts) {
+    std::string_view text = given;
+    std::size_t body = 1;
+    if (given.find(':') != std::string::npos) {
+      const auto number = take_number<std::size_t>(text);
+      body = number && take(text, ':') ? *number : 0;
+    }
+    const auto x = take_number<double>(text);
+    const bool comma = take(text, ',');
+    const auto y = take_number<double>(text);
+    if (body == 0 || !x || !comma || !y || !text.empty()) {
+      throw Error(
+          fmt::format("{}: option 'handles' has '{}'; expected \"x, y\", a point of the robot's first body, or "
+                      "\"n: x, y\", one of its n-th",
+                      guide, given));
+    }
+    if (body > robot.bodies().size()) {
+      throw Error(fmt::format("{}: option 'handles' has '{}', but the robot '{}' has bodies 1 to {}", guide, given,
+                              robot.name(), robot.bodies().size()));
+    }
+    handles.push_back({body - 1, {*x, *y}});
+  }
+  return handles;
+}
+
 HandleLift::~HandleLift() = default;
 
-HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const Instance& parent)
-    : position_(std::move(position)), scene_(parent.scene), field_(std::make_shared<Field>(parent.scene->world)) {
+HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const Instance& parent,
+                       const std::vector<Handle>& given)
+    : position_(std::move(position)),
+      scene_(parent.scene),
+      field_(std::make_shared<Field>(parent.scene->world)),
+      space_(parent.space),
+      position_axes_(parent.position_axes),
+      handles_(given) {
   // In a space of other axes than the robot's nothing is known of what turns.
   if (parent.validity_of) return;
   const auto& bodies = scene_->robot.bodies();
@@ -129,12 +198,22 @@ HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const
     if (bodies[b].angle_axis < 0) continue;
     const auto axis = static_cast<std::size_t>(bodies[b].angle_axis);
     if (axis >= turned.size() || turned[axis] != 0) continue;
-    const auto ends = ends_of(bodies[b]);
-    if (!ends) continue;
+    std::vector<Vec2> points;
+    for (const Handle& handle : given) {
+      if (handle.body == b) points.push_back(handle.point);
+    }
+    if (points.empty()) {
+      points = ends_of(bodies[b]);
+      for (const Vec2 point : points) handles_.push_back({b, point});
+    }
+    if (points.empty()) continue;
+    // Of one point, its distance from the origin that it turns about.
+    const double length = points.size() > 1 ? extent_of(points) : norm(points.front());
+    if (!(length > 0.0)) continue;
     turned[axis] = 1;
     const Axis& of = parent.space.axes()[axis];
-    const double length = std::hypot((*ends)[0].x - (*ends)[1].x, (*ends)[0].y - (*ends)[1].y);
-    turns_.push_back({b, axis, of.lo, (of.hi - of.lo) / static_cast<double>(bins), scale_of_length * length, *ends});
+    turns_.push_back(
+        {b, axis, of.lo, (of.hi - of.lo) / static_cast<double>(bins), scale_of_length * length, std::move(points)});
   }
 }
 
@@ -148,9 +227,7 @@ void HandleLift::chances(const Turn& turn, MutableView q, Chances& out) const {
     scene_->robot.place(q, poses);
     const Pose2& pose = poses[turn.body];
     double squares = 0.0;
-    for (const Vec2 h : turn.handles) {
-      squares += field_->squared_distance({pose.x + pose.c * h.x - pose.s * h.y, pose.y + pose.s * h.x + pose.c * h.y});
-    }
+    for (const Vec2 handle : turn.handles) squares += field_->squared_distance(pose(handle));
     out[k] = squares / (2.0 * turn.scale * turn.scale);
     least = std::min(least, out[k]);
   }
@@ -195,6 +272,99 @@ void HandleLift::settle(MutableView q) const {
     const auto k = static_cast<std::size_t>(std::max_element(chance.begin(), chance.end()) - chance.begin());
     q[turn.axis] = turn.lo + (static_cast<double>(k) + 0.5) * turn.width;
   }
+}
+
+double HandleLift::distance(View q) const {
+  if (handles_.empty()) return 0.0;
+  std::vector<Pose2> poses(scene_->robot.bodies().size());
+  scene_->robot.place(q, poses);
+  double squares = 0.0;
+  for (const Handle& handle : handles_) {
+    const Vec2 p = poses[handle.body](handle.point);
+    const Vec2 off = p - field_->nearest(std::array{p.x, p.y});
+    squares += off.x * off.x + off.y * off.y;
+  }
+  return std::sqrt(squares / static_cast<double>(handles_.size()));
+}
+
+void HandleLift::draw_near(MutableView q) const {
+  if (handles_.empty() || position_axes_.size() != 2) return;
+  std::vector<Pose2> poses(scene_->robot.bodies().size());
+  Configuration best(q.begin(), q.end());
+  double least = distance(q);
+  for (int i = 0; i < most_iterations; ++i) {
+    // Of each turn the angle that lays its handles nearest to the points of the axis that are nearest to them now, the
+    // body's origin as it is.
+    for (const Turn& turn : turns_) {
+      scene_->robot.place(q, poses);
+      const Pose2& pose = poses[turn.body];
+      double dot = 0.0;
+      double cross = 0.0;
+      Vec2 mean;
+      Vec2 mean_target;
+      const auto n = static_cast<double>(turn.handles.size());
+      std::vector<std::pair<Vec2, Vec2>> pairs;
+      for (const Vec2 handle : turn.handles) {
+        const Vec2 p = pose(handle);
+        const Vec2 target = field_->nearest(std::array{p.x, p.y});
+        pairs.emplace_back(p, target);
+        mean = mean + (1.0 / n) * p;
+        mean_target = mean_target + (1.0 / n) * target;
+      }
+      // A body that moves freely turns about the middle of its handles, another about its joint.
+      const bool free = scene_->robot.bodies()[turn.body].parent < 0 && pairs.size() > 1;
+      const Vec2 origin{pose.x, pose.y};
+      for (const auto& [p, target] : pairs) {
+        const Vec2 a = p - (free ? mean : origin);
+        const Vec2 b = target - (free ? mean_target : origin);
+        dot += a.x * b.x + a.y * b.y;
+        cross += a.x * b.y - a.y * b.x;
+      }
+      if (std::hypot(dot, cross) > 0.0) q[turn.axis] += std::atan2(cross, dot);
+      space_.normalise(q);
+    }
+    // Then the mean of what is left moves the whole robot.
+    scene_->robot.place(q, poses);
+    Vec2 move;
+    for (const Handle& handle : handles_) {
+      const Vec2 p = poses[handle.body](handle.point);
+      move = move + (1.0 / static_cast<double>(handles_.size())) * (field_->nearest(std::array{p.x, p.y}) - p);
+    }
+    q[position_axes_[0]] += move.x;
+    q[position_axes_[1]] += move.y;
+    space_.reflect(q);
+    const double now = distance(q);
+    if (now >= least) break;
+    const bool enough = least - now < 0.01 * field_->cell();
+    least = now;
+    best.assign(q.begin(), q.end());
+    if (enough) break;
+  }
+  std::copy(best.begin(), best.end(), q.begin());
+}
+
+PointLift HandleLift::point_lift(const Instance& parent) const {
+  const double wander = natural_distance(parent);
+  return [this, wander](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
+    constexpr int beside = 14;
+    constexpr int most = 26;
+    if (attempt >= most) return false;
+    if (attempt > 1) {
+      lift(s, stream, q);
+    } else {
+      std::copy(previous.begin(), previous.end(), q.begin());
+      for (std::size_t k = 0; k < 2; ++k) q[position_axes_[k]] = s[k];
+      if (attempt > 0) settle(q);
+    }
+    if (attempt < beside) {
+      draw_near(q);
+      return true;
+    }
+    const double r = wander * static_cast<double>(attempt - beside + 1) / (most - beside);
+    for (const std::size_t axis : position_axes_) q[axis] += r * stream.uniform(-1.0, 1.0);
+    space_.reflect(q);
+    return true;
+  };
 }
 
 Configurations HandleLift::on_axis(const Configurations& path, Instance& point) const {

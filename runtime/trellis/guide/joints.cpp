@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -12,8 +11,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/joint_ranges.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/reduced_robot.hpp>
 
 namespace trellis {
 
@@ -22,21 +23,27 @@ namespace {
 struct JointsSettings : PathGuideSettings {
   std::vector<std::string> axes;
   std::int64_t first = 2;
+  std::int64_t slices = 0;
 };
 
 const Settings<JointsSettings>& joints_settings() {
   static const Settings<JointsSettings> settings = with_resolves(with_progress(with_radius(
       Settings<JointsSettings>(
           Component::Kind::guide, "joints",
-          "some of the degrees of freedom: what hangs on the others is left out of the robot; S is "
-          "sampled, where the paper divides it into slices, and the others are uniform, where it "
-          "computes their free ranges",
+          "some of the degrees of freedom: what the others move is left out of the robot; the others are drawn "
+          "uniformly, or, as published, from their free ranges (`slices`). S is sampled, where the paper searches the "
+          "union of its slices",
           "Lozano-Perez 1987, A simple motion-planning algorithm for general robot manipulators")
           .names("axes", &JointsSettings::axes,
                  "the axes of C that S keeps, by name (\"theta2\") or by number (\"2\"), in any order; none: the first "
                  "ones")
           .integer("first", &JointsSettings::first, "axes", Range::at_least(1),
                    "how many axes from the first on S keeps where none are named; all where C has no more")
+          .integer("slices", &JointsSettings::slices, "slices of an axis", {.lo = 0, .hi = 1024},
+                   "each axis is divided into so many: the axes left out are drawn from the slices in which what is "
+                   "placed so far is valid, given the slices of the axes before, with a share of 0.1 uniform; and a "
+                   "slice of S without a free one of the next axis is invalid. A slice is checked at its middle, once; "
+                   "the level that asks for it pays. 0: the axes left out are uniform")
           .positional({"axes"}))));
   return settings;
 }
@@ -71,96 +78,22 @@ std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& set
   return {kept.begin(), kept.end()};
 }
 
-/// The robot that the kept axes place: bodies whose position and angle depend on no other axis; of one whose angle
-/// does, the largest disc about its origin. Its own axes are numbered as S has them.
-class Reduction {
- public:
-  Reduction(const Robot& robot, const std::vector<std::size_t>& axes) : robot_(robot) {
-    for (std::size_t j = 0; j < axes.size(); ++j) {
-      if (axes[j] < robot.dimension()) place_of_[axes[j]] = static_cast<int>(j);
-    }
-  }
-
-  /// None where nothing with a shape is placed.
-  std::optional<Robot> robot() {
-    const bool placed = !robot_.translates() || (known(0) && known(1));
-    if (!placed) return std::nullopt;
-    for (const Body& body : robot_.bodies()) add(body);
-    if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return !body.parts.empty(); })) {
-      return std::nullopt;
-    }
-    add_idle_axes();
-    std::vector<std::pair<std::size_t, std::size_t>> pairs;
-    for (const auto& [first, second] : robot_.pairs()) {
-      if (places_[first] >= 0 && places_[second] >= 0) {
-        pairs.emplace_back(static_cast<std::size_t>(places_[first]), static_cast<std::size_t>(places_[second]));
-      }
-    }
-    return Robot(robot_.name(), std::move(bodies_), robot_.translates(), robot_.base()).apart(std::move(pairs));
-  }
-
- private:
-  [[nodiscard]] bool known(int axis) const { return place_of_.contains(static_cast<std::size_t>(axis)); }
-
-  void add(const Body& body) {
-    const bool rooted = body.parent < 0;
-    const auto parent = static_cast<std::size_t>(rooted ? 0 : body.parent);
-    const bool origin = rooted || (places_[parent] >= 0 && (turns_known_[parent] || body.joint == Vec2{}));
-    const bool own = body.angle_axis < 0 || known(body.angle_axis);
-    const bool turn = own && (rooted || turns_known_[parent] || (body.absolute && body.angle_axis >= 0));
-    const double radius = origin && !turn ? inscribed(body) : 0.0;
-    turns_known_.push_back(origin && turn);
-    if (!origin || (!turn && !(radius > 0.0))) {
-      places_.push_back(-1);
-      return;
-    }
-    places_.push_back(static_cast<int>(bodies_.size()));
-    Body kept = body;
-    if (!rooted) kept.parent = places_[parent];
-    if (!turn) {
-      kept.parts = {Disc{{}, radius}};
-      kept.angle_axis = -1;
-    } else if (kept.angle_axis >= 0) {
-      kept.angle_axis = place_of_.at(static_cast<std::size_t>(body.angle_axis));
-    }
-    bodies_.push_back(std::move(kept));
-  }
-
-  /// The radius of the largest disc about the body's origin inside it.
-  static double inscribed(const Body& body) {
-    if (body.parts.empty()) return 0.0;
-    Body alone;
-    alone.parts = body.parts;
-    return Robot("body", {std::move(alone)}).inscribed_radius();
-  }
-
-  /// A kept axis that turns nothing that is left: a robot wants every one of its axes to turn a body.
-  void add_idle_axes() {
-    const int first_angle = robot_.translates() ? 2 : 0;
-    int last = -1;
-    for (const Body& body : bodies_) last = std::max(last, body.angle_axis);
-    for (int axis = first_angle; axis < last; ++axis) {
-      if (std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.angle_axis == axis; })) continue;
-      Body idle;
-      idle.angle_axis = axis;
-      bodies_.push_back(std::move(idle));
-    }
-  }
-
-  const Robot& robot_;
-  std::map<std::size_t, int> place_of_;  ///< of a robot's axis that is kept, in S
-  std::vector<Body> bodies_;
-  std::vector<int> places_;        ///< of each body of the robot among those that are kept; -1: it is not
-  std::vector<bool> turns_known_;  ///< of each body whether position and angle are known
-};
-
-/// h along a path in S: a tube about it, with uniform values of the axes that were dropped.
+/// h along a path in S: a tube about it, with values of the axes that were dropped as the projection lifts them.
 class JointsHeuristic final : public ProjectedHeuristic {
  public:
-  JointsHeuristic(const std::shared_ptr<const AxisProjection>& projection, std::unique_ptr<PathHeuristic> below,
-                  const Instance& parent)
-      : ProjectedHeuristic(projection, projection->space().dimension(), parent.start, parent.goal),
-        below_(std::move(below)) {}
+  /// \param ranges  of the projection; nullptr: it has none
+  JointsHeuristic(const std::shared_ptr<const Projection>& projection, std::unique_ptr<PathHeuristic> below,
+                  Instance& parent, std::size_t dimension, std::shared_ptr<JointRanges> ranges)
+      : ProjectedHeuristic(projection, dimension, parent.start, parent.goal),
+        below_(std::move(below)),
+        parent_(parent),
+        ranges_(std::move(ranges)) {}
+
+  Source sample(Stream& stream, MutableView out) override {
+    const Source source = ProjectedHeuristic::sample(stream, out);
+    if (ranges_) parent_.checks.validity += ranges_->take_checks();
+    return source;
+  }
 
   [[nodiscard]] double density(View q) const override {
     return LiftedDensity(projection(), dimension(), below_->tube_density()).at(q);
@@ -174,6 +107,8 @@ class JointsHeuristic final : public ProjectedHeuristic {
 
  private:
   std::unique_ptr<PathHeuristic> below_;
+  Instance& parent_;
+  std::shared_ptr<JointRanges> ranges_;
 };
 
 class Joints final : public Guide {
@@ -193,7 +128,7 @@ class Joints final : public Guide {
     const std::string kept = fmt::format("{}", fmt::join(names, ", "));
     projection_ =
         std::make_shared<AxisProjection>(parent.space, axes, fmt::format("{} of {}", kept, parent.space.name()));
-    auto robot = Reduction(parent.scene->robot, axes).robot();
+    auto robot = reduced_robot(parent.scene->robot, axes);
     if (!robot) {
       throw Error(
           fmt::format("joints: nothing of the robot '{}' is placed by {} alone, so that everything would be valid in "
@@ -205,6 +140,18 @@ class Joints final : public Guide {
     instance->space = projection_->space();
     instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, std::move(*robot)});
     instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
+    ranges_ = nullptr;
+    ranged_ = nullptr;
+    lifting_ = projection_;
+    if (settings_.slices > 0 && axes.size() < parent.space.dimension()) {
+      ranges_ = std::make_shared<JointRanges>(parent, projection_, static_cast<std::size_t>(settings_.slices));
+      // Start and goal are valid, whatever the middles of their slices are.
+      ranges_->declare_free(parent.start);
+      for (std::size_t i = 0; i < parent.goals(); ++i) ranges_->declare_free(parent.goal_at(i));
+      lifting_ = std::make_shared<RangedProjection>(ranges_);
+      ranged_ = std::make_shared<RangedValidity>(instance->validity, ranges_);
+      instance->validity = ranged_;
+    }
     instance->start.resize(axes.size());
     instance->goal.resize(axes.size());
     projection_->project(parent.start, instance->start);
@@ -223,6 +170,9 @@ class Joints final : public Guide {
     return instance;
   }
 
+  void attach(Instance& sub) override {
+    if (ranged_) ranged_->count_in(sub.checks);
+  }
   void project(View q, MutableView s) const override { projection_->project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override { projection_->lift(s, stream, q); }
   [[nodiscard]] double log_fibre_density(View) const override { return -projection_->log_fibre_volume(); }
@@ -243,14 +193,17 @@ class Joints final : public Guide {
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);
-    return std::make_unique<JointsHeuristic>(projection_, std::move(below), parent);
+    return std::make_unique<JointsHeuristic>(lifting_, std::move(below), parent, sub->space.dimension(), ranges_);
   }
 
  private:
   JointsSettings settings_;
   std::shared_ptr<const AxisProjection> projection_;
-  std::optional<NearestIndex> reached_;  ///< by the planner's nodes, in S
-  Configuration start_;                  ///< in S
+  std::shared_ptr<const Projection> lifting_;  ///< of what h draws
+  std::shared_ptr<JointRanges> ranges_;        ///< where they are asked for
+  std::shared_ptr<RangedValidity> ranged_;     ///< of S, then
+  std::optional<NearestIndex> reached_;        ///< by the planner's nodes, in S
+  Configuration start_;                        ///< in S
   Configuration added_;
 };
 
@@ -266,9 +219,9 @@ GuideKind joints_kind() {
       "examples/two_joint_arm.lua");
   claims.h =
       "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a ball "
-      "about it in S; the axes dropped are uniform";
+      "about it in S; the axes dropped are uniform, or from their free ranges";
   claims.needs = GuideClaims::Needs::robot_axes;
-  claims.density = "of the tube in S, over the volume of the axes dropped";
+  claims.density = "of the tube in S times that of the axes dropped";
   return {
       &joints_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Joints>(joints_settings().read(o)); },

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/aligned_lift.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_steps.hpp>
@@ -36,6 +37,7 @@ struct SkeletonSettings {
   double decay = 0.9;
   double clearance = 0.0;
   double penetration = 0.5;
+  double alignment = -1.0;
   std::int64_t drop = 0;
   std::int64_t patience = 200;
   std::int64_t resolves = 1000;
@@ -79,6 +81,10 @@ const Settings<SkeletonSettings>& skeleton_settings() {
           .number("penetration", &SkeletonSettings::penetration, "share of its diameter", Range::share(),
                   "how much of the robot's bounding circle, in its diameters, is inside a region where a node moves "
                   "it on; 0.5: the reference point is inside; 1: the whole circle")
+          .number("alignment", &SkeletonSettings::alignment, "cosine", {.lo = -1, .hi = 0.99},
+                  "of a robot with a motion model: the least cosine of the angle between the edge at a region and the "
+                  "velocity of a proposal from it, of which a state without velocities has the one at its greatest "
+                  "speed; -1: velocities are uniform")
           .integer("drop", &SkeletonSettings::drop, "proposals", Range::non_negative(),
                    "proposals of a region without a new node, in a row, after which it is dropped; 0: never")
           .number("clearance", &SkeletonSettings::clearance, "m", Range::non_negative(),
@@ -346,11 +352,12 @@ DirectedGraph directed(const Graph& graph) {
 /// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
-  DynamicRegions(std::shared_ptr<const PositionProjection> projection, Space parent, std::shared_ptr<const Graph> graph,
-                 const Configurations& path, Configurations lifted, const SkeletonSettings& settings, double radius,
-                 double robot, const NearestIndex& reached)
+  DynamicRegions(std::shared_ptr<const PositionProjection> projection, const Instance& parent,
+                 std::shared_ptr<const Graph> graph, const Configurations& path, Configurations lifted,
+                 const SkeletonSettings& settings, double radius, double robot, const NearestIndex& reached)
       : projection_(std::move(projection)),
-        parent_(std::move(parent)),
+        parent_(parent.space),
+        model_(settings.alignment > -1.0 && AlignedLift::applies(parent) ? parent.motion_model : nullptr),
         graph_(std::move(graph)),
         on_path_(PathOnGraph(*graph_, path).along()),
         directed_(directed(*graph_)),
@@ -362,9 +369,14 @@ class DynamicRegions final : public Heuristic {
         spawned_(graph_->vertices.size(), 0),
         lifted_(std::move(lifted)),
         position_(2) {
+    for (std::uint32_t v = 0; v < directed_.out.size(); ++v) {
+      if (!directed_.out[v].empty()) unvisited_.push_back(v);
+    }
     spawn(graph_->start);
     // What the planner reached before the graph was searched again need not be reached twice.
-    advance([&](View centre) { return reached.nearest(centre).squared_distance <= reach_ * reach_; });
+    const auto squared_distance = [&](View at) { return reached.nearest(at).squared_distance; };
+    spawn_near(squared_distance);
+    advance([&](View centre) { return squared_distance(centre) <= reach_ * reach_; });
   }
 
   Source sample(Stream& stream, MutableView out) override {
@@ -375,7 +387,7 @@ class DynamicRegions final : public Heuristic {
       return 1;
     }
     ball_.sample(centre(regions_[drawn_]), stream, position_);
-    projection_->lift(position_, stream, out);
+    regions_[drawn_].lift->lift(position_, stream, out);
     return 0;
   }
 
@@ -412,7 +424,9 @@ class DynamicRegions final : public Heuristic {
     }
     if (!outcome.added.empty() && outcome.connected) {
       projection_->project(outcome.added, position_);
-      advance([&](View c) { return projection_->space().squared_distance(c, position_) <= reach_ * reach_; });
+      const auto squared_distance = [&](View at) { return projection_->space().squared_distance(at, position_); };
+      spawn_near(squared_distance);
+      advance([&](View centre) { return squared_distance(centre) <= reach_ * reach_; });
     }
     drawn_ = regions_.size();
   }
@@ -443,16 +457,45 @@ class DynamicRegions final : public Heuristic {
     std::size_t point = 0;  ///< along the edge in its direction
     double successes = 1.0;
     double attempts = 1.0;
-    std::int64_t idle = 0;                             ///< own proposals since it last moved
-    std::int64_t failures = 0;                         ///< own proposals in a row that led to no node
+    std::int64_t idle = 0;      ///< own proposals since it last moved
+    std::int64_t failures = 0;  ///< own proposals in a row that led to no node
+    std::shared_ptr<const Projection> lift = nullptr;
     std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
     double share = 1.0;                                ///< twice as much for what the search of S found
     [[nodiscard]] double weight() const { return share * successes / attempts; }
   };
 
-  [[nodiscard]] View centre(const Region& region) const {
-    const auto& points = graph_->edges[region.edge.edge].points;
-    return points[region.edge.forward ? region.point : points.size() - 1 - region.point];
+  /// A point of an edge, counted in its direction.
+  [[nodiscard]] View point(const DirectedGraph::Edge& edge, std::size_t i) const {
+    const auto& points = graph_->edges[edge.edge].points;
+    return points[edge.forward ? i : points.size() - 1 - i];
+  }
+  [[nodiscard]] View centre(const Region& region) const { return point(region.edge, region.point); }
+
+  /// From a point of an edge to the next that lies elsewhere, of length 1; none where there is no such point.
+  [[nodiscard]] std::optional<Vec2> onward(const DirectedGraph::Edge& edge, std::size_t from) const {
+    const View a = point(edge, from);
+    for (std::size_t i = from + 1; i < graph_->edges[edge.edge].points.size(); ++i) {
+      const View b = point(edge, i);
+      const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+      if (length > 0.0) return Vec2{(b[0] - a[0]) / length, (b[1] - a[1]) / length};
+    }
+    return {};
+  }
+
+  /// Where a region goes next: along its edge; from the end of it along those beyond, or, where there are none, as it
+  /// came.
+  [[nodiscard]] std::vector<Vec2> directions(const Region& region) const {
+    if (const auto along = onward(region.edge, region.point)) return {*along};
+    const auto& edge = graph_->edges[region.edge.edge];
+    std::vector<Vec2> beyond;
+    for (const auto& next : directed_.out[region.edge.forward ? edge.to : edge.from]) {
+      if (const auto along = onward(next, 0)) beyond.push_back(*along);
+    }
+    for (std::size_t i = region.point; i > 0 && beyond.empty(); --i) {
+      if (const auto along = onward(region.edge, i - 1)) beyond.push_back(*along);
+    }
+    return beyond;
   }
 
   [[nodiscard]] double total_weight() const {
@@ -496,12 +539,30 @@ class DynamicRegions final : public Heuristic {
     ++epoch_;
   }
 
-  /// Gives a region the density of where it is.
+  /// A region at every vertex that was not visited and has a node within the radius of a region.
+  template <class SquaredDistance>
+  void spawn_near(const SquaredDistance& squared_distance) {
+    const double radius = ball_.radius();
+    const auto visited = [&](std::uint32_t v) {
+      if (spawned_[v] == 0 && squared_distance(std::as_const(graph_->vertices)[v]) < radius * radius) spawn(v);
+      return spawned_[v] != 0;
+    };
+    unvisited_.erase(std::remove_if(unvisited_.begin(), unvisited_.end(), visited), unvisited_.end());
+  }
+
+  /// Gives a region what it draws with where it is.
   void place(Region& region) const {
     Configurations centre_alone(2);
     centre_alone.push(centre(region));
+    region.lift = projection_;
+    if (model_) {
+      auto towards = directions(region);
+      if (!towards.empty()) {
+        region.lift = std::make_shared<AlignedLift>(projection_, model_, std::move(towards), settings_.alignment);
+      }
+    }
     region.density = std::make_shared<LiftedDensity>(
-        projection_, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
+        region.lift, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
   /// Moves every region on while `inside(centre)`; at the end of its edge it makes room for those of the edges beyond.
@@ -529,6 +590,7 @@ class DynamicRegions final : public Heuristic {
 
   std::shared_ptr<const PositionProjection> projection_;
   Space parent_;
+  std::shared_ptr<const MotionModel> model_;  ///< nullptr: velocities are not aligned
   std::shared_ptr<const Graph> graph_;
   std::vector<char> on_path_;  ///< per edge
   DirectedGraph directed_;
@@ -538,6 +600,7 @@ class DynamicRegions final : public Heuristic {
   double reach_;  ///< of a node from a region's centre, at which the region moves on
   std::vector<Region> regions_;
   std::vector<char> spawned_;
+  std::vector<std::uint32_t> unvisited_;  ///< vertices at which regions begin where a node is near
   std::size_t drawn_ = 0;
   std::uint64_t epoch_ = 0;
   Configurations lifted_;
@@ -611,7 +674,7 @@ class SkeletonGuide final : public Guide {
     // A region is as large as the robot needs; a point and a tip have no size, so the world gives one.
     const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
-    auto h = std::make_unique<DynamicRegions>(projection_, parent.space, graph_, path_,
+    auto h = std::make_unique<DynamicRegions>(projection_, parent, graph_, path_,
                                               projection_->lifted(found->path, parent.start, parent.goal), settings_,
                                               settings_.region * unit, robot, *reached_);
     regions_ = h.get();

@@ -23,6 +23,7 @@ struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
   std::string lift = "auto";
+  std::vector<std::string> handles;
   double window = 0.0;
   std::int64_t evidence = 60;
   std::int64_t resolves = 1000;
@@ -44,19 +45,24 @@ const Settings<WorkspaceSettings>& workspace_settings() {
           .number(
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
               "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
-              "of the space's diameter for a point; with `lift = \"path\"`, of the balls in C that proposals are drawn "
+              "of the space's diameter for a point; with `lift = \"path\"` or \"handles\", of the balls in C that "
+              "proposals are drawn "
               "from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm")
           .choice(
               "lift", &WorkspaceSettings::lift, {"auto", "uniform", "handles", "path"},
               "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
               "any "
-              "that bring its tip there); \"handles\", angles that lay both ends of each body, its handle points, near "
-              "the medial axis of the workspace, to which the path is moved too, where Holleman and Kavraki move the "
-              "robot "
-              "itself; other coordinates stay uniform; "
+              "that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned until its "
+              "handle points come no nearer to the medial axis of the workspace; of a robot with a motion model the "
+              "path is "
+              "moved to the axis and only the angles are drawn, the likelier the nearer its handles come to the "
+              "axis, and other coordinates are uniform; "
               "\"path\", as skeleton does: points of the path are validated in C with angles that follow those before, "
               "and proposals are a step of the planner ahead of the node that came farthest; \"auto\", \"path\" for an "
               "arm that is fixed to its base and \"uniform\" for any other robot")
+          .names("handles", &WorkspaceSettings::handles,
+                 "with `lift = \"handles\"`, points of the robot: \"x, y\" in the frame of its first body, or \"n: x, "
+                 "y\" in that of its n-th; a body that turns and has none gets both ends of its longest direction")
           .number("window", &WorkspaceSettings::window, "m in the metric", Range::non_negative(),
                   "how far beyond what the planner has reached proposals are drawn; 0: two of the planner's steps, or "
                   "two bounding radii where it has none")
@@ -190,7 +196,11 @@ class Workspace final : public Guide {
           "workspace: option 'lift' is \"handles\", which needs a robot whose reference point moves in the plane: the "
           "angles of an arm that is fixed to its base decide where its tip is");
     }
-    along_path_ = !parent.motion_model && (settings_.lift == "path" || (arm && settings_.lift == "auto"));
+    const bool by_handles = settings_.lift == "handles";
+    if (!settings_.handles.empty() && !by_handles) {
+      throw Error("workspace: option 'handles' has points, which are of use with lift = \"handles\" only");
+    }
+    along_path_ = !parent.motion_model && (by_handles || settings_.lift == "path" || (arm && settings_.lift == "auto"));
     auto instance = projection_->point_instance(parent);
     const auto& axes = instance->space.axes();
     cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
@@ -205,7 +215,10 @@ class Workspace final : public Guide {
       spacing_ = projection_->spacing(parent, *instance);
       sparse_.emplace(projection_->space(), spacing_, arm);
     }
-    if (settings_.lift == "handles") handles_ = std::make_shared<HandleLift>(projection_, parent);
+    if (by_handles) {
+      handles_ = std::make_shared<HandleLift>(projection_, parent,
+                                              parse_handles("workspace", settings_.handles, parent.scene->robot));
+    }
     return instance;
   }
   void attach(Instance& sub) override { point_ = &sub; }
@@ -290,7 +303,8 @@ class Workspace final : public Guide {
  private:
   /// h along the path found, lifted to valid configurations of C.
   std::unique_ptr<Heuristic> along(Instance& parent) {
-    SparsePath sparse = sparse_->validate(parent, path_, true, projection_->point_lift(parent, variation_));
+    const PointLift lift = handles_ ? handles_->point_lift(parent) : projection_->point_lift(parent, variation_);
+    SparsePath sparse = sparse_->validate(parent, path_, true, lift);
     const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
     const StepHeuristic::Settings steps = {.radius = radius,
                                            .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
@@ -354,10 +368,10 @@ GuideKind workspace_kind() {
        .f =
            "q -> the position of the reference point, free in the workspace; of an arm that is fixed to its base, that "
            "of its tip, as far as it reaches",
-       .h =
-           "a position from a tube about the point's path, just beyond what the tree has reached, with uniform angles, "
-           "or with those that lay the robot's handle points near the medial axis; of an arm, a ball about a "
-           "configuration a step ahead of the tree on the path that its tip follows",
+       .h = "a position from a tube about the point's path, just beyond what the tree has reached, with uniform "
+            "angles; of "
+            "an arm, and of a robot that handle points place on the medial axis, a ball about a configuration a step "
+            "ahead of the tree on the path lifted",
        .closed_form = true,
        .density = "of the tube of positions times that of the angles",
        .feedback =

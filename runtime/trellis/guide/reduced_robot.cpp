@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/guide/reduced_robot.hpp>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace trellis {
+
+namespace {
+
+class Reduction {
+ public:
+  Reduction(const Robot& robot, const std::vector<std::size_t>& axes) : robot_(robot) {
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      if (axes[j] < robot.dimension()) place_of_[axes[j]] = static_cast<int>(j);
+    }
+  }
+
+  /// None where nothing with a shape is placed.
+  std::optional<Robot> robot() {
+    const bool placed = !robot_.translates() || (known(0) && known(1));
+    if (!placed) return std::nullopt;
+    for (const Body& body : robot_.bodies()) add(body);
+    if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return !body.parts.empty(); })) {
+      return std::nullopt;
+    }
+    add_idle_axes();
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    for (const auto& [first, second] : robot_.pairs()) {
+      if (places_[first] >= 0 && places_[second] >= 0) {
+        pairs.emplace_back(static_cast<std::size_t>(places_[first]), static_cast<std::size_t>(places_[second]));
+      }
+    }
+    return Robot(robot_.name(), std::move(bodies_), robot_.translates(), robot_.base()).apart(std::move(pairs));
+  }
+
+ private:
+  [[nodiscard]] bool known(int axis) const { return place_of_.contains(static_cast<std::size_t>(axis)); }
+
+  void add(const Body& body) {
+    const bool rooted = body.parent < 0;
+    const auto parent = static_cast<std::size_t>(rooted ? 0 : body.parent);
+    const bool origin = rooted || (places_[parent] >= 0 && (turns_known_[parent] || body.joint == Vec2{}));
+    const bool own = body.angle_axis < 0 || known(body.angle_axis);
+    const bool turn = own && (rooted || turns_known_[parent] || (body.absolute && body.angle_axis >= 0));
+    const double radius = origin && !turn ? inscribed(body) : 0.0;
+    turns_known_.push_back(origin && turn);
+    if (!origin || (!turn && !(radius > 0.0))) {
+      places_.push_back(-1);
+      return;
+    }
+    places_.push_back(static_cast<int>(bodies_.size()));
+    Body kept = body;
+    if (!rooted) kept.parent = places_[parent];
+    if (!turn) {
+      kept.parts = {Disc{{}, radius}};
+      kept.angle_axis = -1;
+    } else if (kept.angle_axis >= 0) {
+      kept.angle_axis = place_of_.at(static_cast<std::size_t>(body.angle_axis));
+    }
+    bodies_.push_back(std::move(kept));
+  }
+
+  /// The radius of the largest disc about the body's origin inside it.
+  static double inscribed(const Body& body) {
+    if (body.parts.empty()) return 0.0;
+    Body alone;
+    alone.parts = body.parts;
+    return Robot("body", {std::move(alone)}).inscribed_radius();
+  }
+
+  /// A kept axis that turns nothing that is left: a robot wants every one of its axes to turn a body.
+  void add_idle_axes() {
+    const int first_angle = robot_.translates() ? 2 : 0;
+    int last = -1;
+    for (const Body& body : bodies_) last = std::max(last, body.angle_axis);
+    for (int axis = first_angle; axis < last; ++axis) {
+      if (std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.angle_axis == axis; })) continue;
+      Body idle;
+      idle.angle_axis = axis;
+      bodies_.push_back(std::move(idle));
+    }
+  }
+
+  const Robot& robot_;
+  std::map<std::size_t, int> place_of_;  ///< of a robot's axis that is kept, in the reduced robot
+  std::vector<Body> bodies_;
+  std::vector<int> places_;        ///< of each body of the robot among those that are kept; -1: it is not
+  std::vector<bool> turns_known_;  ///< of each body whether position and angle are known
+};
+
+}  // namespace
+
+std::optional<Robot> reduced_robot(const Robot& robot, const std::vector<std::size_t>& axes) {
+  return Reduction(robot, axes).robot();
+}
+
+}  // namespace trellis
