@@ -141,7 +141,7 @@
 ---@field connect_goal? boolean true or false; default true: try the motion to the goal from every new node within one step of it
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -151,7 +151,7 @@
 ---@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of a tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -163,7 +163,7 @@
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -180,7 +180,7 @@
 ---@field radius? number a number greater than 0 (m in the metric); default math.huge: longest edge of the roadmap
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -193,7 +193,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -205,7 +205,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -217,7 +217,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -230,7 +230,7 @@
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -243,7 +243,7 @@
 ---@field connect? number a number at least 0 (m in the metric); default 1: from new nodes this near to the goal the shortest curve to it is tried, of Dubins, or of Reeds and Shepp where the model can go backwards: with unicycle1 and car only; 0: never
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
@@ -253,7 +253,7 @@
 ---@field samples? integer an integer at least 1 (proposals); default 200: proposals drawn per search where it is guided
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
----@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
 ---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
