@@ -4,7 +4,7 @@
 stds.trellis = {
   read_globals = {
     "rrt", "rrt_connect", "prm", "lazy_prm", "rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star",
-    "kinodynamic_rrt", "graph_search",
+    "kinodynamic_rrt", "graph_search", "best_first",
     "uniform", "goal_bias", "gaussian", "bridge_test", "obstacle_based", "medial_axis", "halton", "informed",
     "identity", "workspace", "skeleton", "shrink", "joints", "pca", "widen", "lazy", "drop", "aggregate",
     "holonomic", "decomposition", "experience", "learned",

@@ -110,7 +110,13 @@ int dispatch(int argc, char** argv) {
   train->add_option("--family", training.families, "families to train on, separated by commas, instead of all")
       ->delimiter(',');
   train->add_option("--seed", training.seed, "of the samples and the forest (default 1)");
-  train->add_option("--samples", training.samples, "cells drawn from each world (default 500)");
+  train->add_flag("--search", training.search,
+                  "train a heuristic of best_first on searches of the worlds' grids, instead of learned's classifier");
+  train->add_option("--samples", training.samples,
+                    "cells drawn from each world (default 500); with --search, vertices from each search (default 60)");
+  train->add_option("--cells", training.cells,
+                    "with --search: cells of the grid along a world's longer side (default 40)");
+  train->add_option("--rounds", training.rounds, "with --search: rounds of data aggregation (default 10)");
   train->add_flag("--quiet", training.quiet, "print neither figures nor progress");
 
   std::string fresh;

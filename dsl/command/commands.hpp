@@ -49,6 +49,9 @@ struct TrainOptions {
   std::vector<std::string> families;  ///< none: all
   std::string seed;                   ///< as typed, "" without
   std::string samples;
+  std::string cells;
+  std::string rounds;
+  bool search = false;  ///< a search heuristic instead of a classifier of cells
   bool quiet = false;
 };
 

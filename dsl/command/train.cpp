@@ -14,6 +14,7 @@
 #include <dsl/command/progress.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/memory/model.hpp>
+#include <trellis/memory/search_model.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/scene/readers.hpp>
 
@@ -73,27 +74,100 @@ std::vector<std::string> families_in(const std::string& data, const std::vector<
   return asked.empty() ? known : asked;
 }
 
+/// The worlds of one split of some families.
+std::vector<LearningTask> tasks_of(const std::string& data, const std::vector<std::string>& families,
+                                   const char* split) {
+  std::vector<LearningTask> tasks;
+  for (const std::string& family : families) {
+    for (auto& task : tasks_in(fs::path(data) / family / split)) tasks.push_back(std::move(task));
+  }
+  return tasks;
+}
+
 std::string row(const std::string& family, const Validation& found) {
   if (found.tasks == 0) return fmt::format("{:<20}  no world with a way from start to goal\n", family);
   return fmt::format("{:<20}  {:>6}  {:>7.2f}  {:>7.2f}  {:>8.2f}  {:>8.2f} +- {:.2f}\n", family, found.tasks,
                      found.learned, found.uniform, found.straight, found.uniform - found.learned, found.error);
 }
 
+constexpr std::uint64_t most_count = 1'000'000;
+
+std::int64_t count_option(const char* name, const std::string& typed, std::uint64_t least, std::uint64_t most,
+                          std::int64_t otherwise) {
+  return static_cast<std::int64_t>(
+      integer_option(name, typed, least, most).value_or(static_cast<std::uint64_t>(otherwise)));
+}
+
+/// The means of one family's searches, each as expansions and edge evaluations.
+std::string search_row(const std::string& family, const std::vector<SearchTrial>& trials) {
+  if (trials.empty()) return fmt::format("{:<20}  no world with a path from start to goal over the grid\n", family);
+  const auto n = static_cast<double>(trials.size());
+  const auto means = [&](SearchTrial::Effort SearchTrial::*search) {
+    SearchTrial::Effort sum;
+    for (const SearchTrial& trial : trials) {
+      sum.expansions += (trial.*search).expansions;
+      sum.evaluations += (trial.*search).evaluations;
+      sum.length += (trial.*search).length;
+    }
+    return fmt::format("{:>6.0f} {:>6.0f} {:>6.2f}", sum.expansions / n, sum.evaluations / n, sum.length / n);
+  };
+  std::size_t fewer = 0;
+  std::size_t more = 0;
+  for (const SearchTrial& trial : trials) {
+    if (trial.learned.expansions < trial.euclidean.expansions) ++fewer;
+    if (trial.learned.expansions > trial.euclidean.expansions) ++more;
+  }
+  return fmt::format("{:<20}  {:>6}  {}  {}  {}  {:>5}  {:>4}\n", family, trials.size(), means(&SearchTrial::learned),
+                     means(&SearchTrial::euclidean), means(&SearchTrial::a_star), fewer, more);
+}
+
+int train_search(const TrainOptions& options, const std::vector<std::string>& families) {
+  SearchTrainingSettings settings;
+  settings.forest.seed = integer_option("--seed", options.seed, 0, most_count).value_or(settings.forest.seed);
+  settings.samples = count_option("--samples", options.samples, 1, most_count, settings.samples);
+  settings.cells = count_option("--cells", options.cells, 2, 1000, settings.cells);
+  settings.rounds = count_option("--rounds", options.rounds, 1, 1000, settings.rounds);
+  const auto learn_from = tasks_of(options.data, families, "train");
+  const std::string description = fmt::format(
+      "searches of {} worlds of {}, {} cells along the longer side, {} rounds, {} vertices of each search, "
+      "seed {}",
+      learn_from.size(), fmt::join(families, ", "), settings.cells, settings.rounds, settings.samples,
+      settings.forest.seed);
+  Progress progress(!options.quiet);
+  const SearchModel model = SearchModel::train(learn_from, settings, description,
+                                               [&](std::size_t done, std::size_t all) { progress.show(done, all); });
+  std::string text = fmt::format("trained on {}\n\n{:<20}  {:>6}  {:>20}  {:>20}  {:>20}  {:>5}  {:>4}\n", description,
+                                 "validation", "worlds", "learned", "Euclidean", "A*", "fewer", "more");
+  for (const std::string& family : families) {
+    progress.show("validating on " + family);
+    text += search_row(family, try_searches(model, tasks_in(fs::path(options.data) / family / "validation")));
+  }
+  write_file(options.out, model.bytes());
+  if (options.quiet) return success;
+  print_all(
+      text +
+      "\nMeans over the worlds that have a path: expansions, edge evaluations, metres of path. learned and "
+      "Euclidean:\ngreedy best-first search by either heuristic; A* evaluates an edge when its vertex is selected. "
+      "fewer, more:\nworlds where learned expands fewer or more vertices than Euclidean.\n");
+  return success;
+}
+
 }  // namespace
 
 int train(const TrainOptions& options) {
-  constexpr std::uint64_t most = 1'000'000;
-  TrainingSettings settings;
-  settings.forest.seed = integer_option("--seed", options.seed, 0, most).value_or(settings.forest.seed);
-  settings.samples = static_cast<std::int64_t>(
-      integer_option("--samples", options.samples, 1, most).value_or(static_cast<std::uint64_t>(settings.samples)));
+  if (!options.search && !(options.cells.empty() && options.rounds.empty())) {
+    throw Error(
+        fmt::format("--{}: only a search heuristic is trained by searches of grids; expected together with "
+                    "--search",
+                    options.cells.empty() ? "rounds" : "cells"));
+  }
   const std::vector<std::string> families = families_in(options.data, options.families);
   require_writable_file(options.out);
-
-  std::vector<LearningTask> learn_from;
-  for (const std::string& family : families) {
-    for (auto& task : tasks_in(fs::path(options.data) / family / "train")) learn_from.push_back(std::move(task));
-  }
+  if (options.search) return train_search(options, families);
+  TrainingSettings settings;
+  settings.forest.seed = integer_option("--seed", options.seed, 0, most_count).value_or(settings.forest.seed);
+  settings.samples = count_option("--samples", options.samples, 1, most_count, settings.samples);
+  const auto learn_from = tasks_of(options.data, families, "train");
   const std::string description = fmt::format("{} worlds of {}, {} cells each, seed {}", learn_from.size(),
                                               fmt::join(families, ", "), settings.samples, settings.forest.seed);
   Progress progress(!options.quiet);

@@ -258,6 +258,19 @@
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
+---What `best_first` takes.
+---@class trellis.best_first.Options
+---@field [1]? string `model` without its name
+---@field model? string the name of a file; default "": the search heuristic, as trellis train --search makes it; none: Euclidean distance
+---@field evaluate? "expansion"|"selection" one of "expansion", "selection"; default "expansion": when edges are evaluated that are not known to be valid: "expansion", as SaIL does, all those of a vertex when it is expanded; "selection", the one to a vertex when the vertex is selected, which evaluates fewer edges and finds fewer invalid positions that the heuristic could use
+---@field samples? integer an integer at least 1 (proposals); default 200: proposals drawn per search where it is guided
+---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
+---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
+---@field bound? number a number at least 0 (factor); default 1: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
+---@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
+---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
+
 ---What `goal_bias` takes.
 ---@class trellis.goal_bias.Options
 ---@field [1]? number `share` without its name
@@ -1291,6 +1304,14 @@ function kinodynamic_rrt(options) end
 ---@param options? trellis.graph_search.Options
 ---@return trellis.Planner
 function graph_search(options) end
+
+---greedy best-first search of an explicit graph: a path, not the shortest one, after few expansions; by Euclidean distance to the goal, or with a model by a heuristic that was learnt from the state of searches (SaIL). Where it is guided, vertices near proposals are expanded earlier
+---
+---Source: Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation; Doran and Michie 1966
+---@param options? trellis.best_first.Options
+---@return trellis.Planner
+---@overload fun(model: string, options?: trellis.best_first.Options): trellis.Planner
+function best_first(options) end
 
 ---uniform proposals: S = {0}, no guidance
 ---

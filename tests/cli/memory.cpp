@@ -152,6 +152,50 @@ TEST_CASE("a heuristic is trained on worlds drawn as images, and used") {
   CHECK(used.status == 0);
 }
 
+TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches the grid of a workspace") {
+  const Place place;
+  draw_family(place / "data/gaps");
+  const std::vector<std::string> train = {"train",   "--search", "--data",   "data", "--out",     "gaps.model",
+                                          "--cells", "30",       "--rounds", "2",    "--samples", "20"};
+  const auto trained = place.run(train);
+  INFO(trained.err);
+  REQUIRE(trained.status == 0);
+  CHECK_THAT(trained.out, Contains("trained on searches of 8 worlds of gaps, 30 cells along the longer side, 2 rounds, "
+                                   "20 vertices of each search, seed 1") &&
+                              Contains("Euclidean"));
+  const std::string model = content(place / "gaps.model");
+  REQUIRE(place.run(train).status == 0);
+  CHECK(content(place / "gaps.model") == model);
+
+  const auto script = [](const std::string& planner) {
+    return "local world = scenes.load('data/gaps/validation/1.png')\n"
+           "return experiment { problems = world, strategies = { workspace { planner = " +
+           planner + " } >> rrt { step = 0.2 } }, measure = false }\n";
+  };
+  place.script("use.lua", script("best_first { model = 'gaps.model' }"));
+  CHECK(place.run({"check", "use.lua"}).status == 0);
+  const auto used = place.run({"run", "use.lua"});
+  INFO(used.err);
+  CHECK(used.status == 0);
+  CHECK_THAT(used.out, Contains("best_first"));
+
+  // The guide takes the other kind of model, and the planner not the guide's.
+  place.script("wrong.lua", "return learned { model = 'gaps.model' } >> rrt {}, scenes.cup()\n");
+  CHECK_THAT(place.run({"run", "wrong.lua"}).err,
+             Contains("the model is a search heuristic") && Contains("expected a classifier of cells"));
+  REQUIRE(place.run({"train", "--data", "data", "--out", "cells.model", "--samples", "50"}).status == 0);
+  place.script("wrong.lua", script("best_first { model = 'cells.model' }"));
+  CHECK_THAT(place.run({"run", "wrong.lua"}).err,
+             Contains("the model is a classifier of cells") && Contains("trellis train --search"));
+  place.script("wrong.lua", script("best_first { model = 'none.model' }"));
+  CHECK_THAT(place.run({"check", "wrong.lua"}).err,
+             Contains("best_first: option 'model': there is no file") && Contains("trellis train --search"));
+  CHECK_THAT(place.run({"train", "--data", "data", "--out", "a.model", "--rounds", "3"}).err,
+             Contains("--rounds") && Contains("--search"));
+  CHECK_THAT(place.run({"train", "--search", "--data", "data", "--out", "a.model", "--cells", "1"}).err,
+             Contains("--cells"));
+}
+
 TEST_CASE("what cannot be trained on is told") {
   const Place place;
   CHECK_THAT(place.run({"train", "--data", "none", "--out", "a.model"}).err, Contains("there is no folder 'none'"));

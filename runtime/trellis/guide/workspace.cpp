@@ -14,6 +14,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/instance/grid_graph.hpp>
 
 namespace trellis {
 
@@ -81,68 +82,17 @@ constexpr double refuted_penalty = 1000.0;
 /// More cells than this along one side are taken for a mistake.
 constexpr double most_cells = 2000;
 
-/// A grid over the plane with ways to the eight neighbours, nothing of it looked at; start and goal are joined to the
-/// points near them.
-Graph grid(const Instance& instance, double cell) {
-  const auto& axes = instance.space.axes();
-  std::array<std::uint32_t, 2> cells{};
-  std::array<double, 2> step{};
-  for (std::size_t j = 0; j < 2; ++j) {
-    const double extent = axes[j].hi - axes[j].lo;
-    const double count = std::max(1.0, std::ceil(extent / cell));
+/// The grid of the instance in S. Throws Error where `cell` makes too many cells.
+std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
+  for (const auto& axis : instance.space.axes()) {
+    const double count = std::ceil((axis.hi - axis.lo) / cell);
     if (count > most_cells) {
       throw Error(
           fmt::format("workspace: option 'cell' is {:g}, which makes {:g} cells along {}; expected at most {:g}", cell,
-                      count, axes[j].name, most_cells));
-    }
-    cells[j] = static_cast<std::uint32_t>(count);
-    step[j] = extent / count;
-  }
-  Graph graph;
-  graph.verified = false;
-  graph.vertices = Configurations(2);
-  const std::uint32_t row = cells[0] + 1;
-  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
-    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
-      graph.vertices.push(std::array{axes[0].lo + x * step[0], axes[1].lo + y * step[1]});
+                      count, axis.name, most_cells));
     }
   }
-  const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    const double length = instance.space.distance(std::as_const(graph.vertices)[a], std::as_const(graph.vertices)[b]);
-    graph.edges.push_back({a, b, length, Configurations()});
-  };
-  graph.edges.reserve(std::size_t{4} * row * (cells[1] + 1) + 64);
-  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
-    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
-      const std::uint32_t at = y * row + x;
-      if (x < cells[0]) join(at, at + 1);
-      if (y == cells[1]) continue;
-      join(at, at + row);
-      if (x < cells[0]) join(at, at + row + 1);
-      if (x > 0) join(at, at + row - 1);
-    }
-  }
-  const auto join_end = [&](const Configuration& q) {
-    const std::uint32_t vertex = graph.vertices.push(q);
-    std::array<std::uint32_t, 2> from{};
-    std::array<std::uint32_t, 2> to{};
-    for (std::size_t j = 0; j < 2; ++j) {
-      // The cell that it lies in, and those around it.
-      const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
-      from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
-      to[j] = std::min(static_cast<std::uint32_t>(place) + 2, cells[j]);
-    }
-    for (std::uint32_t y = from[1]; y <= to[1]; ++y) {
-      for (std::uint32_t x = from[0]; x <= to[0]; ++x) join(vertex, y * row + x);
-    }
-    return vertex;
-  };
-  graph.start = join_end(instance.start);
-  graph.goal = join_end(instance.goal);
-  if (instance.space.distance(instance.start, instance.goal) <= 2.0 * std::hypot(step[0], step[1])) {
-    join(graph.start, graph.goal);
-  }
-  return graph;
+  return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
 /// h: positions near the path found for the point, everything else as the projection lifts it.
@@ -204,7 +154,7 @@ class Workspace final : public Guide {
     auto instance = projection_->point_instance(parent);
     const auto& axes = instance->space.axes();
     cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
-    graph_ = std::make_shared<Graph>(grid(*instance, cell_));
+    graph_ = grid(*instance, cell_);
     instance->graph = graph_;
     start_ = instance->start;
     reached_.emplace(projection_->space());

@@ -1,32 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/memory/model.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <map>
-#include <mutex>
 #include <numeric>
-#include <string_view>
 #include <utility>
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
-#include <trellis/memory/bytes.hpp>
+#include <trellis/memory/model_file.hpp>
 
 namespace trellis {
 
 namespace {
 
-constexpr std::string_view magic = "Trellis heuristic\n";
-constexpr std::uint64_t version = 1;
-constexpr std::size_t word = 8;
 constexpr double least_probability = 1e-3;  // of a free cell, so that none is ruled out
 
 std::vector<double> normalised(std::vector<double> weights) {
@@ -92,55 +81,11 @@ Model Model::train(const std::vector<LearningTask>& tasks, const TrainingSetting
   return {Forest::train(rows, cell_features, values, settings.forest), cells, std::move(description)};
 }
 
-std::string Model::bytes() const {
-  const std::string forest = forest_.bytes();
-  std::string all(magic);
-  put_integer(all, version);
-  put_integer(all, cell_features);
-  put_integer(all, cells_);
-  put_integer(all, description_.size());
-  put_integer(all, forest.size());
-  all += description_ + forest;
-  put_integer(all, stable_hash(all));
-  return all;
-}
+std::string Model::bytes() const { return model_bytes(cell_classifier, forest_, cells_, description_); }
 
 Model Model::load(const std::string& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    throw Error(fmt::format("{}: there is no such model; trellis train --data FOLDER --out {} makes one", file, file));
-  }
-  std::ifstream in(file, std::ios::binary);
-  const std::string all{std::istreambuf_iterator<char>(in), {}};
-  const std::size_t head = magic.size() + 5 * word;
-  if (!in || !all.starts_with(magic)) throw Error(fmt::format("{}: is no model of trellis train", file));
-  const auto damaged = [&](const char* how) { return Error(fmt::format("{}: the model is damaged: {}", file, how)); };
-  if (all.size() < head + word) throw damaged("it ends too early");
-  const auto number = [&](std::size_t i) { return integer_at(all, magic.size() + i * word); };
-  if (number(0) != version || number(1) != cell_features) {
-    throw Error(
-        fmt::format("{}: the model is of version {} with {} features, and this trellis knows version {} with {}; "
-                    "train it again",
-                    file, number(0), number(1), version, cell_features));
-  }
-  constexpr std::uint64_t most_cells = 1000;
-  const std::uint64_t cells = number(2);
-  const std::uint64_t described = number(3);
-  const std::uint64_t forest = number(4);
-  if (described > all.size() || forest > all.size() || head + described + forest + word != all.size()) {
-    throw damaged("it is longer or shorter than it says");
-  }
-  const std::size_t end = head + described + forest;
-  if (stable_hash(std::string_view(all).substr(0, end)) != integer_at(all, end)) {
-    throw damaged("its bytes are not those written");
-  }
-  if (cells < 2 || cells > most_cells) throw damaged("its grid cannot be");
-  try {
-    return {Forest::from_bytes(all.substr(head + described, forest), cell_features), static_cast<std::size_t>(cells),
-            all.substr(head, described)};
-  } catch (const Error& error) {
-    throw damaged(error.what());
-  }
+  ModelFile read = read_model(cell_classifier, file);
+  return {std::move(read.forest), read.cells, std::move(read.description)};
 }
 
 std::vector<double> Model::probabilities(const WorldGrid& grid, Vec2 start, Vec2 goal) const {
@@ -153,17 +98,7 @@ std::vector<double> Model::probabilities(const WorldGrid& grid, Vec2 start, Vec2
   return result;
 }
 
-std::shared_ptr<const Model> known_model(const std::string& file) {
-  static std::mutex mutex;
-  static std::map<std::string, std::shared_ptr<const Model>> known;
-  std::error_code ignored;
-  const std::string key = std::filesystem::absolute(file, ignored).lexically_normal().string();
-  const std::scoped_lock lock(mutex);
-  const auto found = known.find(key);
-  if (found != known.end()) return found->second;
-  if (!std::filesystem::exists(file, ignored)) return nullptr;
-  return known.emplace(key, std::make_shared<const Model>(Model::load(file))).first->second;
-}
+std::shared_ptr<const Model> known_model(const std::string& file) { return known_model_of<Model>(file); }
 
 Validation validate(const Model& model, const std::vector<LearningTask>& tasks, double tolerance, double share) {
   Validation result;

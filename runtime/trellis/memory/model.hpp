@@ -11,17 +11,10 @@
 
 #include <trellis/memory/forest.hpp>
 #include <trellis/memory/grid.hpp>
+#include <trellis/memory/learning_task.hpp>
 #include <trellis/scene/scene.hpp>
 
 namespace trellis {
-
-/// What a model is trained and validated on: worlds with a start and a goal in the plane.
-struct LearningTask {
-  std::string name;
-  World world;
-  Vec2 start;
-  Vec2 goal;
-};
 
 struct TrainingSettings {
   std::int64_t cells = 67;     ///< along the longer side of the world

@@ -15,6 +15,7 @@ PlannerKind prm_star_kind();
 PlannerKind lazy_prm_star_kind();
 PlannerKind lazy_rrg_star_kind();
 PlannerKind graph_search_kind();
+PlannerKind best_first_kind();
 PlannerKind kinodynamic_rrt_kind();
 
 }  // namespace trellis

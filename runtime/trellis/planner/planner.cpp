@@ -22,9 +22,10 @@ std::string_view to_string(Status status) {
 }
 
 const std::vector<PlannerKind>& planner_kinds() {
-  static const std::vector<PlannerKind> kinds = {
-      rrt_kind(),      rrt_connect_kind(),   prm_kind(),           lazy_prm_kind(),        rrt_star_kind(),
-      prm_star_kind(), lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(), graph_search_kind()};
+  static const std::vector<PlannerKind> kinds = {rrt_kind(),           rrt_connect_kind(),   prm_kind(),
+                                                 lazy_prm_kind(),      rrt_star_kind(),      prm_star_kind(),
+                                                 lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(),
+                                                 graph_search_kind(),  best_first_kind()};
   return kinds;
 }
 

@@ -212,8 +212,7 @@ bool operator==(const PlannerSpec& a, const PlannerSpec& b) {
 
 PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings) {
   if (find_planner(part.name())->graph) {
-    throw Error(fmt::format("split: '{}' searches explicit graphs, which are searched exactly and need no sub-goals",
-                            part.name()));
+    throw Error(fmt::format("split: '{}' searches explicit graphs, which need no sub-goals", part.name()));
   }
   SplitSettings whole = settings;
   const PlannerSpec* leaf = &part;
@@ -257,12 +256,12 @@ void GuideSpec::Node::search_by(const std::string& default_planner, bool either,
   }
   const bool graph = find_planner(default_planner)->graph;
   if (given && !either && find_planner(given->name())->graph != graph) {
-    throw Error(graph ? fmt::format("{}: its space is an explicit graph and is searched exactly; '{}' cannot search it "
-                                    "(expected planner = graph_search)",
+    throw Error(graph ? fmt::format("{}: its space is an explicit graph; '{}' cannot search it (expected planner = "
+                                    "graph_search or best_first)",
                                     name, given->name())
-                      : fmt::format("{}: its space is no explicit graph; 'graph_search' cannot search it (expected a "
-                                    "sampling planner such as {})",
-                                    name, default_planner));
+                      : fmt::format("{}: its space is no explicit graph; '{}' cannot search it (expected a sampling "
+                                    "planner such as {})",
+                                    name, given->name(), default_planner));
   }
   planner_given = given.has_value();
   planner = given ? std::move(given) : PlannerSpec::make(default_planner, {});

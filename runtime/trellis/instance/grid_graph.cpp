@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/instance/grid_graph.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace trellis {
+
+Graph grid_graph(const Instance& instance, double cell) {
+  const auto& axes = instance.space.axes();
+  std::array<std::uint32_t, 2> cells{};
+  std::array<double, 2> step{};
+  for (std::size_t j = 0; j < 2; ++j) {
+    const double extent = axes[j].hi - axes[j].lo;
+    const double count = std::max(1.0, std::ceil(extent / cell));
+    cells[j] = static_cast<std::uint32_t>(count);
+    step[j] = extent / count;
+  }
+  Graph graph;
+  graph.verified = false;
+  graph.vertices = Configurations(2);
+  const std::uint32_t row = cells[0] + 1;
+  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
+    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
+      graph.vertices.push(std::array{axes[0].lo + x * step[0], axes[1].lo + y * step[1]});
+    }
+  }
+  const auto join = [&](std::uint32_t a, std::uint32_t b) {
+    const double length = instance.space.distance(std::as_const(graph.vertices)[a], std::as_const(graph.vertices)[b]);
+    graph.edges.push_back({a, b, length, Configurations()});
+  };
+  graph.edges.reserve(std::size_t{4} * row * (cells[1] + 1) + 64);
+  for (std::uint32_t y = 0; y <= cells[1]; ++y) {
+    for (std::uint32_t x = 0; x <= cells[0]; ++x) {
+      const std::uint32_t at = y * row + x;
+      if (x < cells[0]) join(at, at + 1);
+      if (y == cells[1]) continue;
+      join(at, at + row);
+      if (x < cells[0]) join(at, at + row + 1);
+      if (x > 0) join(at, at + row - 1);
+    }
+  }
+  const auto join_end = [&](const Configuration& q) {
+    const std::uint32_t vertex = graph.vertices.push(q);
+    std::array<std::uint32_t, 2> from{};
+    std::array<std::uint32_t, 2> to{};
+    for (std::size_t j = 0; j < 2; ++j) {
+      // The cell that it lies in, and those around it.
+      const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
+      from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
+      to[j] = std::min(static_cast<std::uint32_t>(place) + 2, cells[j]);
+    }
+    for (std::uint32_t y = from[1]; y <= to[1]; ++y) {
+      for (std::uint32_t x = from[0]; x <= to[0]; ++x) join(vertex, y * row + x);
+    }
+    return vertex;
+  };
+  graph.start = join_end(instance.start);
+  graph.goal = join_end(instance.goal);
+  if (instance.space.distance(instance.start, instance.goal) <= 2.0 * std::hypot(step[0], step[1])) {
+    join(graph.start, graph.goal);
+  }
+  return graph;
+}
+
+}  // namespace trellis

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include <trellis/scene/scene.hpp>
+
+namespace trellis {
+
+/// What a model is trained and validated on: worlds with a start and a goal in the plane.
+struct LearningTask {
+  std::string name;
+  World world;
+  Vec2 start;
+  Vec2 goal;
+};
+
+}  // namespace trellis

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/memory/best_first_search.hpp>
+#include <trellis/memory/search_model.hpp>
+#include <trellis/planner/evaluated_graph.hpp>
+#include <trellis/planner/kinds.hpp>
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+namespace {
+
+struct BestFirstSettings : CommonSettings {
+  BestFirstSettings() { goal_bias = 0.0; }
+  std::string model;
+  std::string evaluate = "expansion";
+  std::int64_t samples = 200;
+};
+
+const Settings<BestFirstSettings>& best_first_settings() {
+  static const Settings<BestFirstSettings> settings = with_common(
+      Settings<BestFirstSettings>(
+          Component::Kind::planner, "best_first",
+          "greedy best-first search of an explicit graph: a path, not the shortest one, after few expansions; by "
+          "Euclidean distance to the goal, or with a model by a heuristic that was learnt from the state of searches "
+          "(SaIL). Where it is guided, vertices near proposals are expanded earlier",
+          "Bhardwaj, Choudhury and Scherer 2017, Learning heuristic search via imitation; Doran and Michie 1966")
+          .file("model", &BestFirstSettings::model,
+                "the search heuristic, as trellis train --search makes it; none: Euclidean distance")
+          .choice(
+              "evaluate", &BestFirstSettings::evaluate, {"expansion", "selection"},
+              "when edges are evaluated that are not known to be valid: \"expansion\", as SaIL does, all those of a "
+              "vertex when it is expanded; \"selection\", the one to a vertex when the vertex is selected, which "
+              "evaluates fewer edges and finds fewer invalid positions that the heuristic could use")
+          .integer("samples", &BestFirstSettings::samples, "proposals", Range::at_least(1),
+                   "proposals drawn per search where it is guided")
+          .positional({"model"}));
+  return settings;
+}
+
+class BestFirst final : public Planner {
+ public:
+  BestFirst(const BestFirstSettings& settings, Task task)
+      : settings_(settings), task_(std::move(task)), evaluated_(task_) {
+    if (settings_.model.empty()) return;
+    model_ = known_search_model(settings_.model);
+    if (!model_) {
+      throw Error(fmt::format("best_first: option 'model': there is no file '{}'; trellis train --search makes one",
+                              settings_.model));
+    }
+  }
+
+  Solution solve(const Budget& budget) override {
+    const Graph& graph = *task_.instance.graph;
+    if (model_ && graph.vertices.dimension() != 2) {
+      throw Error(
+          fmt::format("best_first: option 'model' needs a graph in the plane; this space ({}) has {} coordinates",
+                      task_.instance.space.name(), graph.vertices.dimension()));
+    }
+    if (evaluated_.begin()) {
+      costs_.clear();
+      for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
+    }
+    if (!graph.verified) {
+      if (auto found = invalid_ends(task_.instance)) return *found;
+      evaluated_.renew();
+    }
+    Meter drawing(task_, budget);
+    const std::vector<double> factors = priority_factors(drawing);
+    const auto priority = [&](const SearchState& state, std::uint32_t v) {
+      const double ahead = model_ ? model_->cost_to_go(state, v)
+                                  : task_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
+      return factors.empty() ? ahead : factors[v] * ahead;
+    };
+    const auto evaluate = [&](std::uint32_t e, std::uint32_t to) -> View {
+      if (graph.verified) {
+        evaluated_.record(e);
+        return {};
+      }
+      return evaluated_.valid(e, to) ? View{} : evaluated_.invalid_at(e);
+    };
+    BestFirstSearch search(graph, evaluate, priority,
+                           {.evaluation = settings_.evaluate == "selection" ? BestFirstSearch::Evaluation::selection
+                                                                            : BestFirstSearch::Evaluation::expansion,
+                            .penalties = penalties()});
+    // It draws no more proposals, so that these are spent does not end it.
+    Budget searching = budget;
+    searching.proposals = Budget::unlimited;
+    Meter meter(task_, searching);
+    std::optional<Status> ended;
+    while (!search.reached_goal() && !search.open().empty()) {
+      if ((ended = meter.spent())) break;
+      const std::uint32_t v = search.open().begin()->vertex;
+      if (search.expand(*search.open().begin()) && !graph.verified) evaluated_.add_node(v, search.state().at(v).edge);
+    }
+    std::vector<std::uint32_t> parent;
+    std::vector<char> reached;
+    parent.reserve(graph.vertices.size());
+    reached.reserve(graph.vertices.size());
+    for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
+      const SearchState::Vertex& vertex = search.state().at(v);
+      parent.push_back(vertex.edge);
+      reached.push_back(vertex.expanded || (v == graph.goal && search.reached_goal()) ? 1 : 0);
+    }
+    if (search.reached_goal() && !graph.verified) evaluated_.add_node(graph.goal, parent[graph.goal]);
+    return evaluated_.solution(parent, reached, ended.value_or(Status::no_path));
+  }
+
+ private:
+  /// By how much each edge's cost has grown since the graph was new. Greedy search does not go by costs, so that
+  /// without these penalties a search that is continued would find the same path again.
+  [[nodiscard]] std::vector<double> penalties() const {
+    const auto& edges = task_.instance.graph->edges;
+    std::vector<double> grown(edges.size(), 0.0);
+    bool any = false;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      grown[e] = std::max(0.0, edges[e].cost - costs_[e]);
+      any = any || grown[e] > 0.0;
+    }
+    return any ? grown : std::vector<double>{};
+  }
+
+  /// Factors on the vertices' priorities: that of a vertex that drew a share s of the guidance's proposals is
+  /// 1 / (1 + s * vertices). Empty without proposals.
+  std::vector<double> priority_factors(Meter& meter) {
+    if (!task_.guided) return {};
+    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, meter);
+    if (proposals.drawn == 0.0) return {};
+    const auto n = static_cast<double>(proposals.hits.size());
+    std::vector<double> factors;
+    factors.reserve(proposals.hits.size());
+    for (const double hits : proposals.hits) factors.push_back(1.0 / (1.0 + hits / proposals.drawn * n));
+    return factors;
+  }
+
+  BestFirstSettings settings_;
+  Task task_;
+  EvaluatedGraph evaluated_;
+  std::shared_ptr<const SearchModel> model_;
+  std::vector<double> costs_;  ///< of the edges when the graph was new
+};
+
+}  // namespace
+
+PlannerKind best_first_kind() {
+  return {&best_first_settings().component(), [](const Options& o) { return common_of(best_first_settings().read(o)); },
+          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+            if (!task.instance.graph) throw Fault("best_first needs an instance with an explicit graph");
+            return std::make_unique<BestFirst>(best_first_settings().read(o), std::move(task));
+          },
+          true};
+}
+
+}  // namespace trellis

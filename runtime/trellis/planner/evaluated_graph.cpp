@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/planner/evaluated_graph.hpp>
+
+#include <limits>
+#include <utility>
+
+#include <trellis/planner/nearest.hpp>
+
+namespace trellis {
+
+bool EvaluatedGraph::begin() {
+  if (graph_ == task_.instance.graph) return false;
+  graph_ = task_.instance.graph;
+  seen_.assign(graph_->edges.size(), 0);
+  blocked_.clear();
+  rows_.assign(graph_->vertices.size(), no_node);
+  return true;
+}
+
+void EvaluatedGraph::renew() {
+  if (task_.instance.epoch() == epoch_) return;
+  epoch_ = task_.instance.epoch();
+  for (char& seen : seen_) seen = seen == found_valid || seen == stale ? stale : char{0};
+}
+
+bool EvaluatedGraph::valid(std::uint32_t e, std::uint32_t to) {
+  if (seen_[e] == 0 || seen_[e] == stale) {
+    const std::uint32_t from = graph_->edges[e].from == to ? graph_->edges[e].to : graph_->edges[e].from;
+    const View a = std::as_const(graph_->vertices)[from];
+    const View b = std::as_const(graph_->vertices)[to];
+    const MotionReport report = seen_[e] == stale ? task_.instance.recheck_motion(a, b) : task_.instance.motion(a, b);
+    seen_[e] = report.valid ? found_valid : found_invalid;
+    if (!report.valid) {
+      Configuration& blocked = blocked_[e];
+      blocked.resize(a.size());
+      task_.instance.space.interpolate(a, b, report.invalid_at, blocked);
+      Outcome outcome;
+      outcome.proposal = b;
+      outcome.near = a;
+      outcome.blocked_at = blocked;
+      task_.guidance.observe(outcome, false);
+    }
+  }
+  return seen_[e] == found_valid;
+}
+
+void EvaluatedGraph::add_node(std::uint32_t v, std::uint32_t edge) {
+  if (rows_[v] != no_node) return;
+  auto& search = task_.search;
+  rows_[v] = search.nodes.push(graph_->vertices[v]);
+  search.parents.push_back(no_node);
+  if (edge == none) return;
+  const std::uint32_t from = graph_->edges[edge].from == v ? graph_->edges[edge].to : graph_->edges[edge].from;
+  search.edges.push_back({rows_[from], rows_[v]});
+}
+
+void EvaluatedGraph::record(std::uint32_t e) {
+  if (seen_[e] != 0) return;
+  seen_[e] = 1;
+  auto& search = task_.search;
+  for (std::size_t i = 0; i < graph_->edges[e].points.size(); ++i) {
+    const std::uint32_t row = search.nodes.push(graph_->edges[e].points[i]);
+    search.parents.push_back(no_node);
+    if (i > 0) search.edges.push_back({row - 1, row});
+  }
+}
+
+EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, Meter& meter) {
+  const Graph& graph = *task_.instance.graph;
+  NearestIndex index(task_.instance.space);
+  for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index.add(graph.vertices[v]);
+  Proposals proposals{std::vector<double>(graph.vertices.size(), 0.0), 0.0};
+  Configuration q(task_.instance.space.dimension());
+  const std::vector<char> connected = reachable();
+  for (std::int64_t i = 0; i < samples && !meter.spent(); ++i) {
+    propose(task_, q);
+    const auto near = index.nearest(q);
+    proposals.hits[near.id] += 1.0;
+    proposals.drawn += 1.0;
+    Outcome outcome;
+    outcome.proposal = q;
+    outcome.near = std::as_const(graph.vertices)[near.id];
+    outcome.added = outcome.near;
+    outcome.fate = Fate::advanced;
+    outcome.connected = connected[near.id] != 0;
+    settle(task_, outcome);
+  }
+  return proposals;
+}
+
+Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, const std::vector<char>& reached,
+                                  Status otherwise) const {
+  const Graph& graph = *graph_;
+  Solution solution{reached[graph.goal] != 0 ? Status::solved : otherwise,
+                    Configurations(task_.instance.space.dimension())};
+  std::uint32_t end = graph.goal;
+  if (!solution.solved()) {
+    end = graph.start;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
+      if (reached[v] == 0) continue;
+      const double to_goal = task_.instance.space.distance(graph.vertices[v], task_.instance.goal);
+      if (to_goal < least) {
+        least = to_goal;
+        end = v;
+      }
+    }
+  }
+  std::vector<std::uint32_t> edges;
+  for (std::uint32_t at = end; at != graph.start;) {
+    const auto& edge = graph.edges[parent[at]];
+    edges.push_back(parent[at]);
+    at = edge.from == at ? edge.to : edge.from;
+  }
+  solution.path.push(graph.vertices[graph.start]);
+  std::uint32_t at = graph.start;
+  for (auto it = edges.rbegin(); it != edges.rend(); ++it) {
+    const auto& edge = graph.edges[*it];
+    const bool forward = edge.from == at;
+    const std::size_t count = edge.points.size();
+    for (std::size_t i = 1; i < count; ++i) solution.path.push(edge.points[forward ? i : count - 1 - i]);
+    at = forward ? edge.to : edge.from;
+    if (count == 0) solution.path.push(graph.vertices[at]);
+  }
+  return solution;
+}
+
+std::vector<char> EvaluatedGraph::reachable() const {
+  const Graph& graph = *task_.instance.graph;
+  std::vector<std::vector<std::uint32_t>> neighbours(graph.vertices.size());
+  for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
+    if (!graph.verified && e < seen_.size() && seen_[e] == found_invalid) continue;
+    neighbours[graph.edges[e].from].push_back(graph.edges[e].to);
+    neighbours[graph.edges[e].to].push_back(graph.edges[e].from);
+  }
+  std::vector<char> reached(graph.vertices.size(), 0);
+  std::vector<std::uint32_t> open = {graph.start};
+  reached[graph.start] = 1;
+  while (!open.empty()) {
+    const std::uint32_t at = open.back();
+    open.pop_back();
+    for (const std::uint32_t next : neighbours[at]) {
+      if (reached[next] != 0) continue;
+      reached[next] = 1;
+      open.push_back(next);
+    }
+  }
+  return reached;
+}
+
+}  // namespace trellis
