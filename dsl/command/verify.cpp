@@ -63,8 +63,8 @@ int verify(const VerifyOptions& options) {
       ++verified;
       std::string fault = path_fault(problem->second, run.path);
       if (fault.empty() && problem->second.motion_model) {
-        fault = run.trajectory.dt > 0.0 ? trajectory_fault(problem->second, run.path, run.trajectory)
-                                        : "has no trajectory";
+        fault =
+            run.trajectory.dt > 0.0 ? trajectory_fault(problem->second, run.path, run.trajectory) : "has no trajectory";
       }
       if (fault.empty()) continue;
       ++faults;

@@ -234,12 +234,8 @@ void report(Retrieved& r, const Outcome& outcome, bool mine) {
   r.guide->learn(outcome);
   r.h->observe(outcome, mine);
 }
-void add_node(Retrieved& r, View q) {
-  report(r, test::reached(q), false);
-}
-void block(Retrieved& r, View at) {
-  report(r, test::blocked(at), true);
-}
+void add_node(Retrieved& r, View q) { report(r, test::reached(q), false); }
+void block(Retrieved& r, View at) { report(r, test::blocked(at), true); }
 
 }  // namespace
 
@@ -322,7 +318,8 @@ TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][ex
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});
   REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
-  // The found point lies on a path that was not validated. That path now needs a repair; the other one is followed unless its cost is higher.
+  // The found point lies on a path that was not validated. That path now needs a repair; the other one is followed
+  // unless its cost is higher.
   const auto cost = [&] {
     double sum = 0.0;
     for (const auto& edge : r.sub->graph->edges) sum += edge.cost;

@@ -12,8 +12,8 @@
 #include <trellis/guide/pieces.hpp>
 
 #include "support/catch.hpp"
-#include "support/spy_heuristic.hpp"
 #include "support/outcomes.hpp"
+#include "support/spy_heuristic.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a learner is shown, what it learns, and what becomes of it in a file.
-#include <stdlib.h>
-
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -12,30 +8,18 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/grid.hpp>
 #include <trellis/memory/model.hpp>
-#include <trellis/scene/readers.hpp>
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
 #include "support/folder.hpp"
+#include "support/learning_tasks.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double tolerance = TrainingSettings{}.tolerance;
-
-LearningTask task_of(const Problem& problem) {
-  return {problem.name, problem.scene->world, {problem.start[0], problem.start[1]}, {problem.goal[0], problem.goal[1]}};
-}
-
-std::vector<LearningTask> family(Problem (*make)(std::uint64_t), std::uint64_t first, std::uint64_t count) {
-  std::vector<LearningTask> tasks;
-  for (std::uint64_t seed = first; seed < first + count; ++seed) tasks.push_back(task_of(make(seed)));
-  return tasks;
-}
 
 TrainingSettings quick(std::uint64_t seed = 1) {
   TrainingSettings settings;
@@ -48,7 +32,7 @@ TrainingSettings quick(std::uint64_t seed = 1) {
 
 /// Learnt of gaps in the upper half.
 const Model& learnt() {
-  static const Model model = Model::train(family(test::upper_gaps, 1, 25), quick(), "upper gaps");
+  static const Model model = Model::train(test::family(test::upper_gaps, 1, 25), quick(), "upper gaps");
   return model;
 }
 
@@ -130,7 +114,7 @@ TEST_CASE("the oracle's lengths keep the triangle inequality and are lengths of 
 }
 
 TEST_CASE("what is learnt of a family tells where ways lead in worlds of it that were never shown", "[memory][model]") {
-  const Validation own = validate(learnt(), family(test::upper_gaps, 1001, 15), tolerance);
+  const Validation own = validate(learnt(), test::family(test::upper_gaps, 1001, 15), tolerance);
   CAPTURE(own.learned, own.uniform, own.straight, own.error);
   REQUIRE(own.tasks == 15);
   CHECK(own.learned + 4.0 * own.error < own.uniform);
@@ -138,14 +122,14 @@ TEST_CASE("what is learnt of a family tells where ways lead in worlds of it that
 }
 
 TEST_CASE("what is learnt of a family misleads in the worlds of another one", "[memory][model]") {
-  const Validation own = validate(learnt(), family(test::upper_gaps, 1001, 15), tolerance);
-  const Validation other = validate(learnt(), family(test::lower_gaps, 1001, 15), tolerance);
+  const Validation own = validate(learnt(), test::family(test::upper_gaps, 1001, 15), tolerance);
+  const Validation other = validate(learnt(), test::family(test::lower_gaps, 1001, 15), tolerance);
   CAPTURE(own.learned, other.learned, other.uniform);
   CHECK(other.learned > own.learned + 0.5);
 }
 
 TEST_CASE("training is deterministic in its seed", "[memory][model]") {
-  const auto tasks = family(test::upper_gaps, 1, 6);
+  const auto tasks = test::family(test::upper_gaps, 1, 6);
   const std::string one = Model::train(tasks, quick(3), "a").bytes();
   CHECK(Model::train(tasks, quick(3), "a").bytes() == one);
   CHECK(Model::train(tasks, quick(4), "a").bytes() != one);
@@ -196,24 +180,15 @@ TEST_CASE("a model is in a file what it was", "[memory][model]") {
 
 TEST_CASE("on the planning data sets the learnt heuristic beats the uniform one on worlds held out",
           "[memory][model][scenes]") {
-  const char* named = std::getenv("TRELLIS_SCENES");
-  const fs::path data = fs::path(named != nullptr ? named : TRELLIS_SCENES_DEFAULT) / "mp_datasets";
-  if (!fs::is_directory(data)) {
+  const auto worlds = test::stored_family("gaps_and_forest", "train");
+  if (worlds.empty()) {
     WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
     return;
   }
-  const auto read = [&](const char* split) {
-    std::vector<LearningTask> tasks;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(data / "gaps_and_forest" / split)) files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    for (const auto& file : files) tasks.push_back(task_of(read_problems(file.string(), {}).front()));
-    return tasks;
-  };
   TrainingSettings settings = quick();
   settings.cells = 67;
-  const Model model = Model::train(read("train"), settings, "gaps_and_forest");
-  const Validation found = validate(model, read("validation"), tolerance);
+  const Model model = Model::train(worlds, settings, "gaps_and_forest");
+  const Validation found = validate(model, test::stored_family("gaps_and_forest", "validation"), tolerance);
   CAPTURE(found.learned, found.uniform, found.straight, found.error, found.tasks);
   CHECK(found.tasks >= 10);
   CHECK(found.learned + 4.0 * found.error < found.uniform);

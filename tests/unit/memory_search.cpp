@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Search heuristics learnt by imitation: the features of a search's state, the oracle, training, and model files.
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -16,30 +13,18 @@
 #include <trellis/instance/grid_graph.hpp>
 #include <trellis/memory/model.hpp>
 #include <trellis/memory/search_model.hpp>
-#include <trellis/scene/readers.hpp>
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
 #include "support/folder.hpp"
+#include "support/learning_tasks.hpp"
 
 using namespace trellis;
 using Catch::Matchers::Contains;
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t cells = 40;
-
-LearningTask task_of(const Problem& problem) {
-  return {problem.name, problem.scene->world, {problem.start[0], problem.start[1]}, {problem.goal[0], problem.goal[1]}};
-}
-
-std::vector<LearningTask> family(Problem (*make)(std::uint64_t), std::uint64_t first, std::uint64_t count) {
-  std::vector<LearningTask> tasks;
-  for (std::uint64_t seed = first; seed < first + count; ++seed) tasks.push_back(task_of(make(seed)));
-  return tasks;
-}
 
 SearchTrainingSettings quick(std::uint64_t seed = 1) {
   SearchTrainingSettings settings;
@@ -53,7 +38,7 @@ SearchTrainingSettings quick(std::uint64_t seed = 1) {
 
 /// Learnt in worlds with gaps in their upper halves.
 const SearchModel& learnt() {
-  static const SearchModel model = SearchModel::train(family(test::upper_gaps, 1, 20), quick(), "upper gaps");
+  static const SearchModel model = SearchModel::train(test::family(test::upper_gaps, 1, 20), quick(), "upper gaps");
   return model;
 }
 
@@ -81,10 +66,10 @@ std::vector<std::uint32_t> branch(const SearchState& state, std::uint32_t v) {
 /// The probability of at least `wins` of `n` if either side were equally likely to win.
 double sign_test(std::size_t wins, std::size_t n) {
   double tail = 0.0;
-  double ways = 1.0;  // of choosing k of n
+  double binomial = 1.0;  // n choose k
   for (std::size_t k = 0; k <= n; ++k) {
-    if (k >= wins) tail += ways;
-    ways *= static_cast<double>(n - k) / static_cast<double>(k + 1);
+    if (k >= wins) tail += binomial;
+    binomial *= static_cast<double>(n - k) / static_cast<double>(k + 1);
   }
   return tail / std::pow(2.0, static_cast<double>(n));
 }
@@ -205,7 +190,7 @@ TEST_CASE("the features are numbers of the search's state", "[memory][search]") 
 
 TEST_CASE("a search evaluates each edge at most once, and at selection fewer", "[memory][search]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    KnownWorld world(task_of(test::upper_gaps(seed)), cells);
+    KnownWorld world(test::task_of(test::upper_gaps(seed)), cells);
     REQUIRE(world.has_path());
     std::vector<double> evaluations;
     for (const auto evaluation : {BestFirstSearch::Evaluation::expansion, BestFirstSearch::Evaluation::selection}) {
@@ -226,7 +211,7 @@ TEST_CASE("a search evaluates each edge at most once, and at selection fewer", "
 
 TEST_CASE("A* over the grid finds the oracle's cost, with the edges evaluated at either time", "[memory][search]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    KnownWorld world(task_of(test::upper_gaps(seed)), cells);
+    KnownWorld world(test::task_of(test::upper_gaps(seed)), cells);
     for (const auto evaluation : {BestFirstSearch::Evaluation::expansion, BestFirstSearch::Evaluation::selection}) {
       BestFirstSearch search =
           world.search([](const SearchState& state, std::uint32_t v) { return state.at(v).cost + euclidean(state, v); },
@@ -239,7 +224,7 @@ TEST_CASE("A* over the grid finds the oracle's cost, with the edges evaluated at
 
 TEST_CASE("with the oracle in place of the learner a search expands one path", "[memory][search]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    KnownWorld world(task_of(test::upper_gaps(seed)), cells);
+    KnownWorld world(test::task_of(test::upper_gaps(seed)), cells);
     const auto& oracle = world.cost_to_go();
     const double shortest = oracle[world.graph().start];
     BestFirstSearch greedy = world.search([&](const SearchState&, std::uint32_t v) { return oracle[v]; });
@@ -259,7 +244,7 @@ TEST_CASE("with the oracle in place of the learner a search expands one path", "
 
 TEST_CASE("in worlds never shown a learnt search expands fewer vertices than greedy search and A*",
           "[memory][search]") {
-  const auto trials = try_searches(learnt(), family(test::upper_gaps, 1001, 20));
+  const auto trials = try_searches(learnt(), test::family(test::upper_gaps, 1001, 20));
   REQUIRE(trials.size() == 20);
   std::size_t fewer_than_greedy = 0;
   std::size_t fewer_than_a_star = 0;
@@ -280,13 +265,13 @@ TEST_CASE("what was learnt of a family misleads in the mirror images of its worl
     for (const SearchTrial& trial : trials) sum += trial.learned.expansions;
     return sum / static_cast<double>(trials.size());
   };
-  const double own = expansions(try_searches(learnt(), family(test::upper_gaps, 1001, 10)));
-  const double mirrored = expansions(try_searches(learnt(), family(test::lower_gaps, 1001, 10)));
+  const double own = expansions(try_searches(learnt(), test::family(test::upper_gaps, 1001, 10)));
+  const double mirrored = expansions(try_searches(learnt(), test::family(test::lower_gaps, 1001, 10)));
   CHECK(mirrored > 1.5 * own);
 }
 
 TEST_CASE("training a search heuristic is deterministic in its seed", "[memory][search]") {
-  const auto tasks = family(test::upper_gaps, 1, 5);
+  const auto tasks = test::family(test::upper_gaps, 1, 5);
   SearchTrainingSettings settings = quick(3);
   settings.rounds = 2;
   const std::string one = SearchModel::train(tasks, settings, "a").bytes();
@@ -313,7 +298,7 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
   CHECK(read.bytes() == bytes);
   CHECK(read.description() == "upper gaps");
   CHECK(read.cells() == cells);
-  KnownWorld world(task_of(test::upper_gaps(77)), cells);
+  KnownWorld world(test::task_of(test::upper_gaps(77)), cells);
   BestFirstSearch search = world.search(euclidean);
   for (int i = 0; i < 50; ++i) search.expand(*search.open().begin());
   for (const auto& entry : search.open()) {
@@ -328,7 +313,7 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
   of_cells.cells = 40;
   of_cells.samples = 50;
   of_cells.forest.trees = 2;
-  write(Model::train(family(test::upper_gaps, 1, 2), of_cells, "cells").bytes());
+  write(Model::train(test::family(test::upper_gaps, 1, 2), of_cells, "cells").bytes());
   CHECK_THAT(fault_of(file), Contains("the model is a classifier of cells") &&
                                  Contains("expected a search heuristic") && Contains("trellis train --search"));
   write("hello");
@@ -339,23 +324,15 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
 
 TEST_CASE("on the paper's environments a learnt search expands fewer vertices than greedy search and A*",
           "[memory][search][scenes]") {
-  const char* named = std::getenv("TRELLIS_SCENES");
-  const fs::path data = fs::path(named != nullptr ? named : TRELLIS_SCENES_DEFAULT) / "mp_datasets";
-  if (!fs::is_directory(data)) {
+  const auto worlds = test::stored_family("alternating_gaps", "train");
+  if (worlds.empty()) {
     WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
     return;
   }
-  const auto read = [&](const char* split) {
-    std::vector<LearningTask> tasks;
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(data / "alternating_gaps" / split)) files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    for (const auto& file : files) tasks.push_back(task_of(read_problems(file.string(), {}).front()));
-    return tasks;
-  };
   SearchTrainingSettings settings = quick();
   settings.cells = 67;
-  const auto trials = try_searches(SearchModel::train(read("train"), settings, "alternating_gaps"), read("validation"));
+  const auto trials = try_searches(SearchModel::train(worlds, settings, "alternating_gaps"),
+                                   test::stored_family("alternating_gaps", "validation"));
   REQUIRE(trials.size() >= 10);
   const auto fewer = [&](SearchTrial::Effort SearchTrial::*other) {
     return static_cast<std::size_t>(std::count_if(trials.begin(), trials.end(), [&](const SearchTrial& trial) {

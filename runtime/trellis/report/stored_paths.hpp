@@ -21,7 +21,7 @@ struct StoredRunPath {
 
 /// The paths of a document, in its order.
 struct StoredPaths {
-  std::string script;                     ///< as the command line named it
+  std::string script;  ///< as the command line named it
   std::vector<StoredRunPath> paths;
   std::size_t unsolved = 0;  ///< runs without a path
 };
