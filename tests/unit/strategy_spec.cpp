@@ -86,7 +86,8 @@ TEST_CASE("what does not compose says why", "[spec][errors]") {
   CHECK_THROWS_WITH(StrategySpec(PlannerSpec::make("graph_search", {})), Contains("graph_search") && Contains("root"));
   CHECK_THROWS_WITH(GuideSpec::make("shrink", {}, PlannerSpec::make("graph_search", {})),
                     Contains("no explicit graph"));
-  CHECK_THROWS_WITH(GuideSpec::make("skeleton", {}, rrt()), Contains("explicit graph; 'rrt' cannot search it") && Contains("best_first"));
+  CHECK_THROWS_WITH(GuideSpec::make("skeleton", {}, rrt()),
+                    Contains("explicit graph; 'rrt' cannot search it") && Contains("best_first"));
   CHECK_THROWS_WITH(GuideSpec::make("uniform", {}, rrt()), Contains("takes no planner"));
   CHECK_THROWS_WITH(sequence({}), Contains("at least one guide"));
 }
