@@ -164,6 +164,7 @@ int construct(Stack& call, const ScriptPlace& place) {
   if (const auto position = call.where()) origin = {position->script, position->line};
   if (component.kind == Component::Kind::planner) {
     Given given = read_options(component, call, 2, false);
+    place_files(component, given.options, place);
     return call.result(PlannerSpec::make(component.name, given.options, origin));
   }
   Given given = read_options(component, call, 2, true);

@@ -190,6 +190,12 @@ TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches
   place.script("wrong.lua", script("best_first { model = 'none.model' }"));
   CHECK_THAT(place.run({"check", "wrong.lua"}).err,
              Contains("best_first: option 'model': there is no file") && Contains("trellis train --search"));
+  // A planner's file, too, lies relative to the script, in its folder unless the script is trusted.
+  fs::create_directories(place / "scripts");
+  std::ofstream(place / "scripts/use.lua")
+      << "return workspace { planner = best_first '../gaps.model' } >> rrt {}, scenes.cup()\n";
+  CHECK_THAT(place.run({"check", "scripts/use.lua"}).err, Contains("does not lie in the script's folder"));
+  CHECK(place.run({"check", "scripts/use.lua", "--trust"}).status == 0);
   CHECK_THAT(place.run({"train", "--data", "data", "--out", "a.model", "--rounds", "3"}).err,
              Contains("--rounds") && Contains("--search"));
   CHECK_THAT(place.run({"train", "--search", "--data", "data", "--out", "a.model", "--cells", "1"}).err,
