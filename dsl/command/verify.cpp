@@ -34,6 +34,7 @@ const Problem& problem_of(const std::vector<Problem>& problems, const std::strin
   const auto found = std::find_if(problems.begin(), problems.end(), [&](const Problem& p) { return p.name == name; });
   if (found != problems.end()) return *found;
   std::vector<std::string> known;
+  known.reserve(problems.size());
   for (const Problem& problem : problems) known.push_back(problem.name);
   throw Error(fmt::format("{}: no problem is called '{}'{}; --script names the script of the results", script, name,
                           did_you_mean(name, known)));

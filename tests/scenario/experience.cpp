@@ -89,7 +89,8 @@ SCENARIO("learned: worlds of the family that it was learnt of, and those of anot
       THEN("it costs checks") {
         for (const Problem& problem : {lower_gaps(1), lower_gaps(2)}) {
           const Trial plain = tried(tree(), problem);
-          CHECK_THAT(tried(learned >> tree(), problem), Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
+          CHECK_THAT(tried(learned >> tree(), problem),
+                     Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
         }
       }
     }
