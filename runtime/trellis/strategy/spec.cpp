@@ -354,8 +354,7 @@ std::string GuideSpec::text_alone() const { return text_of_component(*node_, "")
 std::string GuideSpec::text() const {
   switch (kind()) {
     case Kind::component: {
-      const std::string self =
-          text_of_component(*node_, node_->planner_given ? "planner = " + node_->planner->text() : "");
+      std::string self = text_of_component(*node_, node_->planner_given ? "planner = " + node_->planner->text() : "");
       if (!node_->below) return self;
       return in_front(*node_->below) + " >> " + self;
     }
