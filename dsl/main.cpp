@@ -115,8 +115,8 @@ int dispatch(int argc, char** argv) {
   train->add_option("--samples", training.samples,
                     "cells drawn from each world (default 500); with --search, vertices from each search (default 60)");
   train->add_option("--cells", training.cells,
-                    "with --search: cells of the grid along a world's longer side (default 40)");
-  train->add_option("--rounds", training.rounds, "with --search: rounds of data aggregation (default 10)");
+                    "cells of the grid along a world's longer side, for --search (default 40)");
+  train->add_option("--rounds", training.rounds, "rounds of data aggregation, for --search (default 10)");
   train->add_flag("--quiet", training.quiet, "print neither figures nor progress");
 
   std::string fresh;

@@ -82,8 +82,8 @@ inline GuideSpec by_two_trees(const std::string& name, const std::vector<Options
 inline PlannerSpec tree(double step = 0.5) {
   return PlannerSpec::make("rrt", {{"step", step}, {"proposals", std::int64_t{20000}}});
 }
-/// The planner without the bound on what its guide may spend. Bounded loss leaves more than half of the work unguided: the
-/// savings of a guide that saves less than half show only without it.
+/// The planner without the bound on what its guide may spend. Bounded loss leaves more than half of the work unguided:
+/// the savings of a guide that saves less than half show only without it.
 inline PlannerSpec trusting(const PlannerSpec& planner) {
   auto options = planner.options().entries();
   std::erase_if(options, [](const auto& entry) { return entry.first == "bound"; });
