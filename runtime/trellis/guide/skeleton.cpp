@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -240,7 +239,9 @@ class PathOnGraph {
     double x;
     double y;
     std::size_t index;  ///< in the path
-    auto operator<=>(const Point&) const = default;
+    friend bool operator<(const Point& a, const Point& b) {
+      return std::tie(a.x, a.y, a.index) < std::tie(b.x, b.y, b.index);
+    }
   };
 
   /// The points of the path at a position.

@@ -59,7 +59,9 @@ void InvalidPositions::add(Vec2 position) {
 
 std::optional<InvalidPositions::Nearest> InvalidPositions::nearest(Vec2 position) const {
   if (empty()) return std::nullopt;
-  const auto [column, row] = cell_of(position);
+  const std::array<std::int32_t, 2> cell = cell_of(position);
+  const std::int32_t column = cell[0];
+  const std::int32_t row = cell[1];
   struct Best {
     Vec2 point;
     double distance = std::numeric_limits<double>::infinity();
@@ -71,8 +73,10 @@ std::optional<InvalidPositions::Nearest> InvalidPositions::nearest(Vec2 position
   const auto outward = [](const Lines& lines, std::int32_t from, const auto& look, const auto& done) {
     const auto count = static_cast<std::int32_t>(lines.size());
     for (std::int32_t offset = 0; offset < count && !done(offset); ++offset) {
-      if (from + offset < count) look(lines[static_cast<std::size_t>(from + offset)], from + offset);
-      if (offset > 0 && from >= offset) look(lines[static_cast<std::size_t>(from - offset)], from - offset);
+      if (from + offset < count)
+        look(lines[static_cast<std::size_t>(from) + static_cast<std::size_t>(offset)], from + offset);
+      if (offset > 0 && from >= offset)
+        look(lines[static_cast<std::size_t>(from) - static_cast<std::size_t>(offset)], from - offset);
     }
   };
   Best any;
