@@ -81,6 +81,12 @@ TEST_CASE("a trajectory must drive the robot along its path") {
   const Outcome outcome = results.verify();
   CHECK(outcome.status == 1);
   CHECK(outcome.out.find("the path is not where its controls drive the robot, at point ") != std::string::npos);
+  for (auto& control : json["runs"][0]["trajectory"]["controls"]) control = Json::array({control[0]});
+  results.write(json);
+  CHECK(results.verify().out.find("the path cannot be driven: control 1 of the trajectory") != std::string::npos);
+  json["runs"][0]["trajectory"]["steps"][0] = 4000000000U;
+  results.write(json);
+  CHECK(results.verify().out.find("states, and its controls drive the robot through 40000") != std::string::npos);
 }
 
 TEST_CASE("results of another script, and what is no document, are refused") {

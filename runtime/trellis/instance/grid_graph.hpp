@@ -5,8 +5,9 @@
 
 namespace trellis {
 
-/// A grid over a space of two axes with edges to the eight neighbours of each vertex, none of them evaluated. Edges
-/// join start and goal to the vertices near them. \param cell  side of a cell at most, metres, > 0
+/// A grid over a space of two axes. Edges lead to the eight neighbours of each vertex, and from start and goal to the
+/// vertices near them. No edge is evaluated.
+/// \param cell  longest side of a cell, metres, > 0
 Graph grid_graph(const Instance& instance, double cell);
 
 }  // namespace trellis

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include <trellis/base/error.hpp>
 
@@ -52,16 +54,20 @@ std::string trajectory_fault(const Problem& problem, const Configurations& path,
   // Documents hold numbers with all their digits, so that states agree to within rounding.
   constexpr double tolerance = 1e-9;
   if (path.empty()) return "is empty";
+  const std::uint64_t steps = std::accumulate(trajectory.steps.begin(), trajectory.steps.end(), std::uint64_t{0});
+  if (steps + 1 != path.size()) {
+    return fmt::format("has {} states, and its controls drive the robot through {}", path.size(), steps + 1);
+  }
   Configurations states;
   try {
     states = replay(*problem.motion_model, problem.space, path.front(), trajectory);
   } catch (const Error& error) {
     return fmt::format("cannot be driven: {}", error.what());
   }
-  std::size_t at = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    while (at < states.size() && problem.space.distance(states[at], path[i]) > tolerance) ++at;
-    if (at == states.size()) return fmt::format("is not where its controls drive the robot, at point {}", i + 1);
+    if (problem.space.distance(std::as_const(states)[i], path[i]) > tolerance) {
+      return fmt::format("is not where its controls drive the robot, at point {}", i + 1);
+    }
   }
   return "";
 }

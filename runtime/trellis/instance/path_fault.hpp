@@ -14,8 +14,10 @@ namespace trellis {
 /// \return what is wrong, as the end of a sentence that begins with "the path"; "" if the path solves the problem
 std::string path_fault(const Problem& problem, const Configurations& path);
 
-/// Why a trajectory is not how a path is driven: a control is out of bounds, or the states that follow from the
-/// controls do not pass through the path's states in order. \param problem  has a motion model \return as path_fault
+/// Why a trajectory is not how a path is driven: a control is out of bounds, or the states that it leads through, step
+/// by step, are not those of the path (distances above 1e-9 m in the metric).
+/// \param problem  with a motion model
+/// \return as path_fault
 std::string trajectory_fault(const Problem& problem, const Configurations& path, const Trajectory& trajectory);
 
 }  // namespace trellis

@@ -22,6 +22,7 @@ MotionModel::MotionModel(std::string name, std::string text, std::size_t configu
       dt_(dt) {}
 
 bool MotionModel::allows(View u) const {
+  if (u.size() != controls_.size()) return false;
   for (std::size_t j = 0; j < controls_.size(); ++j) {
     if (!(u[j] >= controls_[j].lo && u[j] <= controls_[j].hi)) return false;
   }

@@ -49,7 +49,7 @@ class MotionModel {
     return true;
   }
 
-  /// Whether every control lies within its bounds.
+  /// Whether u has as many coordinates as there are controls, each within its bounds.
   [[nodiscard]] bool allows(View u) const;
   /// Brings controls to the nearest within their bounds.
   void clamp(MutableView u) const;
