@@ -195,7 +195,7 @@ double StepHeuristic::edge_factor(View a, View b) const {
   constexpr double most = 5.0;
   if (!index_) {
     index_ = std::make_unique<NearestIndex>(space_);
-    for (std::size_t i = 0; i < centres_.size(); ++i) index_->add(centres_[i]);
+    for (std::size_t i = 0; i < centres().size(); ++i) index_->add(centres()[i]);
   }
   const auto at_a = index_->nearest(a);
   const auto at_b = index_->nearest(b);
@@ -219,16 +219,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
       std::clamp(std::ceil(length() / std::min(settings_.radius, 0.25 * settings_.step)), 1.0, most_bins);
   bin_ = length() / bins;
   const auto last = static_cast<std::size_t>(bins);
-  Configuration centre(space_.dimension());
-  std::size_t leg = 0;
-  for (std::size_t i = 0; i <= last; ++i) {
-    const double at = bin_ * static_cast<double>(i);
-    while (leg + 2 < lengths_.size() && lengths_[leg + 1] <= at) ++leg;
-    const double span = path_.size() > 1 ? lengths_[leg + 1] - lengths_[leg] : 0.0;
-    space_.interpolate(path_[leg], path_[std::min(leg + 1, path_.size() - 1)],
-                       span > 0.0 ? std::clamp((at - lengths_[leg]) / span, 0.0, 1.0) : 0.0, centre);
-    centres_.push(centre);
-  }
+  last_bin_ = last;
   for (std::size_t side = 0; side < 2; ++side) {
     Front& front = fronts_[side];
     front.ahead = settings_.step;
@@ -237,7 +228,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
     for (std::size_t i = last; nodes != nullptr && nodes->size() > 1 && i >= 1;) {
       const std::size_t bin = side == 0 ? i : last - i;
       const double near = very_near();
-      const double distance = std::sqrt(nodes->nearest(std::as_const(centres_)[bin]).squared_distance);
+      const double distance = std::sqrt(nodes->nearest(centres()[bin]).squared_distance);
       if (distance > near) {
         // No node is near to a centre that is nearer to this one than the nodes are.
         const auto passed = bin_ > 0.0 ? static_cast<std::size_t>((distance - near) / bin_) : std::size_t{0};
@@ -250,6 +241,21 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
     }
     aim(side);
   }
+}
+
+const Configurations& StepHeuristic::centres() const {
+  if (centres_.size() > 0) return centres_;
+  Configuration centre(space_.dimension());
+  std::size_t leg = 0;
+  for (std::size_t i = 0; i <= last_bin_; ++i) {
+    const double at = bin_ * static_cast<double>(i);
+    while (leg + 2 < lengths_.size() && lengths_[leg + 1] <= at) ++leg;
+    const double span = path_.size() > 1 ? lengths_[leg + 1] - lengths_[leg] : 0.0;
+    space_.interpolate(path_[leg], path_[std::min(leg + 1, path_.size() - 1)],
+                       span > 0.0 ? std::clamp((at - lengths_[leg]) / span, 0.0, 1.0) : 0.0, centre);
+    centres_.push(centre);
+  }
+  return centres_;
 }
 
 Guidance::Source StepHeuristic::sample(Stream& stream, MutableView out) {
@@ -353,8 +359,9 @@ TubeKernel& StepHeuristic::current() const {
 
 std::optional<double> StepHeuristic::place(std::size_t side, View q, bool far) const {
   const Front& front = fronts_[side];
-  const std::size_t n = centres_.size();
-  const auto centre = [&](std::size_t i) { return std::as_const(centres_)[side == 0 ? i : n - 1 - i]; };
+  const Configurations& centres = this->centres();
+  const std::size_t n = centres.size();
+  const auto centre = [&](std::size_t i) { return centres[side == 0 ? i : n - 1 - i]; };
   const auto first = static_cast<std::size_t>(front.at / bin_) + 1;
   const auto last = std::min(n - 1, static_cast<std::size_t>((front.at + front.ahead + settings_.step) / bin_));
   const double reach = std::max(settings_.radius, 0.4 * settings_.step);

@@ -151,6 +151,7 @@ class StepHeuristic final : public PathFollower {
   /// What a proposal is drawn from where no vertex is proposed itself; made when it is asked for.
   [[nodiscard]] TubeKernel& current() const;
   [[nodiscard]] double length() const { return lengths_.back(); }
+  [[nodiscard]] const Configurations& centres() const;
   /// So near to the path that a node counts for it wherever on the path that is.
   [[nodiscard]] double very_near() const { return 0.5 * settings_.radius; }
   /// The vertex that is proposed itself, if any.
@@ -182,8 +183,9 @@ class StepHeuristic final : public PathFollower {
   std::vector<double> lengths_;
   Settings settings_;
   std::vector<char> verified_;  ///< per edge; empty: none
-  double bin_ = 0.0;
-  Configurations centres_;                       ///< of bins along the path
+  double bin_ = 0.0;            ///< length of a bin of the path, metres
+  std::size_t last_bin_ = 0;
+  mutable Configurations centres_;               ///< of bins along the path, made when they are asked for
   mutable std::unique_ptr<NearestIndex> index_;  ///< of these, made when it is asked for
   mutable std::array<Front, 2> fronts_;          ///< their kernels are made when they are asked for
   std::size_t side_ = 0;

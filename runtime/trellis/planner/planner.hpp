@@ -73,7 +73,7 @@ struct Search {
   /// \param dimension  of the level's space
   explicit Search(std::size_t dimension) : nodes(dimension), proposals(dimension) {
     // Short searches are common, and growing half a dozen blocks from nothing is what they would notice.
-    constexpr std::size_t rows = 1024;
+    constexpr std::size_t rows = 64;
     nodes.reserve(rows);
     parents.reserve(rows);
     proposals.reserve(rows);
