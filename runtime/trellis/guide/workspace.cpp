@@ -37,8 +37,7 @@ const Settings<WorkspaceSettings>& workspace_settings() {
           "the robot as a free point: the shortest way of its reference point among the obstacles, on a grid or by the "
           "planner given",
           "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
-          "Sandstrom, "
-          "Bregger and Amato 2016")
+          "Sandstrom, Bregger and Amato 2016")
           .number(
               "cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
               "side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer "
@@ -47,20 +46,18 @@ const Settings<WorkspaceSettings>& workspace_settings() {
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
               "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
               "of the space's diameter for a point; with `lift = \"path\"` or \"handles\", of the balls in C that "
-              "proposals are drawn "
-              "from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm")
+              "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 "
+              "% for an arm")
           .choice(
               "lift", &WorkspaceSettings::lift, {"auto", "uniform", "handles", "path"},
               "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
-              "any "
-              "that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned until its "
-              "handle points come no nearer to the medial axis of the workspace; of a robot with a motion model the "
-              "path is "
-              "moved to the axis and only the angles are drawn, the likelier the nearer its handles come to the "
-              "axis, and other coordinates are uniform; "
-              "\"path\", as skeleton does: points of the path are validated in C with angles that follow those before, "
-              "and proposals are a step of the planner ahead of the node that came farthest; \"auto\", \"path\" for an "
-              "arm that is fixed to its base and \"uniform\" for any other robot")
+              "any that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned "
+              "until its handle points come no nearer to the medial axis of the workspace; of a robot with a motion "
+              "model the path is moved to the axis and only the angles are drawn, the likelier the nearer its "
+              "handles come to the axis, and other coordinates are uniform; \"path\", as skeleton does: points of "
+              "the path are validated in C with angles that follow those before, and proposals are a step of the "
+              "planner ahead of the node that came farthest; \"auto\", \"path\" for an arm that is fixed to its base "
+              "and \"uniform\" for any other robot")
           .names("handles", &WorkspaceSettings::handles,
                  "with `lift = \"handles\"`, points of the robot: \"x, y\" in the frame of its first body, or \"n: x, "
                  "y\" in that of its n-th; a body that turns and has none gets both ends of its longest direction")
@@ -319,9 +316,8 @@ GuideKind workspace_kind() {
            "q -> the position of the reference point, free in the workspace; of an arm that is fixed to its base, that "
            "of its tip, as far as it reaches",
        .h = "a position from a tube about the point's path, just beyond what the tree has reached, with uniform "
-            "angles; of "
-            "an arm, and of a robot that handle points place on the medial axis, a ball about a configuration a step "
-            "ahead of the tree on the path lifted",
+            "angles; of an arm, and of a robot that handle points place on the medial axis, a ball about a "
+            "configuration a step ahead of the tree on the path lifted",
        .closed_form = true,
        .density = "of the tube of positions times that of the angles",
        .feedback =
