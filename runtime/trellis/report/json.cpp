@@ -363,7 +363,30 @@ Json paired_json(const Paired& paired) {
           {"less", paired.less},
           {"greater", paired.greater},
           {"equal", paired.equal},
-          {"sign_p", number(paired.sign_p)}};
+          {"sign_p", number(paired.sign_p)},
+          {"holm_p", number(paired.holm_p)}};
+}
+
+/// Where it ends at an infinity, that is no missing end.
+Json median_json(const Interval& interval) {
+  return {{"value", number_or_inf(interval.value)}, {"lo", number_or_inf(interval.lo)},
+          {"hi", number_or_inf(interval.hi)},       {"n", interval.n},
+          {"infinite", interval.infinite},          {"statistic", "median"}};
+}
+
+Json paired_json(const PairedCosts& paired) {
+  return {{"ratio", median_json(paired.ratio)},
+          {"difference", median_json(paired.difference)},
+          {"pairs", paired.pairs},
+          {"solved", paired.solved},
+          {"baseline_solved", paired.reference_solved},
+          {"both_solved", paired.both_solved},
+          {"less", paired.less},
+          {"greater", paired.greater},
+          {"equal", paired.equal},
+          {"effect", number(paired.effect)},
+          {"sign_p", number(paired.sign_p)},
+          {"holm_p", number(paired.holm_p)}};
 }
 
 Json comparison_json(const Comparison& c) {
@@ -373,7 +396,7 @@ Json comparison_json(const Comparison& c) {
           {"ablation", c.text.empty() ? Json(nullptr) : Json(c.text)},
           {"solved", paired_json(c.solved)},
           {"validity_checks", paired_json(c.validity_checks)},
-          {"check_ratio_median", number(c.check_ratio)},
+          {"check_ratio_median", number_or_inf(c.validity_checks.ratio.value)},
           {"paths", c.cross ? "cross" : "self"},
           {"tree_D_eps", paired_json(c.tree)},
           {"expansion_D_eps", paired_json(c.expansion)}};
@@ -395,6 +418,8 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"motion_checks_median", number(level.motion_checks)},
                       {"spent_median", spent_json(level)},
                       {"time_s_median", number(level.seconds)},
+                      {"check_share", number(level.check_share)},
+                      {"time_share", number(level.time_share)},
                       {"efficiency", pair_json(level.own)},
                       {"root_efficiency", pair_json(level.root)},
                       {"measure", roles_json(level.own, level.own_cross)},
@@ -415,9 +440,16 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
        {{"value", number(summary.success.value)},
         {"lo", number(summary.success.lo)},
         {"hi", number(summary.success.hi)}}},
-      {"validity_checks_median", number(summary.validity_checks)},
-      {"motion_checks_median", number(summary.motion_checks)},
-      {"time_s_median", number(summary.seconds)},
+      {"validity_checks_median", number_or_inf(summary.validity_checks.value)},
+      {"motion_checks_median", number_or_inf(summary.motion_checks.value)},
+      {"time_s_median", number_or_inf(summary.seconds.value)},
+      {"validity_checks", median_json(summary.validity_checks)},
+      {"motion_checks", median_json(summary.motion_checks)},
+      {"time_s", median_json(summary.seconds)},
+      {"spent_median",
+       {{"validity_checks", number(summary.spent_validity_checks)},
+        {"motion_checks", number(summary.spent_motion_checks)},
+        {"time_s", number(summary.spent_seconds)}}},
       {"length", interval_json(summary.length)},
       {"levels", std::move(levels)},
       {"waterfall",
