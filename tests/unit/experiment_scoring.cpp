@@ -423,6 +423,47 @@ TEST_CASE("progress in every direction that comes closer gains what is to be gai
   CHECK(gain(0.25 * pi) < 0.0);  // half of the directions that come closer are never taken
 }
 
+TEST_CASE("progress ranks what a driven robot can do, not straight directions", "[scoring]") {
+  // Of its speeds a sixth drive backwards.
+  const MotionKind& unicycle = *find_motion("unicycle1");
+  const auto model = unicycle.make(Options::validate(*unicycle.component, {{"min_speed", -0.1}, {"max_speed", 0.5}}));
+  LevelRecord level;
+  level.key = "0";
+  level.space = Space::se2({-1000, 1000}, {-1000, 1000});
+  // The robot looks along x and cannot turn on its place as fast as it drives: a goal behind it takes the controls that
+  // drive backwards, and a goal to its side none of them reaches directly.
+  level.goal = {-900, 0, 0};
+  level.search = Search(3);
+  level.search.nodes.push(std::vector{0.0, 0.0, 0.0});
+  level.search.parents = {0};
+  Stream stream(5, "", "test");
+  for (int i = 0; i < 400; ++i) {
+    const double angle = stream.uniform(-pi, pi);
+    level.search.proposals.push(std::vector{5 * std::cos(angle), 5 * std::sin(angle), 0.0});
+    level.search.near.push_back(0);
+  }
+  const ProgressSettings settings;
+  const Ranks driven = rank_motions(level, false, settings, 1, model.get());
+  const Ranks straight = rank_motions(level, false, settings, 1);
+  REQUIRE(driven.target.target);
+  REQUIRE(straight.target.target);
+  // Controls drawn at random come closer as often as they drive backwards, directions half of the time.
+  const double backwards = 1.0 / 6.0;
+  CHECK(driven.target.target->uniform() == Approx(-std::log(backwards)).margin(0.15));
+  CHECK(straight.target.target->uniform() == Approx(std::log(2.0)).margin(0.15));
+  // A proposal behind the robot is followed by a control that drives backwards.
+  level.search.proposals = Configurations(3);
+  level.search.near.clear();
+  for (int i = 0; i < 50; ++i) {
+    level.search.proposals.push(std::vector{-5.0, 0.0, 0.0});
+    level.search.near.push_back(0);
+  }
+  const Ranks behind = rank_motions(level, false, settings, 1, model.get());
+  double mean = 0.0;
+  for (std::size_t i = 0; i < behind.samples.size(); ++i) mean += behind.samples[i][0] / 50.0;
+  CHECK(mean < backwards);
+}
+
 TEST_CASE("an experiment is scored by progress, whether its runs find paths or not", "[scoring]") {
   Experiment experiment = open_experiment();
   experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 40.0)}};

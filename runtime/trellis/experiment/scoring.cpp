@@ -381,11 +381,20 @@ class ProblemScoring {
     for (std::size_t i = 0; i < count; ++i) kept.push(target.pool()[i]);
   }
 
+  /// What drives a level's robot; nullptr where its motions are straight.
+  [[nodiscard]] const MotionModel* model_of(const LevelRecord& record) const {
+    const MotionModel* const model = occasion_->problem->motion_model.get();
+    const bool driven =
+        model != nullptr && find_planner(record.planner)->kinodynamic && model->dimension() == record.space.dimension();
+    return driven ? model : nullptr;
+  }
+
   void score_progress(RunResult& result, const ProgressSettings& settings) const {
     for (LevelResult& level : result.levels) {
       Scores found;
       for (const bool tree : {true, false}) {
-        const Ranks ranks = rank_motions(level.record, tree, settings, measure_seed + result.seed);
+        const Ranks ranks =
+            rank_motions(level.record, tree, settings, measure_seed + result.seed, model_of(level.record));
         Efficiency& role = tree ? found.tree : found.expansion;
         role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
                                             Held::anything, {}, level.record.level != 0)
