@@ -230,6 +230,7 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
   experiment.problems = {test::cup_problem()};
   experiment.strategies.pop_back();
   experiment.seeds = {4, 5};
+  experiment.measure->estimators = {EstimatorSpec::make("exact"), EstimatorSpec::make("knn")};
   const ExperimentResult result = run(experiment);
   const std::shared_ptr<Instance> instance = make_instance(experiment.problems.front());
   for (const RunResult& run : result.runs) {
@@ -253,6 +254,66 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
     CHECK(own.expansion.others.front().estimator == "knn");
     CHECK(own.expansion.samples == record.search.proposals.size());
   }
+  // Where no list was given the headline alone is asked.
+  experiment.measure = Measure{};
+  for (const RunResult& run : run(experiment).runs) {
+    CHECK(root_of(run).own->expansion.estimator == "exact");
+    CHECK(root_of(run).own->expansion.others.empty());
+  }
+}
+
+TEST_CASE("the oracle and uniform sampling frame the root's figures", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::cup_problem()};
+  experiment.strategies.pop_back();
+  experiment.seeds = {1, 2, 3, 4, 5, 6};
+  std::vector<double> perfect;
+  std::vector<double> none;
+  for (const RunResult& run : run(experiment).runs) {
+    const LevelResult& root = root_of(run);
+    if (!run.run.solved) continue;
+    REQUIRE(root.oracle);
+    REQUIRE(root.uniform);
+    CHECK(root.oracle->tree.samples == std::min<std::size_t>(root.own->tree.samples, LevelResult::most_references));
+    CHECK(root.oracle->tree.in_target == root.oracle->tree.samples);
+    CHECK(root.oracle->expansion.estimator == "exact");
+    CHECK(root.oracle->expansion.undefended == Approx(0.0).margin(1e-9));
+    CHECK(root.uniform->expansion.value == Approx(root.own->expansion.uniform).margin(1e-6));
+    perfect.push_back(root.oracle->tree.undefended);
+    none.push_back(root.uniform->tree.value - root.uniform->tree.uniform);
+  }
+  REQUIRE(perfect.size() >= 5);
+  for (const auto& values : {perfect, none}) {
+    const Interval interval = student_interval(values, 0.99);
+    CAPTURE(interval.value, interval.lo, interval.hi);
+    CHECK(interval.lo <= 0.01);
+    CHECK(interval.hi >= -0.01);
+  }
+}
+
+TEST_CASE("samples of all seeds together are scored without the seed whose path it is", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.seeds = {1, 2, 3, 4};
+  experiment.measure = Measure{.target = tube(), .cross = 3};
+  const ExperimentResult result = run(experiment);
+  REQUIRE(result.pooled.size() == experiment.strategies.size());
+  for (const PooledScores& pooled : result.pooled) {
+    CHECK(pooled.seeds == 3);
+    CHECK(pooled.targets == 3);
+    // Each run of more than 500 samples gives 500 of them.
+    std::size_t most = 0;
+    for (const RunResult& run : result.runs) {
+      if (run.strategy == pooled.strategy) most += std::min<std::size_t>(root_of(run).record.search.nodes.size(), 500);
+    }
+    CHECK(pooled.scores.tree.samples < most);
+    CHECK(pooled.scores.tree.samples > 0);
+    CHECK(std::isfinite(pooled.scores.tree.value));
+    // Proposals of plain RRT are uniform but for the goal, alone and together.
+    CHECK(pooled.scores.expansion.estimator == "exact");
+    CHECK(pooled.scores.expansion.undefended == Approx(pooled.scores.expansion.uniform - std::log(0.95)).margin(1e-6));
+  }
+  experiment.measure->cross = 0;
+  CHECK(run(experiment).pooled.empty());
 }
 
 TEST_CASE("a run's own path flatters its tree", "[scoring]") {
@@ -430,9 +491,7 @@ TEST_CASE("progress ranks what a driven robot can do, not straight directions", 
   LevelRecord level;
   level.key = "0";
   level.space = Space::se2({-1000, 1000}, {-1000, 1000});
-  // The robot looks along x and cannot turn on its place as fast as it drives: a goal behind it takes the controls that
-  // drive backwards, and a goal to its side none of them reaches directly.
-  level.goal = {-900, 0, 0};
+  level.goal = {-900, 0, 0};  // the robot looks along x
   level.search = Search(3);
   level.search.nodes.push(std::vector{0.0, 0.0, 0.0});
   level.search.parents = {0};

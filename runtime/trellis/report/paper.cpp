@@ -199,6 +199,8 @@ class Tables {
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
         {"gain", "gain", [](const Efficiency& e) { return e.gain; }},
         {"D", "D", [](const Efficiency& e) { return e.undefended; }},
+        {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }},
+        {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
         {"along", "along", [](const Efficiency& e) { return e.along.divergence; }},
         {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},

@@ -70,6 +70,28 @@ void add_profile(const std::vector<const Efficiency*>& figures, Figure& result) 
   for (const auto& shares : samples) result.profile.push_back(student_interval(shares));
 }
 
+/// A figure that cannot be below a bound, shown as the bound where it is.
+void at_least(Interval& interval, double bound) {
+  if (std::isnan(bound)) return;
+  for (double* x : {&interval.value, &interval.lo, &interval.hi}) {
+    if (*x < bound) *x = bound;
+  }
+}
+
+/// \param least  what D_eps is at least, the mean over the runs
+void bound_below(Figure& figure, double least) {
+  at_least(figure.undefended, figure.mass_lower95.value);
+  at_least(figure.value, least);
+  const double most_gain = figure.uniform.value - least;
+  for (double* x : {&figure.gain.value, &figure.gain.lo, &figure.gain.hi}) {
+    if (*x > most_gain) *x = most_gain;
+  }
+  for (Interval* part :
+       {&figure.spread, &figure.mass_part, &figure.spread_part, &figure.along_part, &figure.across_part}) {
+    at_least(*part, 0.0);
+  }
+}
+
 Figure figure(const LevelResults& levels, Where where, Role role) {
   Figure result;
   std::vector<const Efficiency*> figures;
@@ -121,7 +143,13 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   result.light_value = over_runs([](E e) { return e.light_value; });
   result.undefended = over_runs([](E e) { return e.undefended; });
   result.gain = over_runs([](E e) { return e.gain; });
+  result.perfect = over_runs([](E e) { return e.perfect; });
   result.mass = over_runs([](E e) { return e.mass; });
+  result.spread = over_runs([](E e) { return e.undefended_parts.spread; });
+  result.mass_part = over_runs([](E e) { return e.parts.mass; });
+  result.spread_part = over_runs([](E e) { return e.parts.spread; });
+  result.along_part = over_runs([](E e) { return e.parts.along; });
+  result.across_part = over_runs([](E e) { return e.parts.across; });
   result.mass_lower95 = over_runs([](E e) { return e.mass_lower95; });
   result.js = over_runs([](E e) { return e.js; });
   result.coverage = over_runs([](E e) { return e.coverage; });
@@ -129,6 +157,8 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   result.coverage_half = over_runs([](E e) { return e.coverage_half; });
   result.along = over_runs([](E e) { return e.along.divergence; });
   result.empty_share = over_runs([](E e) { return e.along.empty_share; });
+  bound_below(result,
+              over_runs([](E e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); }).value);
   add_profile(figures, result);
 
   std::vector<double> headline;
@@ -309,6 +339,8 @@ LevelSummary summarise_level(const LevelResults& levels) {
   result.own_cross = figures(levels, &LevelResult::own_cross);
   result.root_cross = figures(levels, &LevelResult::root_cross);
   result.equal = figures(levels, &LevelResult::equal);
+  result.oracle = figures(levels, &LevelResult::oracle);
+  result.uniform = figures(levels, &LevelResult::uniform);
   result.metrics = metrics(levels);
   return result;
 }

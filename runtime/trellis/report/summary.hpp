@@ -15,15 +15,19 @@
 
 namespace trellis {
 
-/// The figures of one role over the runs of a group, each with its interval. A run that was not scored leaves no trace
-/// in the intervals; `scored` says how many were.
+/// The figures of one role over the runs of a group, each with its interval. Means are taken of the estimates as they
+/// are; those of divergences that come out below what is possible, and their intervals, end at their bounds. A run that
+/// was not scored leaves no trace in the intervals; `scored` says how many were.
 struct Figure {
   Interval value;                                               ///< D_eps, the headline: SE, defended, nats
   Interval light_value;                                         ///< the same with 1 % uniform
   Interval undefended;                                          ///< D
   Interval gain;                                                ///< uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
+  Interval perfect;                                             ///< D_eps of samples of T itself
   Interval mass;                                                ///< -log Q(A)
+  Interval spread;                                              ///< D - mass
+  Interval mass_part, spread_part, along_part, across_part;     ///< of D_eps, by the chain rule
   Interval mass_lower95;                                        ///< its lower end
   Interval js;                                                  ///< Jensen-Shannon divergence
   Interval coverage;                                            ///< share of the target within delta of a sample
@@ -93,7 +97,9 @@ struct LevelSummary {
   FigurePair root;
   FigurePair own_cross;
   FigurePair root_cross;
-  FigurePair equal;  ///< of the root level: with as many samples as the strategy with the fewest
+  FigurePair oracle;   ///< of the root level, on its own path: samples of T itself
+  FigurePair uniform;  ///< and of uniform sampling
+  FigurePair equal;    ///< of the root level: with as many samples as the strategy with the fewest
   MetricsSummary metrics;
 };
 

@@ -93,7 +93,7 @@ std::string target_text(const TargetSpec& target) {
   if (const auto* tube = std::get_if<TubeSettings>(&target)) {
     return fmt::format("{} within {:g} m ({}) of the path",
                        tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
-                       tube->distance == "planar" ? "position only" : "full metric");
+                       tube->distance == "planar" ? "position only, all headings" : "full metric");
   }
   if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
     return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);

@@ -46,12 +46,14 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-inline constexpr std::array<Note, 6> notes = {{
+inline constexpr std::array<Note, 8> notes = {{
     {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
     {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
     {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
+    {'l', "lower bound", "a lower bound, by mass and arc length: in so many dimensions samples show no more"},
+    {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';
