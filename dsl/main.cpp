@@ -53,6 +53,8 @@ int dispatch(int argc, char** argv) {
       "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
   run->add_option("--palette", options.palette,
                   "the figures' colours of samples: safe, for any colour vision, or paper");
+  run->add_option("--report", options.report, "what is printed: overview (default), levels, efficiency or full");
+  run->add_flag("--full", options.full, "as --report full");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
 
   add_script_options(run, options.scripts);

@@ -39,6 +39,8 @@ struct RunOptions {
   std::string learn;    ///< a library of paths, "" without
   std::string novelty;  ///< metres as typed, "" without
   std::string palette;  ///< of the figures, "" for the default
+  std::string report;   ///< a kind of report, "" for the overview
+  bool full = false;    ///< the full report
   bool ablate = false;
   bool quiet = false;
 };

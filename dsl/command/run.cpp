@@ -34,6 +34,7 @@ namespace {
 
 constexpr std::uint64_t most_jobs = 1024;
 constexpr int unbounded_width = 160;
+constexpr int overview_width = 100;
 
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
   const InterruptibleRun interruptible;
@@ -187,6 +188,21 @@ draw::RoleColours palette_option(const RunOptions& options) {
   return found == names.begin() ? draw::RoleColours::safe : draw::RoleColours::paper;
 }
 
+ReportKind report_option(const RunOptions& options) {
+  if (options.full && !options.report.empty() && options.report != "full") {
+    throw Error(fmt::format("--full: it is --report full; leave out --report {}", options.report));
+  }
+  if (options.full) return ReportKind::full;
+  if (options.report.empty()) return ReportKind::overview;
+  const std::vector<std::string>& kinds = report_kinds();
+  const auto found = std::find(kinds.begin(), kinds.end(), options.report);
+  if (found == kinds.end()) {
+    throw Error(fmt::format("--report: there are {}, got '{}'{}", fmt::join(kinds, ", "), options.report,
+                            did_you_mean(options.report, kinds)));
+  }
+  return static_cast<ReportKind>(found - kinds.begin());
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -201,6 +217,7 @@ int run(const RunOptions& options) {
   if (novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
 
   const draw::RoleColours colours = palette_option(options);
+  const ReportKind kind = report_option(options);
   // Made before the script is read, so that a script may go by a library to which nothing was added yet.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
 
@@ -238,7 +255,10 @@ int run(const RunOptions& options) {
     }
   };
   if (!options.quiet) {
-    attempt([&] { print_all(report_text(program.experiment, result, report_width(unbounded_width))); });
+    attempt([&] {
+      print_all(report_text(program.experiment, result,
+                            report_width(kind == ReportKind::overview ? overview_width : unbounded_width), kind));
+    });
   }
   if (!options.json.empty()) {
     attempt([&] { write_file(options.json, report_json(program.experiment, result, options.script)); });

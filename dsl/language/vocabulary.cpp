@@ -13,6 +13,7 @@
 #include <dsl/language/catalogue.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/guide/guide.hpp>
+#include <trellis/report/glossary.hpp>
 #include <trellis/strategy/combinators.hpp>
 
 namespace trellis::dsl {
@@ -143,6 +144,24 @@ std::string text_of(const ObjectType& type) {
   return text;
 }
 
+/// "D at least" is asked for as "d at least", "re-solves" as "resolves".
+std::string folded(std::string_view name) {
+  std::string text;
+  for (const char c : name) {
+    if (c != '-' && c != ' ' && c != '_') text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+/// The words of reports that are called so; all of them for "report". "" for none.
+std::string report_words(const std::string& name) {
+  std::string text;
+  for (const ReportTerm& term : report_terms()) {
+    if (name == "report" || folded(term.name) == folded(name)) text += row(term.name, term.meaning);
+  }
+  return text.empty() ? "" : "in reports:\n" + text;
+}
+
 }  // namespace
 
 std::string vocabulary_text() {
@@ -172,18 +191,20 @@ std::string vocabulary_text() {
     if (module.kind != Word::Kind::module) continue;
     text += fmt::format("\nmodule {}: {}\n{}", module.name, module.summary, contents(module.name));
   }
+  text += "\nreport: the words of reports and their columns (help on 'report')\n";
   return text;
 }
 
 std::string help_text(const std::string& name) {
-  std::vector<std::string> known;
+  std::vector<std::string> known = {"report"};
+  const std::string in_reports = report_words(name);
   for (const Word& word : words()) {
     if (word.name == name || fmt::format("{}.{}", word.kind_text(), word.name) == name) {
       std::string text = text_of(word);
       for (const ObjectType& type : object_types()) {
         if (plain_name(type) == name && !type.members.empty()) text += '\n' + text_of(type);
       }
-      return text;
+      return in_reports.empty() ? text : text + '\n' + in_reports;
     }
     known.push_back(word.name);
   }
@@ -193,6 +214,8 @@ std::string help_text(const std::string& name) {
     const std::string inside = contents(name);
     return text_of(type) + (inside.empty() ? "" : fmt::format("\nin {}:\n{}", name, inside));
   }
+  if (!in_reports.empty()) return in_reports;
+  for (const ReportTerm& term : report_terms()) known.push_back(term.name);
   throw Error(fmt::format("no help on '{}'{}; 'trellis help' lists all words", name, did_you_mean(name, known)));
 }
 

@@ -4,11 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,6 +14,7 @@
 #include <trellis/report/report.hpp>
 #include "report_folder.hpp"
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 
 using namespace trellis;
 
@@ -78,18 +76,6 @@ const CostComparison& find(const CostData& data, const std::vector<CostCompariso
   });
   REQUIRE(found != all.end());
   return *found;
-}
-
-void check_golden(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;
-  const char* update = std::getenv("TRELLIS_UPDATE_GOLDEN");
-  if (update != nullptr && std::string(update) == "1") write_file(path.string(), text);
-  std::ifstream file(path);
-  INFO("golden file " << path);
-  REQUIRE(file);
-  std::ostringstream golden;
-  golden << file.rdbuf();
-  CHECK(text == golden.str());
 }
 
 }  // namespace
@@ -179,9 +165,9 @@ TEST_CASE("a document without CPU times has ratios of checks only", "[report][co
 
 TEST_CASE("the tables of costs", "[report][costs]") {
   const CostData data = two_worlds();
-  check_golden("costs.md", costs_markdown(data, "connect"));
-  check_golden("costs.txt", costs_text(data, "connect", 120));
-  check_golden("costs.csv", costs_csv(data, "connect"));
+  test::check_golden("costs.md", costs_markdown(data, "connect"));
+  test::check_golden("costs.txt", costs_text(data, "connect", 120));
+  test::check_golden("costs.csv", costs_csv(data, "connect"));
 }
 
 TEST_CASE("the pictures of costs are drawn where there is something to draw", "[report][costs]") {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -12,6 +9,7 @@
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 
 using namespace trellis;
 
@@ -61,18 +59,6 @@ std::pair<Experiment, ExperimentResult> published() {
   return {std::move(experiment), std::move(result)};
 }
 
-void check_golden(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;
-  const char* update = std::getenv("TRELLIS_UPDATE_GOLDEN");
-  if (update != nullptr && std::string(update) == "1") write_file(path.string(), text);
-  std::ifstream file(path);
-  INFO("golden file " << path);
-  REQUIRE(file);
-  std::ostringstream golden;
-  golden << file.rdbuf();
-  CHECK(text == golden.str());
-}
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;
@@ -91,7 +77,7 @@ std::size_t cells_of(const std::string& row) {
 
 TEST_CASE("the tables look as they should", "[report][golden]") {
   const auto [experiment, result] = published();
-  check_golden("table.md", report_markdown(experiment, result));
+  test::check_golden("table.md", report_markdown(experiment, result));
 }
 
 TEST_CASE("every row of a table has as many cells as its head, whatever things are called", "[report]") {

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
@@ -10,23 +7,11 @@
 #include <trellis/report/table.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 
 using namespace trellis;
 
 namespace {
-
-/// Compares with tests/golden/NAME; TRELLIS_UPDATE_GOLDEN=1 rewrites it instead.
-void check_golden(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(__FILE__).parent_path().parent_path() / "golden" / name;
-  const char* update = std::getenv("TRELLIS_UPDATE_GOLDEN");
-  if (update != nullptr && std::string(update) == "1") write_file(path.string(), text);
-  std::ifstream file(path);
-  INFO("golden file " << path);
-  REQUIRE(file);
-  std::ostringstream golden;
-  golden << file.rdbuf();
-  CHECK(text == golden.str());
-}
 
 std::size_t widest_line(const std::string& text) {
   std::size_t widest = 0;
@@ -39,17 +24,17 @@ std::size_t widest_line(const std::string& text) {
 
 TEST_CASE("the report looks as it should", "[report][golden]") {
   const auto [experiment, result] = fixture::passage();
-  check_golden("report.txt", report_text(experiment, result));
+  test::check_golden("report.txt", report_text(experiment, result));
 }
 
 TEST_CASE("the report of many problems takes them together", "[report][golden]") {
   const auto [experiment, result] = fixture::queries();
-  check_golden("report_queries.txt", report_text(experiment, result));
+  test::check_golden("report_queries.txt", report_text(experiment, result));
 }
 
 TEST_CASE("a narrow report splits its tables", "[report][golden]") {
   const auto [experiment, result] = fixture::passage();
-  check_golden("report_narrow.txt", report_text(experiment, result, 100));
+  test::check_golden("report_narrow.txt", report_text(experiment, result, 100));
 }
 
 TEST_CASE("the report keeps to the width", "[report]") {

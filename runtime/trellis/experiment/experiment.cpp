@@ -105,6 +105,19 @@ std::size_t steps(const Experiment& experiment) {
   return experiment.measure ? 2 * cells : cells;
 }
 
+std::string baseline_of(const Experiment& experiment) {
+  if (!experiment.baseline.empty()) return experiment.baseline;
+  std::vector<const std::pair<std::string, StrategySpec>*> whole;
+  for (const auto& entry : experiment.strategies) {
+    const auto is_ablation = [&](const AblationLink& link) { return link.strategy == entry.first; };
+    if (std::none_of(experiment.ablations.begin(), experiment.ablations.end(), is_ablation)) whole.push_back(&entry);
+  }
+  if (whole.size() < 2) return "";
+  const auto plain =
+      std::find_if(whole.begin(), whole.end(), [](const auto* entry) { return entry->second.guide() == nullptr; });
+  return plain != whole.end() ? (*plain)->first : whole.front()->first;
+}
+
 void ablate(Experiment& experiment, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto& all = experiment.strategies;
@@ -121,7 +134,7 @@ void ablate(Experiment& experiment, const std::vector<std::string>& names) {
     }
     for (const Ablation& ablation : taken) {
       const std::string text = fmt::format("{} {}", name, ablation.text());
-      experiment.ablations.push_back({text, name, ablation.text()});
+      experiment.ablations.push_back({text, name, ablation.text(), ablation.level, ablation.among, ablation.skipped});
       experiment.strategies.emplace_back(text, ablation.strategy);
     }
   }

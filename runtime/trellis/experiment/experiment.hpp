@@ -64,9 +64,13 @@ struct Measure {
 
 /// A strategy of an experiment that is another one with a guide taken out.
 struct AblationLink {
-  std::string strategy;  ///< its name
-  std::string of;        ///< the name of the whole strategy
-  std::string text;      ///< "without shrink(0.5)"
+  std::string strategy;   ///< its name
+  std::string of;         ///< the name of the whole strategy
+  std::string text;       ///< "without shrink(0.5)"
+  std::string level;      ///< what the level of that guide is called in the whole strategy
+  std::size_t among = 0;  ///< of the levels that are called so, which one, in the order of the levels
+  /// Whether what guided that guide is left. Else uniform sampling stands in its place, and all that guided it is gone.
+  bool skipped = false;
 };
 
 /// What somebody published of an experiment, to be set beside what comes out here.
@@ -107,11 +111,15 @@ struct Experiment {
   std::vector<std::uint64_t> seeds;
   std::optional<Measure> measure = Measure{};  ///< none: no efficiency is computed
   std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before it is reported
-  std::string baseline;                        ///< the strategy that the others are compared with; "": the first
+  std::string baseline;                        ///< the strategy that the others are compared with; "": baseline_of()
   std::vector<AblationLink> ablations;         ///< of the strategies, those made by ablate()
   std::optional<Publication> published;        ///< what to set the results beside
   std::vector<ProblemGroup> groups;            ///< of some of the problems; no problem is in two
 };
+
+/// The strategy that the others are compared with: the one that is named, else the first without a guide, else the
+/// first. "" for fewer than two strategies, ablations not counted.
+std::string baseline_of(const Experiment& experiment);
 
 /// Adds, after the strategies, those of `names` with each guide taken out in turn; each is compared with the whole one.
 /// Throws Error for an unknown name and for a strategy without a guide.

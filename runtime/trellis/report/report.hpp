@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,11 +13,20 @@
 
 namespace trellis {
 
-/// The printed report: per problem, one table per strategy with one row per level (space and dimension, planner,
-/// re-solves, proposals, nodes, validity checks, motion checks, time, sampling efficiency of tree and expansion with
-/// its 95 % interval over the seeds, in the level's own space and lifted to the root), then a summary of strategies
-/// side by side. UTF-8, no colour, at most `width` columns where the content allows.
-std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width = 160);
+/// What the printed report has in it.
+enum class ReportKind : std::uint8_t {
+  overview,    ///< what was solved, at which cost beside the baseline, which level pays, what to try next
+  levels,      ///< what each level did and whether it pays, with what rejects its proposals
+  efficiency,  ///< how each level sampled, with every figure of the measure
+  full,        ///< the tables of `levels` and `efficiency`, and a summary of strategies side by side
+};
+/// Their names, in this order.
+const std::vector<std::string>& report_kinds();
+
+/// The printed report, problem by problem; more than six problems are taken together. UTF-8, no colour, at most `width`
+/// columns where the content allows; an overview fits 100.
+std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width = 160,
+                        ReportKind kind = ReportKind::full);
 
 /// Parts of the printed report, for who asks about one thing at a time. What each level of one run did.
 std::string levels_text(const RunResult& run, int width = 160);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/report/summary.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -411,7 +413,7 @@ std::vector<Comparison> compare_on(const Experiment& experiment, const Experimen
                                    const std::string& problem) {
   std::vector<Comparison> comparisons;
   if (experiment.strategies.size() < 2) return comparisons;
-  const std::string& common = experiment.baseline.empty() ? experiment.strategies.front().first : experiment.baseline;
+  const std::string common = baseline_of(experiment);
   for (const auto& entry : experiment.strategies) {
     const std::string& name = entry.first;
     Comparison c;
@@ -423,7 +425,7 @@ std::vector<Comparison> compare_on(const Experiment& experiment, const Experimen
       c.baseline = link.of;
       c.text = link.text;
     }
-    if (c.baseline == name) continue;
+    if (c.baseline == name || c.baseline.empty()) continue;
     const auto mine = select_runs(result, problem, name);
     const auto theirs = select_runs(result, problem, c.baseline);
     if (mine.size() != theirs.size()) continue;
@@ -498,6 +500,26 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
       shown, [](Comparison& c) -> Paired& { return c.expansion; }, has_pairs);
   if (!problem.empty()) std::erase_if(shown, [&](const Comparison& c) { return c.problem != problem; });
   return shown;
+}
+
+std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
+  const std::size_t digits = fmt::format("{}", levels.size()).size();
+  const auto last_child = [&](std::size_t i) {
+    return std::none_of(levels.begin() + static_cast<std::ptrdiff_t>(i) + 1, levels.end(),
+                        [&](const LevelSummary& other) { return other.parent == levels[i].parent; });
+  };
+  std::vector<std::string> labels;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    std::string branches;
+    for (int at = static_cast<int>(i); at >= 0 && levels[static_cast<std::size_t>(at)].parent >= 0;
+         at = levels[static_cast<std::size_t>(at)].parent) {
+      const bool last = last_child(static_cast<std::size_t>(at));
+      const bool self = at == static_cast<int>(i);
+      branches.insert(0, self ? (last ? "└ " : "├ ") : (last ? "  " : "│ "));
+    }
+    labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
+  }
+  return labels;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

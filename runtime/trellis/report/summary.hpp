@@ -160,6 +160,9 @@ RunsSummary summarise(std::span<const RunResult* const> runs);
 std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
                                 const std::string& problem);
 
+/// What levels are called in tables, as a tree: "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
+std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
+
 /// The runs of a strategy on a problem, in the order of the result; an empty `problem`: on all of them.
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,
                                           const std::string& strategy);

@@ -8,9 +8,11 @@
 #include <optional>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/overview.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/table.hpp>
+#include <trellis/report/tables.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -153,6 +155,8 @@ void collect_shares(const GuideSpec* guide, const PlannerSpec& planner, const st
   collect_parts(*guide, out);
 }
 
+}  // namespace
+
 std::string shares_text(const StrategySpec& spec) {
   std::vector<UniformShare> shares;
   collect_shares(spec.guide(), spec.planner(), "root", shares);
@@ -170,28 +174,9 @@ std::string shares_text(const StrategySpec& spec) {
   return text;
 }
 
-// The table of one strategy ------------------------------------------------------------------------------------------
+namespace {
 
-/// "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
-std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
-  const std::size_t digits = fmt::format("{}", levels.size()).size();
-  const auto last_child = [&](std::size_t i) {
-    return std::none_of(levels.begin() + static_cast<std::ptrdiff_t>(i) + 1, levels.end(),
-                        [&](const LevelSummary& other) { return other.parent == levels[i].parent; });
-  };
-  std::vector<std::string> labels;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    std::string branches;
-    for (int at = static_cast<int>(i); at >= 0 && levels[static_cast<std::size_t>(at)].parent >= 0;
-         at = levels[static_cast<std::size_t>(at)].parent) {
-      const bool last = last_child(static_cast<std::size_t>(at));
-      const bool self = at == static_cast<int>(i);
-      branches.insert(0, self ? (last ? "└ " : "├ ") : (last ? "  " : "│ "));
-    }
-    labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
-  }
-  return labels;
-}
+// The table of one strategy ------------------------------------------------------------------------------------------
 
 Table::Column number_column(std::vector<std::string> heading, std::string group = "") {
   return {std::move(heading), std::move(group), false};
@@ -230,6 +215,8 @@ std::string waterfall_text(const std::string& label, const Waterfall& waterfall,
   }
   return wrap(line, width, label, std::string(display_width(label), ' '));
 }
+
+}  // namespace
 
 std::string search_table(const RunsSummary& summary, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
@@ -286,6 +273,8 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
   }
   return table.text(width);
 }
+
+namespace {
 
 bool any_sample(const FigurePair& a, const FigurePair& b, Figure FigurePair::*role) {
   return (a.*role).scored > 0 || (b.*role).scored > 0;
@@ -448,7 +437,8 @@ std::string metrics_table(const std::vector<LevelSummary>& levels, std::size_t w
   return table.text(width);
 }
 
-/// How the levels sampled, where there is anything to score them against.
+}  // namespace
+
 std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (!any_figure(levels)) return "no path, so no target to score against\n";
@@ -459,6 +449,8 @@ std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
   }
   return out + check_text(levels, width);
 }
+
+namespace {
 
 /// "all 14 other seeds together, on 4 paths: tree SE 0.43 (mass 0.31, spread 0.12); expansion ...".
 std::string pooled_text(const ExperimentResult& result, const std::string& problem, const std::string& strategy,
@@ -481,12 +473,13 @@ std::string pooled_text(const ExperimentResult& result, const std::string& probl
   return "";
 }
 
-std::string strategy_table(const RunsSummary& summary, bool measured, std::size_t width) {
+/// \param search  whether the table of what each level did is in it
+std::string strategy_table(const RunsSummary& summary, bool measured, bool search, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (levels.empty()) return "no level was reached\n";
-  std::string out = search_table(summary, width);
-  if (!measured) return out;
-  out += (any_figure(levels) ? "\n" : "") + efficiency_tables(summary, width);
+  std::string out = search ? search_table(summary, width) : "";
+  if (!measured) return search ? out : "the experiment measures nothing (measure = false)\n";
+  out += (search && any_figure(levels) ? "\n" : "") + efficiency_tables(summary, width);
   if (const std::string table = metrics_table(levels, width); !table.empty()) out += "\n" + table;
   return out;
 }
@@ -743,8 +736,15 @@ std::string summary_text(const Experiment& experiment, const ExperimentResult& r
   return out;
 }
 
-std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width) {
+const std::vector<std::string>& report_kinds() {
+  static const std::vector<std::string> names = {"overview", "levels", "efficiency", "full"};
+  return names;
+}
+
+std::string report_text(const Experiment& experiment, const ExperimentResult& result, int width, ReportKind kind) {
   const std::size_t columns = columns_of(width);
+  if (kind == ReportKind::overview) return overview_text(experiment, result, columns);
+  if (kind == ReportKind::levels) return levels_report_text(experiment, result, columns);
   const bool measured = experiment.measure.has_value();
   std::string out = legend(experiment, result, columns);
 
@@ -759,7 +759,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
       out += wrap(fmt::format("solved {}/{} runs ({} %, 95 % Wilson) · {}", summary.solved, summary.runs,
                               wilson_text(summary.success), shares_text(spec)),
                   columns, "", "    ");
-      out += strategy_table(summary, measured, columns);
+      out += strategy_table(summary, measured, kind == ReportKind::full, columns);
       if (measured) out += pooled_text(result, problem, name, columns);
     }
     out += summary_section(experiment, result, problem, rows, columns);

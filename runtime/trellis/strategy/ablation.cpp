@@ -54,8 +54,12 @@ std::vector<Ablation> ablations(const StrategySpec& strategy) {
   std::vector<std::string> names;
   names.reserve(components.size());
   for (const GuideSpec* component : components) names.push_back(bare(*component).text());
+  std::vector<std::string> levels;
   for (std::size_t i = 0; i < components.size(); ++i) {
     std::string name = names[i];
+    const std::string level = components[i]->text_alone();
+    const auto among = static_cast<std::size_t>(std::count(levels.begin(), levels.end(), level));
+    levels.push_back(level);
     if (std::count(names.begin(), names.end(), name) > 1) {
       const auto end = names.begin() + static_cast<std::ptrdiff_t>(i) + 1;
       name += fmt::format(" #{}", std::count(names.begin(), end, names[i]));
@@ -64,7 +68,7 @@ std::vector<Ablation> ablations(const StrategySpec& strategy) {
       if (how == How::skip && components[i]->below() == nullptr) continue;
       std::size_t which = i;
       GuideSpec rest = without(*strategy.guide(), which, how);
-      result.push_back({name, how == How::skip, StrategySpec(strategy.planner(), std::move(rest))});
+      result.push_back({name, level, among, how == How::skip, StrategySpec(strategy.planner(), std::move(rest))});
     }
   }
   return result;

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/report/glossary.hpp>
+
+namespace trellis {
+
+const std::vector<ReportTerm>& report_terms() {
+  static const std::vector<ReportTerm> terms = {
+      {"baseline",
+       "the strategy that the others are compared with: the experiment's `baseline`, else the first strategy without a "
+       "guide, else the first"},
+      {"solved", "runs that found a path, of all runs"},
+      {"validity checks",
+       "collision checks of single configurations, summed over all levels; the median over the runs, an unsolved run "
+       "infinite"},
+      {"motion checks", "checked motions between two configurations; each takes several validity checks"},
+      {"ms", "milliseconds: set-up and planning of all levels, without scoring; the median over the runs"},
+      {"path", "length of the path in the metric of C, metres; the mean over the solved runs"},
+      {"p",
+       "sign test, paired by seed, corrected by Holm over the comparisons shown: the chance of so clear a difference "
+       "if "
+       "there were none"},
+      {"share of", "this level's part of what all runs spent in all levels, in per cent"},
+      {"nats", "the unit of divergences: natural logarithms"},
+      {"divergence",
+       "D(T||Q), Kullback-Leibler: how unlike the target T the samples Q are, in nats; 0 for samples of T itself. With "
+       "5 % uniform samples mixed in, so that it is finite"},
+      {"SE",
+       "sampling efficiency of the paper, SE_T(Q) = D(T||Q): the divergence; lower is better. The paper's information "
+       "gain is this figure too"},
+      {"target", "T: uniform on a tube around the path found, unless the experiment's `measure` says otherwise"},
+      {"above uniform",
+       "the divergence of uniform sampling minus that of the samples, nats: + is better than uniform sampling, 0 is "
+       "uniform sampling, the most is perfect guidance"},
+      {"mass",
+       "the part of the divergence that says how often a sample lies in the target: -log Q(T). It is counted, and "
+       "exact"},
+      {"spread",
+       "the part of the divergence that says how evenly the samples in the target cover it: D(T || Q given T). Mass "
+       "and "
+       "spread sum to the divergence"},
+      {"along", "the part of the spread along the path: the divergence of arc length"},
+      {"across", "the part of the spread across the path"},
+      {"left out",
+       "the strategy without this level beside the whole one (--ablate): ratio of validity checks, median over the "
+       "seeds; "
+       "above 1 the level saves checks"},
+      {"verdict",
+       "whether a level pays. `--ablate` decides; without it, the samples of the level and the costs of the strategy "
+       "beside the baseline"},
+      {"pays",
+       "verdict: the strategy costs more without the level (checks); or its samples lie clearly nearer to the target "
+       "than "
+       "those of the level below (mass or spread) and the strategy costs less than the baseline"},
+      {"costs",
+       "verdict: the strategy costs less without the level; or its samples add nothing and the strategy costs more "
+       "than "
+       "the baseline"},
+      {"misleads", "verdict: the level's samples lie in the target less often than uniform samples do"},
+      {"not shown", "verdict: the runs show neither that the level pays nor that it costs"},
+      {"too few runs to say", "verdict: so few runs could not show a difference, however clear it was"},
+      {"oracle", "samples drawn from the target itself, perfect guidance: what the estimator makes of them"},
+      {"tree", "nodes of the search; of a roadmap, those that were checked"},
+      {"expansion", "what was proposed, before extension: samples of h"},
+      {"level solved", "runs in which the level found a path of its own"},
+      {"re-solves", "how often the level was solved again, for another path or in a changed world"},
+      {"proposals", "samples that the level's planner drew"},
+      {"nodes", "nodes of the level's tree or roadmap"},
+      {"guided",
+       "by guided proposals: checks of motions towards what the guide proposed, and of the guiding path's validation"},
+      {"unguided", "by unguided proposals: uniform ones and the goal"},
+      {"levels below", "by the levels that guide this one"},
+      {"N", "samples that are scored, the median over the runs"},
+      {"in target", "samples that lie in the target, the median over the runs"},
+      {"D", "the divergence with nothing mixed in: infinite where a part of the target has no sample"},
+      {"D at least", "the lower end of the 95 % interval of mass, a bound on D"},
+      {"empty", "share of the target's bins along the path that have no sample"},
+      {"covered", "share of the target within delta of a sample; in brackets that of as many uniform samples"},
+      {"JS", "Jensen-Shannon divergence, nats, at most 0.69"},
+      {"own path", "scored on the path of the same run"},
+      {"other seeds", "scored on paths that other seeds found, which no run can fit its samples to"},
+      {"pooled", "samples of all seeds but one, scored together on that one's path"},
+  };
+  return terms;
+}
+
+}  // namespace trellis

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The report that a run prints: did it solve, what did it cost beside the baseline, which level pays, what to try next.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/experiment/rejections.hpp>
+#include <trellis/report/overview.hpp>
+#include <trellis/report/summary.hpp>
+#include <trellis/report/table.hpp>
+#include <trellis/report/tables.hpp>
+#include <trellis/report/unsolved.hpp>
+#include <trellis/report/verdict.hpp>
+#include <trellis/report/words.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Above so many problems they are taken together.
+constexpr std::size_t most_single_problems = 6;
+/// Above so many tables of levels the report would not fit a screen: they are left to --report levels.
+constexpr std::size_t most_level_tables = 4;
+constexpr double significant = 0.05;
+
+Table::Column number_column(std::vector<std::string> heading, std::string group = "") {
+  return {std::move(heading), std::move(group), false};
+}
+Table::Column text_column(std::string heading, std::string group = "") {
+  return {{std::move(heading)}, std::move(group), true};
+}
+
+struct Row {
+  std::string name;
+  const StrategySpec* spec;
+  RunsSummary summary;
+  std::vector<const RunResult*> runs;
+};
+
+/// One problem, or all of them taken together, with its strategies and their comparisons.
+struct Section {
+  std::string problem;  ///< "": all
+  std::string heading;
+  std::vector<Row> rows;  ///< ablations left out
+  std::vector<Comparison> comparisons;
+  std::string baseline;
+};
+
+bool is_ablation(const Experiment& experiment, const std::string& strategy) {
+  return std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
+                     [&](const AblationLink& link) { return link.strategy == strategy; });
+}
+
+const Comparison* comparison_of(const Section& section, const std::string& strategy) {
+  const auto it = std::find_if(section.comparisons.begin(), section.comparisons.end(),
+                               [&](const Comparison& c) { return c.strategy == strategy; });
+  return it != section.comparisons.end() ? &*it : nullptr;
+}
+
+Section section_of(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                   std::string heading) {
+  Section section;
+  section.problem = problem;
+  section.heading = std::move(heading);
+  section.baseline = baseline_of(experiment);
+  section.comparisons = compare(experiment, result, problem);
+  for (const auto& [name, spec] : experiment.strategies) {
+    if (is_ablation(experiment, name)) continue;
+    auto runs = select_runs(result, problem, name);
+    section.rows.push_back({name, &spec, summarise(runs), std::move(runs)});
+  }
+  return section;
+}
+
+/// A bar of eighths of a column, `share` of `width` columns long; never empty where there is something.
+std::string bar(double share, std::size_t width) {
+  static const char* const eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  if (!(share > 0.0)) return "";
+  const auto parts = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::lround(8.0 * std::min(share, 1.0) * static_cast<double>(width))));
+  std::string text;
+  for (std::size_t i = 0; i < parts / 8; ++i) text += "█";
+  return text + eighths[parts % 8];
+}
+
+std::string strategies_table(const Section& section, std::size_t width) {
+  constexpr std::size_t bar_width = 16;
+  const bool compared = section.rows.size() > 1 && !section.baseline.empty();
+  double most = 0.0;
+  double slowest = 0.0;
+  for (const Row& row : section.rows) {
+    if (std::isfinite(row.summary.validity_checks.value)) most = std::max(most, row.summary.validity_checks.value);
+    if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
+  }
+  const std::string checks = "validity checks, median";
+  std::vector<Table::Column> columns = {text_column("strategy"), number_column({"solved"}), number_column({""}, checks),
+                                        text_column("", checks)};
+  const std::string beside = "× " + section.baseline;
+  if (compared) {
+    columns.push_back(number_column({"checks [99 %]"}, beside));
+    columns.push_back(number_column({"p"}, beside));
+  }
+  columns.push_back(number_column({"ms"}));
+  columns.push_back(number_column({"path m"}));
+  Table table(columns);
+  for (const Row& row : section.rows) {
+    const RunsSummary& s = row.summary;
+    std::vector<std::string> cells = {
+        row.name, fmt::format("{}/{}", s.solved, s.runs), count_text(s.validity_checks.value),
+        std::isfinite(s.validity_checks.value) && most > 0.0 ? bar(s.validity_checks.value / most, bar_width) : ""};
+    if (compared) {
+      const Comparison* c = comparison_of(section, row.name);
+      cells.push_back(row.name == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
+      cells.push_back(row.name == section.baseline || c == nullptr ? "" : p_text(c->validity_checks.holm_p));
+    }
+    cells.push_back(milliseconds_text(s.seconds.value, decimals_for(slowest)));
+    cells.push_back(std::isnan(s.length.value) ? "-" : fixed(s.length.value, 1));
+    table.add(std::move(cells));
+  }
+  return table.text(width);
+}
+
+/// uniform - figure, with the interval of the figure.
+Interval above(double uniform, const Interval& figure) {
+  Interval result = figure;
+  result.value = uniform - figure.value;
+  result.lo = uniform - figure.hi;
+  result.hi = uniform - figure.lo;
+  return result;
+}
+
+/// "a level has nats" in the order of its parts: all, mass, spread.
+struct Nats {
+  std::string total, mass, spread;
+  bool blank = false;
+};
+Nats nats_of(const LevelSummary& level) {
+  const Figure& figure = lifted_figure(level);
+  if (figure.scored == 0) return {"-", "-", "-"};
+  const std::string mass = interval_text(above(figure.uniform.value, figure.mass_part), 2, true);
+  if (estimate_fails(figure)) return {"", mass, "", true};
+  Interval spread = figure.spread_part;
+  spread.value = -spread.value;
+  return {interval_text(figure.gain, 2, true), mass,
+          std::isfinite(spread.value) ? fixed(spread.value, 2, true) : interval_text(spread, 2, true)};
+}
+
+/// "+1.95 is perfect guidance", of the oracle's nodes.
+std::string scale_text(const RunsSummary& summary) {
+  if (summary.levels.empty()) return "";
+  const Figure& perfect = summary.levels.front().oracle.tree;
+  const Figure& root = summary.levels.front().root.tree;
+  const double top = perfect.scored > 0 ? perfect.gain.value : root.uniform.value - root.perfect.value;
+  return std::isfinite(top) ? fmt::format("0 is uniform sampling, {} perfect guidance", fixed(top, 2, true)) : "";
+}
+
+/// Which level pays, of one strategy.
+std::string levels_table(const Experiment& experiment, const Section& section, const Row& row, std::size_t width) {
+  const std::vector<LevelSummary>& levels = row.summary.levels;
+  if (levels.size() < 2) return "";
+  const std::vector<Verdict> found = verdicts(experiment, row.name, row.summary, section.comparisons);
+  const bool measured = experiment.measure.has_value();
+  const bool ablated = std::any_of(found.begin(), found.end(), [](const Verdict& v) { return v.left_out.has_value(); });
+  const std::string share = "share of";
+  const std::string nats = "nats above uniform";
+  const std::string left_out = "left out";
+  std::vector<Table::Column> columns = {text_column("level"), number_column({"checks"}, share),
+                                        number_column({"time"}, share)};
+  if (measured) {
+    columns.insert(columns.end(),
+                   {number_column({"all"}, nats), number_column({"mass"}, nats), number_column({"spread"}, nats)});
+  }
+  if (ablated) {
+    columns.push_back(number_column({"checks"}, left_out));
+    columns.push_back(number_column({"p"}, left_out));
+  }
+  columns.push_back(text_column("verdict"));
+  const auto labels = level_labels(levels);
+  Table table(columns);
+  bool blank = false;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const auto per_cent = [](double x) { return std::isfinite(x) ? percent(x) + " %" : std::string("-"); };
+    std::vector<std::string> cells = {labels[i], per_cent(levels[i].check_share), per_cent(levels[i].time_share)};
+    if (measured) {
+      const Nats of = nats_of(levels[i]);
+      blank = blank || of.blank;
+      cells.insert(cells.end(), {of.total, of.mass, of.spread});
+    }
+    if (ablated) {
+      const auto& costs = found[i].left_out;
+      cells.push_back(costs ? "×" + fixed(costs->ratio.value, 2) : "-");
+      cells.push_back(costs ? p_text(costs->holm_p) : "-");
+    }
+    cells.push_back(verdict_text(found[i]));
+    table.add(std::move(cells));
+  }
+  const std::string text = row.spec->text();
+  std::string out =
+      wrap(fmt::format("Which level pays? {}", row.name == text ? text : row.name + " = " + text), width, "", "  ");
+  out += table.text(width);
+  if (measured) {
+    const std::string scale = scale_text(row.summary);
+    std::string notes = scale;
+    if (blank) {
+      notes += fmt::format("{}blank: too few samples in the target to estimate", notes.empty() ? "" : "; ");
+    }
+    if (!notes.empty()) out += wrap(notes, width, "  ", "  ");
+  }
+  return out;
+}
+
+/// Strategies whose guides do worse than none, and runs without a path, with the reasons.
+std::string warnings(const Section& section, std::size_t width) {
+  std::string out;
+  for (const Row& row : section.rows) {
+    if (const std::string why = unsolved_text(row.runs, *row.spec); !why.empty()) {
+      out += wrap(fmt::format("{}: {}", row.name, why), width, "", "  ");
+    }
+    const Comparison* c = comparison_of(section, row.name);
+    const auto baseline = std::find_if(section.rows.begin(), section.rows.end(),
+                                       [&](const Row& other) { return other.name == section.baseline; });
+    if (c == nullptr || baseline == section.rows.end()) continue;
+    if (row.spec->guide() == nullptr || baseline->spec->guide() != nullptr) continue;
+    const PairedCosts& costs = c->validity_checks;
+    if (costs.holm_p >= significant || costs.greater <= costs.less) continue;
+    out += wrap(fmt::format("warning: {} does worse than no guide: it costs more than {} in {} of {} runs", row.name,
+                            section.baseline, costs.greater, costs.pairs),
+                width, "", "  ");
+  }
+  return out;
+}
+
+/// What to try next, one line.
+std::string next_step(const Experiment& experiment, const std::vector<Section>& sections) {
+  for (const Section& section : sections) {
+    for (const Row& row : section.rows) {
+      if (row.summary.solved == row.summary.runs) continue;
+      const double half = 0.5 * static_cast<double>(row.summary.runs);
+      if (static_cast<double>(row.summary.solved) >= half && row.summary.runs > 1) continue;
+      return fmt::format(
+          "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
+          "stopped",
+          row.name, row.summary.solved, plural(row.summary.runs, "run"));
+    }
+  }
+  const Row* guided = nullptr;
+  std::string costly;
+  std::string misleading;
+  bool short_of_runs = false;
+  bool decided_by_samples = false;
+  for (const Section& section : sections) {
+    for (const Row& row : section.rows) {
+      if (row.spec->guide() == nullptr) continue;
+      if (guided == nullptr) guided = &row;
+      const auto found = verdicts(experiment, row.name, row.summary, section.comparisons);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const std::string& level = row.summary.levels[i].name;
+        if (found[i].kind == Verdict::Kind::costs && costly.empty()) costly = level + " of " + row.name;
+        if (found[i].kind == Verdict::Kind::misleads && misleading.empty()) misleading = level + " of " + row.name;
+        if (found[i].kind == Verdict::Kind::too_few_runs) short_of_runs = true;
+        if (found[i].kind != Verdict::Kind::none && !found[i].left_out) decided_by_samples = true;
+      }
+    }
+  }
+  if (guided == nullptr) {
+    return experiment.strategies.size() > 1 ? "--report full prints every figure"
+                                            : "put a guide before the planner, for instance skeleton() >> " +
+                                                  experiment.strategies.front().second.text();
+  }
+  if (!costly.empty()) return "leave out " + costly + ": the strategy costs less without it";
+  if (!misleading.empty()) return "look at the proposals of " + misleading + ": --html FILE shows them on the map";
+  if (short_of_runs) {
+    constexpr std::size_t enough = 15;
+    return fmt::format("{} could not show a difference: --seeds {}", plural(experiment.seeds.size(), "seed"),
+                       std::max(enough, 2 * experiment.seeds.size()));
+  }
+  const bool one = sections.front().rows.size() == 1;
+  if (one) return "add a strategy without a guide to the experiment, to see what the guides save";
+  if (decided_by_samples) return "--ablate runs " + guided->name + " without each of its levels, which decides";
+  return "--report full prints every figure; --html FILE shows the runs";
+}
+
+}  // namespace
+
+namespace {
+
+std::vector<Section> sections_of(const Experiment& experiment, const ExperimentResult& result) {
+  std::vector<Section> sections;
+  if (experiment.problems.size() > most_single_problems) {
+    sections.push_back(section_of(experiment, result, "",
+                                  fmt::format("{} problems together ({} … {})", experiment.problems.size(),
+                                              experiment.problems.front().name, experiment.problems.back().name)));
+  } else {
+    for (const Problem& problem : experiment.problems) {
+      sections.push_back(section_of(experiment, result, problem.name, problem.name));
+    }
+  }
+  return sections;
+}
+
+std::string heading_of(const Experiment& experiment, const Section& section, std::size_t width) {
+  std::string heading = fmt::format("{} · {}", section.heading, seeds_text(experiment.seeds));
+  if (!section.baseline.empty() && section.rows.size() > 1) heading += " · baseline: " + section.baseline;
+  return wrap(heading, width, "", "  ");
+}
+
+/// What rejected most of the proposals of each level, over the runs.
+std::string rejections_text(const Experiment& experiment, const Row& row, std::size_t width) {
+  std::string out;
+  for (const LevelSummary& level : row.summary.levels) {
+    std::size_t rejected = 0;
+    std::size_t proposals = 0;
+    std::size_t examined = 0;
+    std::map<std::string, std::size_t> by;
+    for (const RunResult* run : row.runs) {
+      const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
+                                        [&](const Problem& p) { return p.name == run->problem; });
+      for (const LevelResult& one : run->levels) {
+        if (one.record.key != level.key || problem == experiment.problems.end()) continue;
+        const Rejections found = rejections(one.record, problem->resolution);
+        rejected += found.rejected;
+        proposals += one.record.search.proposals.size();
+        examined += found.examined;
+        for (const auto& [name, count] : found.by) by[name] += count;
+      }
+    }
+    const auto most =
+        std::max_element(by.begin(), by.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most == by.end()) continue;
+    const auto share = [](std::size_t part, std::size_t whole) {
+      return percent(static_cast<double>(part) / static_cast<double>(whole)) + " %";
+    };
+    out += wrap(fmt::format("{}: {} of {} proposals rejected, {} of these by {}", level.name,
+                            share(rejected, proposals), proposals, share(most->second, examined), most->first),
+                width, "", "  ");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
+  std::string out;
+  for (const Section& section : sections_of(experiment, result)) {
+    out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width);
+    for (const Row& row : section.rows) {
+      const std::string verdict = levels_table(experiment, section, row, width);
+      const std::string text = row.spec->text();
+      out +=
+          '\n' + (verdict.empty() ? wrap(row.name == text ? text : row.name + " = " + text, width, "", "  ") : verdict);
+      out += wrap(fmt::format("solved {}/{} runs · {}", row.summary.solved, row.summary.runs, shares_text(*row.spec)),
+                  width, "", "  ");
+      out += search_table(row.summary, width) + rejections_text(experiment, row, width);
+    }
+    out += warnings(section, width);
+  }
+  return out;
+}
+
+std::string overview_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
+  const std::vector<Section> sections = sections_of(experiment, result);
+  std::size_t tables = 0;
+  for (const Section& section : sections) {
+    for (const Row& row : section.rows) tables += row.summary.levels.size() > 1 ? 1 : 0;
+  }
+  std::string out;
+  for (const Section& section : sections) {
+    out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
+    out += warnings(section, width);
+    if (tables > most_level_tables) continue;
+    for (const Row& row : section.rows) {
+      if (const std::string table = levels_table(experiment, section, row, width); !table.empty()) {
+        out += '\n' + table;
+      }
+    }
+  }
+  if (tables > most_level_tables) {
+    out += wrap(fmt::format("{} strategies with guides: --report levels says which of their levels pay", tables), width,
+                "\n", "");
+  }
+  return out + '\n' + wrap(next_step(experiment, sections), width, "→ ", "  ") +
+         wrap("more: --report levels, efficiency or full; `trellis help report` explains the columns", width, "  ",
+              "  ");
+}
+
+}  // namespace trellis
