@@ -358,7 +358,8 @@ const Construct& experiment_construct() {
             "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
             "the first that has a figure gives the headline; of a list that is given, the others stand beside it",
             false, "{ exact(), arc(), knn() }"},
-           {"baseline", "string", "the name of a strategy", "what the others are compared with; the first by default"},
+           {"baseline", "string", "the name of a strategy",
+            "what the others are compared with; by default the first strategy without a guide, else the first"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
             "problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are "
             "held "

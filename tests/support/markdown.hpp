@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -79,7 +80,7 @@ inline Document read_markdown(const std::string& text) {
 }
 
 /// What is compared of a printed text: no colours, no blanks but one between words, rules of one dash; and no times, as
-/// they differ each time: numbers before ' ms' or ' s', and those under a heading 'ms'.
+/// they differ each time: numbers before ' ms' or ' s', and those under a heading 'ms' or 'time'.
 inline std::vector<std::string> comparable(const std::string& text) {
   static const std::regex colour("\x1b\\[[0-9;?]*[A-Za-z]|\r");
   static const std::regex time(R"([0-9]+(\.[0-9]+)?(e-?[0-9]+)? (ms|s)\b)");
@@ -89,6 +90,18 @@ inline std::vector<std::string> comparable(const std::string& text) {
     return std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(end),
                          [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
   };
+  // Where a heading of times ends, in a line of headings: "ms" or "time" among words without digits, brackets apart.
+  const auto end_of_heading = [](const std::string& line) -> std::optional<std::size_t> {
+    static const std::regex brackets(R"(\[[^\]]*\])");
+    if (std::regex_replace(line, brackets, "").find_first_of("0123456789") != std::string::npos) return std::nullopt;
+    for (const std::string heading : {" ms", " time"}) {
+      const auto at = line.find(heading);
+      if (at == std::string::npos) continue;
+      const std::size_t end = at + heading.size();
+      if (end == line.size() || line[end] == ' ') return end;
+    }
+    return std::nullopt;
+  };
   std::vector<std::string> result;
   std::ptrdiff_t column = -1;  // where the numbers of a column of times end
   for (const std::string& raw : lines_of(text)) {
@@ -96,8 +109,8 @@ inline std::vector<std::string> comparable(const std::string& text) {
     std::string line = std::regex_replace(erased == std::string::npos ? raw : raw.substr(erased), colour, "");
     line.erase(line.find_last_not_of(' ') + 1);
     if (line.empty()) column = -1;
-    if (const auto at = line.find(" ms"); at != std::string::npos && (at + 3 == line.size() || line[at + 3] == ' ')) {
-      column = line.find_first_of("0123456789") == std::string::npos ? place(line, at + 3) : column;
+    if (const auto end = end_of_heading(line)) {
+      column = place(line, *end);
     } else if (column >= 0) {
       for (std::size_t end = 0; end < line.size(); ++end) {
         const bool last = std::isdigit(static_cast<unsigned char>(line[end])) != 0 &&

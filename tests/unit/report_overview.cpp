@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -40,36 +41,24 @@ PairedCosts costs(std::size_t n, std::size_t less, double ratio) {
   return result;
 }
 
-/// A hierarchy of a root and one guide, and the strategy without the guide, with these costs of it.
+/// A hierarchy of a root and one guide.
 struct OneGuide {
-  Experiment experiment;
   RunsSummary summary;
-  std::vector<Comparison> comparisons;
+  std::vector<std::optional<PairedCosts>> without;
+  std::optional<PairedCosts> whole;
 
-  OneGuide() {
+  OneGuide() : without(2) {
     LevelSummary root;
     root.name = "root";
-    LevelSummary guide;
+    root.runs = 12;
+    LevelSummary guide = root;
     guide.name = "lazy()";
     guide.parent = 0;
     summary.levels = {root, guide};
   }
-  void ablate(const PairedCosts& left_out) {
-    experiment.ablations = {{"nested without lazy()", "nested", "without lazy()", "lazy()", 0, false}};
-    Comparison c;
-    c.strategy = "nested without lazy()";
-    c.baseline = "nested";
-    c.validity_checks = left_out;
-    comparisons.push_back(c);
-  }
+  void ablate(const PairedCosts& left_out) { without[1] = left_out; }
   /// Beside the baseline.
-  void cost(const PairedCosts& whole) {
-    Comparison c;
-    c.strategy = "nested";
-    c.baseline = "rrt";
-    c.validity_checks = whole;
-    comparisons.push_back(c);
-  }
+  void cost(const PairedCosts& costs) { whole = costs; }
   /// The guide's samples: mass and what it added to uniform sampling, each with an interval of ±0.1.
   void sampled(double mass, double added, std::size_t runs) {
     const auto around = [&](double value) { return Interval{value, value - 0.1, value + 0.1, runs, 0}; };
@@ -82,7 +71,7 @@ struct OneGuide {
     summary.tree_waterfall.steps = {{1, -1, around(0.0), around(added), around(added)}};
   }
   [[nodiscard]] std::string verdict() const {
-    const auto found = verdicts(experiment, "nested", summary, comparisons);
+    const auto found = verdicts(summary, without, whole ? &*whole : nullptr);
     REQUIRE(found.size() == 2);
     CHECK(verdict_text(found[0]).empty());
     return verdict_text(found[1]);
@@ -164,22 +153,42 @@ TEST_CASE("of two guides that are called the same each has its own ablation", "[
   CHECK(levels[0] == std::pair<std::string, std::size_t>("without " + shrink + " #1", 0));
   CHECK(levels[1] == std::pair<std::string, std::size_t>("skipping " + shrink + " #1", 0));
   CHECK(levels[2] == std::pair<std::string, std::size_t>("without " + shrink + " #2", 1));
+}
 
-  OneGuide pair;
-  LevelSummary second = pair.summary.levels[1];
-  second.parent = 1;
-  pair.summary.levels.push_back(second);
-  pair.ablate(costs(12, 0, 3.0));
-  pair.experiment.ablations.push_back({"nested without lazy() #2", "nested", "without lazy() #2", "lazy()", 1, false});
-  Comparison c;
-  c.strategy = "nested without lazy() #2";
-  c.baseline = "nested";
-  c.validity_checks = costs(12, 12, 1.0);
-  pair.comparisons.push_back(c);
-  const auto found = verdicts(pair.experiment, "nested", pair.summary, pair.comparisons);
-  REQUIRE(found.size() == 3);
-  CHECK(verdict_text(found[1]) == "pays (checks)");
-  CHECK(verdict_text(found[2]) == "costs (checks)");
+TEST_CASE("a strategy of the experiment without a level is its ablation", "[report][verdict]") {
+  auto [experiment, result] = fixture::passage();
+  const auto levels = [&] { return summarise(select_runs(result, "simple_passage", "nested")).levels; };
+  const auto found = [&] { return costs_without_levels(experiment, result, "simple_passage", "nested", levels()); };
+  for (const auto& none : found()) CHECK(!none);
+  // The skeleton guides the smaller robot: without the latter it guides the lazy level.
+  experiment.strategies.emplace_back("coarse", GuideSpec::make("skeleton", {}) >> GuideSpec::make("lazy", {}) >>
+                                                   PlannerSpec::make("rrt", {{"step", 0.4}}));
+  for (const auto seed : experiment.seeds) {
+    RunResult run = fixture::nested_run("simple_passage", seed, true);
+    run.strategy = "coarse";
+    run.run.validity_checks *= 2;
+    result.runs.push_back(std::move(run));
+  }
+  const auto costs = found();
+  REQUIRE(costs.size() == 4);
+  CHECK((!costs[0] && !costs[1] && costs[2].has_value() && !costs[3]));
+  CHECK(costs[2]->ratio.value == 2.0);
+  CHECK(costs[2]->holm_p < 0.001);
+  CHECK(has(overview(experiment, result), "pays (checks)"));
+
+  // A planner without a guide is what its only guide is compared with.
+  Experiment single;
+  single.problems = {fixture::problem("simple_passage")};
+  single.strategies = {{"rrt", fixture::plain()}, {"nested", GuideSpec::make("lazy", {}) >> fixture::plain()}};
+  single.seeds = experiment.seeds;
+  std::vector<LevelSummary> two(2);
+  two[0].name = "root";
+  two[1].name = "lazy()";
+  two[1].parent = 0;
+  const auto alone = costs_without_levels(single, result, "simple_passage", "nested", two);
+  REQUIRE(alone.size() == 2);
+  REQUIRE(alone[1].has_value());
+  CHECK(alone[1]->pairs == 15);
 }
 
 TEST_CASE("the baseline is the one that is named, else the first without a guide, else the first", "[report]") {
@@ -273,7 +282,7 @@ TEST_CASE("every word of the overview is explained", "[report]") {
     known.push_back(term.name);
   }
   for (const char* word : {"baseline", "solved", "validity checks", "p",         "ms",        "path",
-                           "share of", "nats",   "above uniform",   "mass",      "spread",    "left out",
+                           "share", "nats",   "above uniform",   "mass",      "spread",    "left out",
                            "verdict",  "pays",   "costs",           "misleads",  "not shown", "too few runs to say",
                            "SE",       "tree",   "expansion",       "re-solves", "oracle"}) {
     CAPTURE(word);

@@ -19,7 +19,7 @@ const std::vector<ReportTerm>& report_terms() {
        "sign test, paired by seed, corrected by Holm over the comparisons shown: the chance of so clear a difference "
        "if "
        "there were none"},
-      {"share of", "this level's part of what all runs spent in all levels, in per cent"},
+      {"share", "this level's part of what all runs spent in all levels, in per cent"},
       {"nats", "the unit of divergences: natural logarithms"},
       {"divergence",
        "D(T||Q), Kullback-Leibler: how unlike the target T the samples Q are, in nats; 0 for samples of T itself. With "

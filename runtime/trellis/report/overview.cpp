@@ -28,6 +28,8 @@ constexpr std::size_t most_single_problems = 6;
 /// Above so many tables of levels the report would not fit a screen: they are left to --report levels.
 constexpr std::size_t most_level_tables = 4;
 constexpr double significant = 0.05;
+/// Names of levels are cut to so many columns, so that a row fits a line; the heading has them whole.
+constexpr std::size_t longest_label = 32;
 
 Table::Column number_column(std::vector<std::string> heading, std::string group = "") {
   return {std::move(heading), std::move(group), false};
@@ -41,6 +43,7 @@ struct Row {
   const StrategySpec* spec;
   RunsSummary summary;
   std::vector<const RunResult*> runs;
+  std::vector<Verdict> verdicts;  ///< of its levels
 };
 
 /// One problem, or all of them taken together, with its strategies and their comparisons.
@@ -73,7 +76,11 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
   for (const auto& [name, spec] : experiment.strategies) {
     if (is_ablation(experiment, name)) continue;
     auto runs = select_runs(result, problem, name);
-    section.rows.push_back({name, &spec, summarise(runs), std::move(runs)});
+    Row row{name, &spec, summarise(runs), std::move(runs), {}};
+    const Comparison* beside = comparison_of(section, name);
+    row.verdicts = verdicts(row.summary, costs_without_levels(experiment, result, problem, name, row.summary.levels),
+                            beside != nullptr ? &beside->validity_checks : nullptr);
+    section.rows.push_back(std::move(row));
   }
   return section;
 }
@@ -160,14 +167,26 @@ std::string scale_text(const RunsSummary& summary) {
   return std::isfinite(top) ? fmt::format("0 is uniform sampling, {} perfect guidance", fixed(top, 2, true)) : "";
 }
 
+/// At most so many columns of a text; what is left out is an ellipsis.
+std::string shortened(const std::string& text, std::size_t columns) {
+  if (display_width(text) <= columns) return text;
+  std::string cut = text;
+  // Whole code points: a continuation byte never ends a text.
+  while (display_width(cut) >= columns) {
+    while ((static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
+    cut.pop_back();
+  }
+  return cut + "…";
+}
+
 /// Which level pays, of one strategy.
-std::string levels_table(const Experiment& experiment, const Section& section, const Row& row, std::size_t width) {
+std::string levels_table(const Experiment& experiment, const Row& row, std::size_t width) {
   const std::vector<LevelSummary>& levels = row.summary.levels;
   if (levels.size() < 2) return "";
-  const std::vector<Verdict> found = verdicts(experiment, row.name, row.summary, section.comparisons);
+  const std::vector<Verdict>& found = row.verdicts;
   const bool measured = experiment.measure.has_value();
   const bool ablated = std::any_of(found.begin(), found.end(), [](const Verdict& v) { return v.left_out.has_value(); });
-  const std::string share = "share of";
+  const std::string share = "share, %";
   const std::string nats = "nats above uniform";
   const std::string left_out = "left out";
   std::vector<Table::Column> columns = {text_column("level"), number_column({"checks"}, share),
@@ -181,12 +200,12 @@ std::string levels_table(const Experiment& experiment, const Section& section, c
     columns.push_back(number_column({"p"}, left_out));
   }
   columns.push_back(text_column("verdict"));
-  const auto labels = level_labels(levels);
+  std::vector<std::string> labels = level_labels(levels);
+  for (std::string& label : labels) label = shortened(label, longest_label);
   Table table(columns);
   bool blank = false;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const auto per_cent = [](double x) { return std::isfinite(x) ? percent(x) + " %" : std::string("-"); };
-    std::vector<std::string> cells = {labels[i], per_cent(levels[i].check_share), per_cent(levels[i].time_share)};
+    std::vector<std::string> cells = {labels[i], percent(levels[i].check_share), percent(levels[i].time_share)};
     if (measured) {
       const Nats of = nats_of(levels[i]);
       blank = blank || of.blank;
@@ -246,7 +265,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
       return fmt::format(
           "{} solves {} of {}: give its planner more `proposals`, or see --report levels for where it "
           "stopped",
-          row.name, row.summary.solved, plural(row.summary.runs, "run"));
+          row.name, row.summary.solved, row.summary.runs == 1 ? "1 run" : fmt::format("{} runs", row.summary.runs));
     }
   }
   const Row* guided = nullptr;
@@ -258,7 +277,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
     for (const Row& row : section.rows) {
       if (row.spec->guide() == nullptr) continue;
       if (guided == nullptr) guided = &row;
-      const auto found = verdicts(experiment, row.name, row.summary, section.comparisons);
+      const std::vector<Verdict>& found = row.verdicts;
       for (std::size_t i = 0; i < found.size(); ++i) {
         const std::string& level = row.summary.levels[i].name;
         if (found[i].kind == Verdict::Kind::costs && costly.empty()) costly = level + " of " + row.name;
@@ -350,7 +369,7 @@ std::string levels_report_text(const Experiment& experiment, const ExperimentRes
   for (const Section& section : sections_of(experiment, result)) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width);
     for (const Row& row : section.rows) {
-      const std::string verdict = levels_table(experiment, section, row, width);
+      const std::string verdict = levels_table(experiment, row, width);
       const std::string text = row.spec->text();
       out +=
           '\n' + (verdict.empty() ? wrap(row.name == text ? text : row.name + " = " + text, width, "", "  ") : verdict);
@@ -375,7 +394,7 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
     out += warnings(section, width);
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {
-      if (const std::string table = levels_table(experiment, section, row, width); !table.empty()) {
+      if (const std::string table = levels_table(experiment, row, width); !table.empty()) {
         out += '\n' + table;
       }
     }

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
 
@@ -43,26 +46,30 @@ Sign costs_of(const PairedCosts& costs) {
   return costs.less > costs.greater ? Sign::below : Sign::above;
 }
 
-/// The comparison of a strategy with the one that it is a part of, or with the baseline.
-const Comparison* find(const std::vector<Comparison>& comparisons, const std::string& strategy) {
-  const auto it =
-      std::find_if(comparisons.begin(), comparisons.end(), [&](const Comparison& c) { return c.strategy == strategy; });
-  return it != comparisons.end() ? &*it : nullptr;
+/// A guide's strategy without it, and whether what guided it was left.
+struct Without {
+  StrategySpec strategy;
+  bool skipped = false;
+};
+
+/// The strategy with uniform sampling in the place of its guide draws what its planner alone draws.
+bool same_search(const StrategySpec& a, const StrategySpec& b) {
+  const auto plain = [](const StrategySpec& s) { return s.guide() == nullptr || s.guide()->text() == "uniform()"; };
+  return a == b || (plain(a) && plain(b) && a.planner() == b.planner());
 }
 
-/// The strategy without one level: what guides it in its place where something does, else uniform sampling.
-const Comparison* ablation_of(const Experiment& experiment, const std::string& strategy, const RunsSummary& summary,
-                              std::size_t level, const std::vector<Comparison>& comparisons) {
-  const std::vector<LevelSummary>& levels = summary.levels;
+/// What the strategy is without its level `level`, if that searches the space of one of its guides.
+std::optional<Without> without(const StrategySpec& strategy, const std::vector<LevelSummary>& levels,
+                               std::size_t level) {
   const auto called_so = [&](const LevelSummary& other) { return other.name == levels[level].name; };
   const auto among = static_cast<std::size_t>(
       std::count_if(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(level), called_so));
-  const AblationLink* found = nullptr;
-  for (const AblationLink& link : experiment.ablations) {
-    if (link.of != strategy || link.level != levels[level].name || link.among != among) continue;
-    if (found == nullptr || link.skipped) found = &link;
+  std::optional<Without> found;
+  for (const Ablation& ablation : ablations(strategy)) {
+    if (ablation.level != levels[level].name || ablation.among != among) continue;
+    if (!found || ablation.skipped) found = Without{ablation.strategy, ablation.skipped};
   }
-  return found != nullptr ? find(comparisons, found->strategy) : nullptr;
+  return found;
 }
 
 Verdict by_ablation(const PairedCosts& left_out, std::size_t tests) {
@@ -88,9 +95,9 @@ Verdict by_ablation(const PairedCosts& left_out, std::size_t tests) {
 Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
   Verdict verdict;
   const Figure& figure = lifted_figure(summary.levels[level]);
-  verdict.kind = Verdict::Kind::too_few_runs;
+  const std::size_t runs = figure.scored > 0 ? figure.scored : summary.levels[level].runs;
+  verdict.kind = runs < least_for_interval ? Verdict::Kind::too_few_runs : Verdict::Kind::not_shown;
   if (figure.scored < least_for_interval) return verdict;
-  verdict.kind = Verdict::Kind::not_shown;
   const double uniform = figure.uniform.value;
   // Mass of uniform samples is their divergence: they cover the target evenly.
   if (sign_of(figure.mass_part, uniform) == Sign::above) {
@@ -150,21 +157,56 @@ bool could_show(const PairedCosts& costs, std::size_t tests) {
   return sign_test(costs.pairs, 0) * static_cast<double>(std::max<std::size_t>(tests, 1)) < level_of_significance;
 }
 
-std::vector<Verdict> verdicts(const Experiment& experiment, const std::string& strategy, const RunsSummary& summary,
-                              const std::vector<Comparison>& comparisons) {
-  const Comparison* whole = find(comparisons, strategy);
-  const Sign costs = whole != nullptr ? costs_of(whole->validity_checks) : Sign::unknown;
+std::vector<std::optional<PairedCosts>> costs_without_levels(const Experiment& experiment,
+                                                             const ExperimentResult& result, const std::string& problem,
+                                                             const std::string& strategy,
+                                                             const std::vector<LevelSummary>& levels) {
+  std::vector<std::optional<PairedCosts>> found(levels.size());
+  const auto& all = experiment.strategies;
+  const auto whole = std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == strategy; });
+  if (whole == all.end()) return found;
+  const auto costs_of = [&](const std::string& name) {
+    std::vector<CensoredCost> costs;
+    for (const RunResult* run : select_runs(result, problem, name)) {
+      costs.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
+    }
+    return costs;
+  };
+  const std::vector<CensoredCost> reference = costs_of(strategy);
+  std::vector<double> p(levels.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (levels[i].parent < 0) continue;
+    const auto rest = without(whole->second, levels, i);
+    if (!rest) continue;
+    const auto other = std::find_if(all.begin(), all.end(), [&](const auto& entry) {
+      return entry.first != strategy && same_search(entry.second, rest->strategy);
+    });
+    if (other == all.end()) continue;
+    const std::vector<CensoredCost> mine = costs_of(other->first);
+    if (mine.size() != reference.size()) continue;
+    found[i] = paired_costs(mine, reference);
+    p[i] = found[i]->sign_p;
+  }
+  p = holm(p);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (found[i]) found[i]->holm_p = p[i];
+  }
+  return found;
+}
+
+std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std::optional<PairedCosts>>& without,
+                              const PairedCosts* whole) {
+  const Sign costs = whole != nullptr ? costs_of(*whole) : Sign::unknown;
+  const auto tests = static_cast<std::size_t>(
+      std::count_if(without.begin(), without.end(), [](const auto& one) { return one.has_value(); }));
   std::vector<Verdict> result;
   result.reserve(summary.levels.size());
   for (std::size_t i = 0; i < summary.levels.size(); ++i) {
-    const LevelSummary& level = summary.levels[i];
-    if (level.parent < 0) {
+    if (summary.levels[i].parent < 0) {
       result.emplace_back();
-      continue;
+    } else {
+      result.push_back(without[i] ? by_ablation(*without[i], tests) : by_samples(summary, i, costs));
     }
-    const Comparison* left_out = ablation_of(experiment, strategy, summary, i, comparisons);
-    result.push_back(left_out != nullptr ? by_ablation(left_out->validity_checks, comparisons.size())
-                                         : by_samples(summary, i, costs));
   }
   return result;
 }

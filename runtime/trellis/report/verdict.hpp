@@ -39,13 +39,23 @@ const Figure& lifted_figure(const LevelSummary& level);
 /// runs. The mass is counted, and holds all the same.
 bool estimate_fails(const Figure& figure);
 
-/// The verdict on each level of a strategy. The strategy without the level decides where it was run (`--ablate`): a
-/// difference counts at p < 0.05, corrected by Holm. Else the divergence decides: whether the level's samples, lifted
-/// to the root, lie nearer to the target than those of the level that guides it, with 95 % intervals over the runs (in
-/// mass alone where the estimate fails), and whether the strategy costs less than the baseline. \param comparisons  of
-/// compare(), on the same runs
-std::vector<Verdict> verdicts(const Experiment& experiment, const std::string& strategy, const RunsSummary& summary,
-                              const std::vector<Comparison>& comparisons);
+/// For each level of a strategy, the costs of the strategy without it beside those of the whole one, seed by seed. The
+/// strategy without a level is an ablation, or any strategy of the experiment that is the same: `skeleton() >> rrt()`
+/// is `skeleton() >> lazy() >> rrt()` without `lazy()`. What guides the level stands in its place where something does,
+/// else uniform sampling. None for the root, and where no such strategy was run. p values are corrected by Holm over
+/// the levels.
+std::vector<std::optional<PairedCosts>> costs_without_levels(const Experiment& experiment,
+                                                             const ExperimentResult& result, const std::string& problem,
+                                                             const std::string& strategy,
+                                                             const std::vector<LevelSummary>& levels);
+
+/// The verdict on each level of a strategy. The strategy without the level decides where it was run: a difference
+/// counts at p < 0.05. Else the divergence decides: whether the level's samples, lifted to the root, lie nearer to the
+/// target than those of the level that guides it, with 95 % intervals over the runs (in mass alone where the estimate
+/// fails), and whether the strategy costs less than the baseline. \param without  of costs_without_levels(), one for
+/// each level \param whole    the strategy beside the baseline; nullptr without one
+std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std::optional<PairedCosts>>& without,
+                              const PairedCosts* whole);
 
 /// Whether a comparison of costs could show a difference at p < 0.05 at all, however lopsided its pairs were.
 /// \param tests  p values that are corrected together
