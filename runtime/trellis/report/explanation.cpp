@@ -127,8 +127,10 @@ std::string checks_text(const LevelExplanation& level, int above) {
   if (level.presumed) {
     text = "none: this space presumes that everything is valid";
   } else if (level.graph && level.graph->verified) {
-    text = fmt::format("start and goal alone, which count at level {}: all edges of the graph are known to be valid",
-                       level.number);
+    text = fmt::format(
+        "start, goal and the motions that join them to the graph count at level {}; all other edges are known to be "
+        "valid",
+        level.number);
   } else {
     text = fmt::format("{}, count at level {}", collision, level.number);
     if (level.shared_resolution > 0.0 && level.guide) {
