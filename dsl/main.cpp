@@ -89,6 +89,16 @@ int dispatch(int argc, char** argv) {
   check->add_option("SCRIPT", scripts, "Lua scripts")->required();
   add_script_options(check, checking);
 
+  command::ExplainOptions explaining;
+  auto* explain = app.add_subcommand("explain", "print what strategies will run, level by level, without planning");
+  explain->add_option("SCRIPT", explaining.script, "a Lua script")->required();
+  explain->add_option("--strategy", explaining.strategy, "the strategy of this name alone");
+  explain->add_option("--problem", explaining.problem,
+                      "the problem of this name, instead of the first one in each space");
+  explain->add_option("--json", explaining.json, "write the same for programs to a file, - for the standard output");
+  explain->add_option("--width", explaining.width, "columns of the text (default those of the terminal, else 100)");
+  add_script_options(explain, explaining.scripts);
+
   command::TestOptions testing;
   auto* test = app.add_subcommand("test", "run the scenarios of scripts and say what holds");
   test->add_option("SCRIPT", testing.files, "Lua scripts of scenarios")->required();
@@ -169,7 +179,7 @@ int dispatch(int argc, char** argv) {
     }
     throw Error(std::string(error.what()) + "; 'trellis help' shows the usage");
   }
-  for (const auto* parsed : {run, measure, compare, verify, check, test}) {
+  for (const auto* parsed : {run, measure, compare, verify, check, explain, test}) {
     for (const auto* option : parsed->get_options()) {
       const bool empty = option->count() > 0 && option->get_expected_max() > 0 && option->as<std::string>().empty();
       if (empty) throw Error(fmt::format("{} is empty", option->get_name()));
@@ -180,6 +190,7 @@ int dispatch(int argc, char** argv) {
   if (compare->parsed()) return command::compare(comparing);
   if (verify->parsed()) return command::verify(verifying);
   if (check->parsed()) return command::check(scripts, checking);
+  if (explain->parsed()) return command::explain(explaining);
   if (test->parsed()) return command::test(testing);
   if (experience->parsed()) return command::experience(library, list);
   if (train->parsed()) return command::train(training);

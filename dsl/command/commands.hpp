@@ -77,6 +77,15 @@ struct VerifyOptions {
   ScriptOptions scripts;
 };
 
+struct ExplainOptions {
+  std::string script;
+  std::string strategy;  ///< a name, "" for all
+  std::string problem;   ///< likewise
+  std::string json;      ///< a file, "-" for stdout, "" without
+  std::string width;     ///< columns as typed, "" for the terminal's
+  ScriptOptions scripts;
+};
+
 struct TestOptions {
   std::vector<std::string> files;
   ScriptOptions scripts;
@@ -101,6 +110,8 @@ int verify(const VerifyOptions& options);
 int experience(const std::string& file, bool list);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts, const ScriptOptions& options);
+/// Prints what the strategies of a script will run on its problems, level by level, without planning.
+int explain(const ExplainOptions& options);
 /// Runs the scenarios of scripts, and prints what holds and what does not.
 int test(const TestOptions& options);
 /// Trains a heuristic to imitate exact search on a folder of worlds, writes it, and prints what it is worth on others.

@@ -332,6 +332,7 @@ void name_values(CLI::App& app) {
                                                     {"script", "FILE"},
                                                     {"cells", "N"},
                                                     {"rounds", "N"},
+                                                    {"width", "N"},
                                                     {"train samples", "N"}};
   for (CLI::App* verb : app.get_subcommands({})) {
     for (CLI::Option* option : verb->get_options()) {

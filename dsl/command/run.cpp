@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include <dsl/command/choice.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/learn.hpp>
@@ -59,24 +60,10 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
-/// Leaves the one of that name, or, where it is "", all of them.
-template <class T, class Name>
-void choose(std::vector<T>& all, const std::string& option, const std::string& wanted, const Name& name) {
-  if (wanted.empty()) return;
-  std::vector<std::string> known;
-  known.reserve(all.size());
-  for (const T& one : all) known.push_back(name(one));
-  if (std::find(known.begin(), known.end(), wanted) == known.end()) {
-    throw Error(fmt::format("{}: the script has none that is called '{}'{}; it has: {}", option, wanted,
-                            did_you_mean(wanted, known), fmt::join(known, ", ")));
-  }
-  std::erase_if(all, [&](const T& one) { return name(one) != wanted; });
-}
-
 /// What --problem, --strategy and --only leave of an experiment.
 void narrow(Experiment& experiment, const RunOptions& options, std::optional<std::uint64_t> only) {
-  choose(experiment.problems, "--problem", options.problem, [](const Problem& p) { return p.name; });
-  choose(experiment.strategies, "--strategy", options.strategy, [](const auto& s) { return s.first; });
+  choose_problem(experiment, options.problem);
+  choose_strategy(experiment, options.strategy);
   if (!options.strategy.empty()) {
     experiment.baseline.clear();
     experiment.ablations.clear();

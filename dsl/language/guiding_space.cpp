@@ -230,6 +230,43 @@ void check_together(const GuideDefinition& definition) {
   }
 }
 
+/// What a definition says of its f and h.
+GuideClaims claims_of(const GuideDefinition& definition) {
+  const auto given = [&](Slot slot) { return definition[slot] != nullptr; };
+  const auto function = [&](Slot slot) { return fmt::format("the script's function '{}'", slot_name(slot)); };
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::combinator, "", "S has no path, where S finds them invalid", "");
+  if (definition.spaceless) {
+    claims.f = "S = {0}";
+    claims.fallback = GuideClaims::Fallback::none;
+    claims.invalid_ends = "nothing is projected";
+    claims.no_path = "nothing is searched";
+  } else {
+    claims.f = given(Slot::project) ? "q -> project(q), a function of the script"
+               : given(Slot::space) ? "q -> its coordinates on the axes of S"
+                                    : "q -> q";
+    if (given(Slot::robot)) claims.f += "; the script makes the robot that S checks";
+    if (given(Slot::world)) claims.f += "; the script makes the world that S checks";
+    if (definition.validity == "free") claims.f += "; all of S is valid";
+    if (definition.validity == "parent") claims.f += "; valid in S is what C finds valid";
+    if (given(Slot::valid) && definition.validity.empty()) claims.f += "; valid in S is what 'valid' says";
+    if (given(Slot::graph)) claims.f += "; S is the explicit graph that 'graph' returns";
+  }
+  if (given(Slot::heuristic)) {
+    claims.h = function(Slot::heuristic);
+    claims.closed_form = given(Slot::density);
+    claims.density = claims.closed_form ? function(Slot::density)
+                                        : "of a function that draws; a sum of along(path), ball(q, r) and guides with "
+                                          "S = {0} has one";
+    claims.fallback = GuideClaims::Fallback::own;
+    claims.no_path = "'heuristic' decides";
+    claims.feedback = "what 'heuristic' returned goes on along its paths";
+  }
+  if (given(Slot::observe)) claims.feedback = function(Slot::observe) + " receives each outcome";
+  if (given(Slot::stale)) claims.feedback += "; 'stale' decides when S is solved again";
+  return claims;
+}
+
 /// The guide as specs hold it: what makes it anew in each run.
 class ScriptGuideSpec final : public CustomGuide {
  public:
@@ -311,7 +348,7 @@ int make_guiding_space(Stack& call, const std::shared_ptr<GuideBook>& book) {
                                        definition->spaceless ? ""
                                        : graph               ? "graph_search"
                                                              : "rrt",
-                                       settings.resolves};
+                                       settings.resolves, claims_of(*definition)};
   std::optional<PlannerSpec> planner;
   if (const Value value = arguments["planner"]; value.given()) {
     if (value.get<PlannerSpec>() == nullptr) arguments.reject("planner");

@@ -83,6 +83,7 @@ std::map<std::string, Shown> perform(const Place& place, const std::vector<Step>
 (async () => {
   const view = document.getElementById('viewer'), all = {}, wait = ms => new Promise(done => setTimeout(done, ms));
   const press = (...keys) => { for (const key of keys) document.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); };
+  const canvasWidth = id => document.getElementById(id).clientWidth;
   const step = async (name, hash, hands) => {
     location.hash = hash;
     await wait(60);
@@ -155,10 +156,10 @@ local mixed = (0.7 * skeleton() + 0.3 * goal_bias(0.2)) >> rrt { step = 0.5 }
 return experiment {
   problems = { scenes.simple_passage(), scenes.cup() },
   strategies = {
+    { "hopeless", rrt { step = 0.5, proposals = 20 } },
     { "rrt", rrt { step = 0.5 } },
     { "nested", nested },
     { "mixed", mixed },
-    { "hopeless", rrt { step = 0.5, proposals = 20 } },
     { "</script><script>document.title='caught'</script>", prm {} },
   },
   seeds = 2,
@@ -199,6 +200,25 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
       "document.querySelector('[data-layer=\"0:tree\"]').click();";
   const std::string nested = "scene=simple_passage&method=nested&seed=1";
   const std::string evil = "</script><script>document.title='caught'</script>";
+  // A digest of the picture; the columns "checks" and "solved" of the first scene's rows after each click on a heading.
+  const std::string digest =
+      "const digest = () => { const c = document.getElementById('canvas');"
+      "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+      "let sum = 0; for (let i = 0; i < d.length; i++) sum = (sum * 31 + d[i]) % 1000000007; return sum; };";
+  const std::string sort = R"(
+    const heading = [...document.querySelectorAll('#summary th')].find(th => th.textContent === 'checks');
+    const order = () => {
+      const all = [...document.querySelectorAll('#summary tbody tr')];
+      const from = all.findIndex(row => row.textContent === 'simple_passage');
+      const to = all.findIndex((row, i) => i > from && row.classList.contains('group'));
+      const column = [...all[from + 1].cells].length - 3;
+      return all.slice(from + 1, to).map(row => row.cells[column].textContent).join(',');
+    };
+    view.dataset.unsorted = order();
+    for (const name of ['ascending', 'descending', 'again']) {
+      heading.querySelector('button').click();
+      view.dataset[name] = order() + ' ' + heading.getAttribute('aria-sort');
+    })";
   std::vector<Step> steps = {
       {"no address", ""},
       {"whole hierarchy", nested},
@@ -212,6 +232,19 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
       {"keys", "method=rrt&at=7&select=0:expansion:2", "press('ArrowRight', 'ArrowRight', 'ArrowLeft', ']');"},
       {"play", "method=rrt&at=1&select=0:expansion:0", play},
       {"buttons", "method=mixed", other},
+      {"density", nested, digest + "view.dataset.picture = digest();"},
+      {"samples", nested + "&show=samples", digest + "view.dataset.picture = digest();"},
+      {"half way", nested + "&along=500", digest + "view.dataset.picture = digest();"},
+      {"drive", nested,
+       "window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 16);"
+       "press('d'); await wait(1000); press('d');"},
+      {"sort", nested, sort},
+      {"beside", nested + "&beside=rrt",
+       "view.dataset.shownBeside = !document.getElementById('plot-beside').hidden;"
+       "view.dataset.caption = document.getElementById('caption-beside').textContent;"
+       "view.dataset.steps = document.getElementById('at').max;"
+       "view.dataset.widths = [canvasWidth('canvas'), canvasWidth('canvas-beside')].join(',');"},
+      {"alone", nested, "view.dataset.shownBeside = !document.getElementById('plot-beside').hidden;"},
   };
   for (const auto* index : {"0", "1", "2", "3"}) {
     steps.push_back({std::string("mixed ") + index, std::string("method=mixed&select=0:expansion:") + index});
@@ -227,6 +260,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   CHECK(shown.at("no address")["scene"] == "simple_passage");
   CHECK(shown.at("no address")["method"] == "rrt");
   CHECK(shown.at("no address")["seed"] == "1");
+  // It opens on a run that found a path: the first method's did not.
   CHECK(shown.at("no address")["at"] == shown.at("no address")["total"]);
   CHECK(shown.at("no address")["total"] == run_of("simple_passage", "rrt", 1)["levels"][0]["proposals"].dump());
   CHECK(shown.at("no address")["outcome"].starts_with("solved"));
@@ -262,12 +296,13 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
     CHECK(nodes[i] == run["levels"][i]["nodes"]);
     CHECK(drawn[i] == run["levels"][i]["proposals"]);
   }
-  CHECK(counts(shown.at("early")["nodes"]) == std::vector<std::size_t>{0, 0, 0, 3});  // the skeleton comes first
+  // The trees have their roots, which take no step; the skeleton comes first.
+  CHECK(counts(shown.at("early")["nodes"]) == std::vector<std::size_t>{1, 1, 1, 3});
   CHECK(shown.at("of the root")["sampleLevel"] == "root");
   const Shown& guide = shown.at("of a guide");
   CHECK(guide["sampleLevel"] == "shrink(0.5)");
   CHECK(std::stoul(guide["at"]) > 0);  // the replay goes on to what is selected
-  CHECK(counts(guide["nodes"])[0] == 0);
+  CHECK(counts(guide["nodes"])[0] == 1);
 
   // A mixture says which part drew.
   std::map<std::string, std::size_t> times;
@@ -297,11 +332,53 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   CHECK(shown.at("buttons")["seed"] == "2");
   CHECK(shown.at("buttons")["layers"] == "0:expansion,0:path,1:path,1:tree");
 
+  // Proposals are a density unless they are asked for one by one, and the robot moves along its path.
+  CHECK(shown.at("density")["show"] == "density");
+  CHECK(shown.at("density")["along"].empty());
+  CHECK(shown.at("samples")["show"] == "samples");
+  CHECK(shown.at("samples")["picture"] != shown.at("density")["picture"]);
+  CHECK(shown.at("half way")["along"] == "500");
+  CHECK(shown.at("half way")["picture"] != shown.at("density")["picture"]);
+  REQUIRE_FALSE(shown.at("drive")["along"].empty());
+  CHECK(std::stoul(shown.at("drive")["along"]) > 50);
+  CHECK(std::stoul(shown.at("drive")["along"]) < 1000);
+
+  // Columns sort within a scene, and come back.
+  const Shown& sorted = shown.at("sort");
+  const auto numbers = [](const std::string& text) {
+    std::vector<double> out;
+    std::istringstream parts(text.substr(0, text.find(' ')));
+    for (std::string part; std::getline(parts, part, ',');) out.push_back(std::stod(part));
+    return out;
+  };
+  const auto ascending = numbers(sorted["ascending"]);
+  const auto descending = numbers(sorted["descending"]);
+  REQUIRE(ascending.size() == 5);
+  CHECK(std::is_sorted(ascending.begin(), ascending.end()));
+  CHECK(std::is_sorted(descending.rbegin(), descending.rend()));
+  CHECK(sorted["ascending"].ends_with(" ascending"));
+  CHECK(sorted["descending"].ends_with(" descending"));
+  CHECK(sorted["again"] == sorted["unsorted"] + " null");
+  CHECK(numbers(sorted["unsorted"]) != ascending);
+
+  // Another method's run on the same scene and seed stands beside; the replay takes as long as the longer one.
+  const Shown& beside = shown.at("beside");
+  CHECK(beside["beside"] == "rrt");
+  CHECK(beside["shownBeside"] == "true");
+  CHECK(shown.at("alone")["shownBeside"] == "false");
+  CHECK(beside["caption"].starts_with("rrt: solved"));
+  const std::size_t plain = run_of("simple_passage", "rrt", 1)["levels"][0]["proposals"];
+  CHECK(std::stoul(beside["steps"]) == std::max(plain, std::stoul(beside["total"])));
+  const auto widths = counts(beside["widths"]);
+  CHECK(widths[0] > 100);
+  CHECK(widths[0] == widths[1]);
+
   const char* folder = std::getenv("TRELLIS_SCREENSHOTS");
   for (const std::string size : {"1400,900", "420,900"}) {
     const std::string file =
         folder != nullptr ? (fs::path(folder) / ("page-" + size + ".png")).string() : place / ("page-" + size + ".png");
-    browse(place, "report.html#" + nested, "--window-size=" + size + " --screenshot='" + file + "'");
+    browse(place, "report.html#" + nested + "&beside=rrt&along=400",
+           "--window-size=" + size + " --screenshot='" + file + "'");
     CHECK(content(file).starts_with("\x89PNG\r\n\x1a\n"));
     CHECK(fs::file_size(file) > 20000);
   }

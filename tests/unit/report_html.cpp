@@ -297,6 +297,65 @@ TEST_CASE("a page that would be too large holds fewer runs, and says so", "[repo
   CHECK(none.find("14/15") != std::string::npos);  // the tables are of all runs
 }
 
+TEST_CASE("of a long search the page holds a part, whose trees and turns are whole", "[report][html]") {
+  Experiment experiment;
+  experiment.problems = {test::make_problem("sealed", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
+                                            {1, 8.5, 0}, {9, 1.5, 0})};
+  experiment.strategies = {{"rrt", PlannerSpec::make("rrt", {{"proposals", std::int64_t{50000}}})}};
+  experiment.seeds = {1, 2, 3, 4, 5, 6};
+  const ExperimentResult result = run(experiment);
+  const std::string html = report_html(experiment, result);
+  CHECK(fault(html).empty());
+  CHECK(html.size() < 5'000'000);
+  CHECK(held(html) >= 2);
+
+  const std::string small = report_html(experiment, result, {.most_bytes = 400'000});
+  CHECK(held(small) == 2);
+  CHECK(small.find("Of 2 long runs this file holds a part of the samples, evenly spread") != std::string::npos);
+  const std::string text = script(small, "run-0");
+  CHECK(text.size() <= 200'000);
+  const Json page = Json::parse(text);
+  const LevelRecord& record = result.runs.front().levels.front().record;
+  const Search& search = record.search;
+  const Json& level = page["levels"][0];
+  CHECK(level["all"][0] == search.proposals.size());
+  CHECK(level["all"][1] == search.nodes.size());
+  const std::size_t d = record.space.dimension();
+  const auto nodes = coordinates(level["nodes"], record.space);
+  const auto proposals = coordinates(level["proposals"], record.space);
+  CHECK(proposals.size() / d > 3000);
+  CHECK(proposals.size() / d < search.proposals.size() / 4);
+  for (const char* of_each : {"source", "near", "added"}) CHECK(numbers(level[of_each]).size() == proposals.size() / d);
+  CHECK(bytes(level["fates"]).size() == proposals.size() / d);
+  CHECK(page["turns"].back()[1] == proposals.size() / d);
+  CHECK(page["turns"].back()[2] == nodes.size() / d);
+
+  // Each node held is one of the search, in its order, and its parent one of its ancestors there.
+  std::vector<std::uint32_t> rows;
+  std::uint32_t row = 0;
+  for (std::size_t k = 0; k < nodes.size(); k += d, ++row) {
+    const auto is_it = [&](View q) {
+      for (std::size_t j = 0; j < d; ++j) {
+        if (std::abs(q[j] - nodes[k + j]) > 2e-4) return false;
+      }
+      return true;
+    };
+    while (row < search.nodes.size() && !is_it(search.nodes[row])) ++row;
+    REQUIRE(row < search.nodes.size());
+    rows.push_back(row);
+  }
+  const auto parents = numbers(level["parents"]);
+  REQUIRE(parents.size() == rows.size());
+  std::size_t ancestors = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const std::uint32_t parent = rows[k - (parents[k] / 2)];  // of a tree that grows: an earlier row
+    std::uint32_t up = rows[k];
+    while (up != 0 && up != parent) up = search.parents[up];
+    if (up == parent && parent != rows[k]) ++ancestors;
+  }
+  CHECK(ancestors == rows.size() - 1);
+}
+
 TEST_CASE("a sample costs few bytes", "[report][html]") {
   // 3 scenes x 10 methods x 15 seeds of two levels of 2000 samples each must stay below 30 MB.
   RunResult run = fixture::nested_run("p", 1, true);
@@ -337,6 +396,8 @@ TEST_CASE("unsolved runs, levels without samples and unmeasured experiments have
   const Json data = Json::parse(script(html, "data"));
   CHECK(data["cells"][0][0]["runs"][6]["text"].get<std::string>().starts_with("not solved: budget spent"));
   CHECK(data["problems"][0]["bounds"].is_null());  // the fixture has no scene
+  CHECK(data["cells"][0][0]["runs"][6]["solved"] == false);
+  CHECK(data["cells"][0][0]["runs"][0]["solved"] == true);
   const Json nested = Json::parse(script(html, "run-1"));
   CHECK(nested["levels"][3]["proposals"] == "");
   CHECK(nested["turns"].size() == 4);

@@ -51,6 +51,7 @@ class CustomGuide {
     std::string identity;         ///< equal for equal guides and for no others, on every machine
     std::string default_planner;  ///< of its own search, "" where S = {0}
     std::int64_t resolves = 0;    ///< how often its space may be solved again
+    GuideClaims claims = {};      ///< what it says of its f and h
   };
 
   explicit CustomGuide(Description description) : description_(std::move(description)) {}

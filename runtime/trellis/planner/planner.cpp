@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include <trellis/base/error.hpp>
+#include <trellis/planner/common_options.hpp>
 #include <trellis/planner/kinds.hpp>
+#include <trellis/planner/loop.hpp>
 
 namespace trellis {
 
@@ -33,6 +35,12 @@ const PlannerKind* find_planner(std::string_view name) {
   const auto& kinds = planner_kinds();
   const auto it = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.component->name == name; });
   return it != kinds.end() ? &*it : nullptr;
+}
+
+bool every_planner_has(std::string_view option) {
+  static const auto common =
+      with_common(Settings<CommonSettings>(Component::Kind::planner, "planner", "what every planner has", ""));
+  return common.component().find(option) != nullptr;
 }
 
 }  // namespace trellis

@@ -254,10 +254,33 @@ struct HeldRuns {
   std::map<const RunResult*, std::size_t> ids;
   std::size_t seeds = 0;       ///< the first ones of the experiment, whose runs are all here
   std::size_t incomplete = 0;  ///< runs of the first seed, where not even they are all here
+  std::size_t thinned = 0;     ///< runs of which a part of the samples is here
 };
 
-HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
-                   RobotTable& robots) {
+/// A run as it stands in the page.
+struct PackedRun {
+  std::string text;
+  bool thinned = false;
+};
+
+/// A run with all of its samples, or, where they take more than `most` bytes, with as many as fit.
+PackedRun packed_within(const RunResult& run, const Problem& problem, std::size_t most, RobotTable& robots) {
+  constexpr double spare = 0.95;  // what is packed together is not quite proportional to the samples
+  constexpr int attempts = 4;
+  std::string text = script_json(packed_run(run, problem, robots));
+  if (text.size() <= most) return {std::move(text), false};
+  double share = 1.0;
+  for (int i = 0; i < attempts && text.size() > most; ++i) {
+    share *= spare * static_cast<double>(most) / static_cast<double>(text.size());
+    text = script_json(packed_run(run, problem, robots, share));
+  }
+  return {std::move(text), true};
+}
+
+/// \param most_bytes   for all of them
+/// \param most_of_run  bytes of one run, beyond which it is thinned out
+HeldRuns held_within(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
+                     std::size_t most_bytes, std::size_t most_of_run, RobotTable& robots) {
   std::map<std::string, const Problem*> problems;
   for (const auto& problem : experiment.problems) problems.emplace(problem.name, &problem);
   std::map<std::uint64_t, std::vector<const RunResult*>> by_seed;
@@ -268,28 +291,29 @@ HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result,
   std::size_t done = 0;
   for (const std::uint64_t seed : experiment.seeds) {
     const auto& runs = by_seed[seed];
-    std::vector<std::string> packed;
+    std::vector<PackedRun> packed;
     packed.reserve(runs.size());
     std::size_t size = held.scripts.size();
     for (const RunResult* run : runs) {
-      packed.push_back(script_json(packed_run(*run, *problems.at(run->problem), robots)));
-      size += packed.back().size();
+      packed.push_back(packed_within(*run, *problems.at(run->problem), most_of_run, robots));
+      size += packed.back().text.size();
       if (options.progress) options.progress(++done, result.runs.size());
     }
     std::vector<std::size_t> order(runs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    const bool all = size <= options.most_bytes;
+    const bool all = size <= most_bytes;
     if (!all) {
       if (held.seeds > 0) break;
       // Of the only seed that there is room for, as many runs as there is room for.
       std::stable_sort(order.begin(), order.end(),
-                       [&](std::size_t a, std::size_t b) { return packed[a].size() < packed[b].size(); });
+                       [&](std::size_t a, std::size_t b) { return packed[a].text.size() < packed[b].text.size(); });
     }
     for (const std::size_t i : order) {
-      if (!all && held.scripts.size() + packed[i].size() > options.most_bytes) break;
+      if (!all && held.scripts.size() + packed[i].text.size() > most_bytes) break;
       const std::size_t id = held.ids.size();
       held.ids.emplace(runs[i], id);
-      held.scripts += script(fmt::format("run-{}", id), packed[i]);
+      held.scripts += script(fmt::format("run-{}", id), packed[i].text);
+      if (packed[i].thinned) ++held.thinned;
     }
     if (!all) {
       held.incomplete = held.ids.size();
@@ -300,22 +324,42 @@ HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result,
   return held;
 }
 
+/// All runs whole where they fit into `most_bytes`. Where not, long searches are thinned out, so that one of them does
+/// not take the place of other runs.
+HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
+                   std::size_t most_bytes, RobotTable& robots) {
+  HeldRuns whole = held_within(experiment, result, options, most_bytes, most_bytes, robots);
+  if (whole.ids.size() == result.runs.size()) return whole;
+  constexpr std::size_t least = 20'000;  // bytes; what is less looks like no search
+  constexpr std::size_t seeds = 2;       // that are held at least, where the least allows it
+  const std::size_t runs_of_seed =
+      std::max<std::size_t>(1, result.runs.size() / std::max<std::size_t>(1, experiment.seeds.size()));
+  return held_within(experiment, result, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)),
+                     robots);
+}
+
 std::string held_text(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
-                      const HtmlOptions& options) {
-  if (held.ids.size() == result.runs.size()) return "";
-  const std::string limit = fmt::format("{:g} MB", static_cast<double>(options.most_bytes) / 1e6);
+                      std::size_t most_bytes) {
+  const std::string limit = fmt::format("{:.2g} MB", static_cast<double>(most_bytes) / 1e6);
   std::string text;
-  if (held.seeds > 0) {
+  if (held.ids.size() == result.runs.size()) {
+    if (held.thinned == 0) return "";
+  } else if (held.seeds > 0) {
     const auto end = experiment.seeds.begin() + static_cast<std::ptrdiff_t>(held.seeds);
-    text = fmt::format("This file holds the samples of {}, of {} in all: those of all would take more than {}.",
+    text = fmt::format("This file holds the samples of {}, of {} in all: those of all would take more than {}. ",
                        seeds_text({experiment.seeds.begin(), end}), experiment.seeds.size(), limit);
   } else {
     text = fmt::format(
         "This file holds the samples of the {} of {} whose records are smallest, of the first seed: "
-        "those of all would take more than {}.",
+        "those of all would take more than {}. ",
         plural(held.incomplete, "run"), result.runs.size(), limit);
   }
-  return R"(<p class="note">)" + escaped(text) + " The tables are of all runs.</p>";
+  if (held.thinned > 0) {
+    text +=
+        fmt::format("Of {} this file holds a part of the samples, evenly spread; the table of levels says how many. ",
+                    plural(held.thinned, "long run"));
+  }
+  return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
 }
 
 std::string outcome(const RunResult& run) {
@@ -348,8 +392,28 @@ Json problem_json(const Problem& problem, RobotTable& robots) {
           {"robot", robots.add(problem.scene.get())}};
 }
 
-std::string data_scripts(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries,
-                         const HeldRuns& held, RobotTable& robots) {
+/// The tables of levels and the figures, of each problem and strategy.
+std::string worth_scripts(const Experiment& experiment, const Summaries& summaries) {
+  std::string out;
+  const bool measured = experiment.measure.has_value();
+  for (std::size_t p = 0; p < summaries.size(); ++p) {
+    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
+      const RunsSummary& summary = summaries[p][s];
+      const std::string place = fmt::format("{}-{}", p, s);
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(summary, measured));
+      if (!measured) continue;
+      const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
+      Json drawn = Json::array();
+      if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
+      if (figures.profile) drawn.push_back(draw::plot(*figures.profile).markup("profile"));
+      if (!drawn.empty()) out += script("figures-" + place, script_json(drawn));
+    }
+  }
+  return out;
+}
+
+std::string data_scripts(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
+                         RobotTable& robots) {
   Json problems = Json::array();
   for (const auto& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
   Json strategies = Json::array();
@@ -367,7 +431,9 @@ std::string data_scripts(const Experiment& experiment, const ExperimentResult& r
           continue;
         }
         const auto id = held.ids.find(*at);
-        runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)}, {"text", outcome(**at)}});
+        runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)},
+                        {"text", outcome(**at)},
+                        {"solved", (*at)->run.solved}});
       }
       row.push_back({{"runs", std::move(runs)}});
     }
@@ -384,20 +450,6 @@ std::string data_scripts(const Experiment& experiment, const ExperimentResult& r
                                                 {"robots", robots.list()},
                                                 {"classes", std::move(classes)},
                                                 {"cells", std::move(cells)}}));
-  const bool measured = experiment.measure.has_value();
-  for (std::size_t p = 0; p < summaries.size(); ++p) {
-    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
-      const RunsSummary& summary = summaries[p][s];
-      const std::string place = fmt::format("{}-{}", p, s);
-      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(summary, measured));
-      if (!measured) continue;
-      const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
-      Json drawn = Json::array();
-      if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
-      if (figures.profile) drawn.push_back(draw::plot(*figures.profile).markup("profile"));
-      if (!drawn.empty()) out += script("figures-" + place, script_json(drawn));
-    }
-  }
   return out + held.scripts;
 }
 
@@ -448,15 +500,23 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
     }
     summaries.push_back(std::move(row));
   }
-  RobotTable robots;
-  const HeldRuns held = held_runs(experiment, result, options, robots);
+  // A page that opens in a second has 5 MB at the most. What the runs may take of it is what the rest leaves.
+  constexpr std::size_t most_of_page = 5'000'000;
+  constexpr std::size_t bytes_of_outcome = 200;  // of a run, whether or not its samples are held
   const HtmlParts& parts = html_parts();
+  const std::string summary = summary_table(experiment, result, summaries);
+  const std::string worth = worth_scripts(experiment, summaries);
+  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + summary.size() +
+                           worth.size() + bytes_of_outcome * result.runs.size();
+  const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
+  RobotTable robots;
+  const HeldRuns held = held_runs(experiment, result, options, most_bytes, robots);
   return filled(parts.page, {{"TITLE", escaped(options.script.empty() ? "Trellis" : "Trellis: " + options.script)},
                              {"ABOUT", escaped(about(experiment))},
                              {"STYLE", std::string(parts.style)},
-                             {"SUMMARY", summary_table(experiment, result, summaries)},
-                             {"NOTES", held_text(experiment, result, held, options)},
-                             {"DATA", data_scripts(experiment, result, summaries, held, robots)},
+                             {"SUMMARY", summary},
+                             {"NOTES", held_text(experiment, result, held, most_bytes)},
+                             {"DATA", worth + data_scripts(experiment, result, held, robots)},
                              {"SCRIPT", std::string(parts.script)}});
 }
 

@@ -106,13 +106,14 @@ Json robot_json(const Robot& robot) {
 
 Json axes_json(const Space& space) {
   Json out = Json::array();
-  for (const Axis& axis : space.axes()) out.push_back({axis.name, axis.lo, axis.hi, axis.periodic ? 1 : 0});
+  for (const Axis& axis : space.axes()) {
+    out.push_back({axis.name, axis.lo, axis.hi, axis.periodic ? 1 : 0, axis.weight});
+  }
   return out;
 }
 
 /// Of each proposal its fate and, from bit 2, whether it is valid itself: 0 unknown, 1 yes, 2 no.
-std::string packed_fates(const LevelRecord& record, const Problem& problem) {
-  const Search& search = record.search;
+std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;
   if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot.dimension()) {
     checker = make_checker(problem.collision, record.scene, record.space, problem.resolution);
@@ -193,13 +194,89 @@ std::string packed_sources(const Search& search) {
   return out.text();
 }
 
-Json level_json(const LevelResult& level, const Problem& problem, RobotTable& robots) {
+/// Which rows of a search the page holds, in ascending order.
+struct HeldRows {
+  std::vector<std::uint32_t> proposals;
+  std::vector<std::uint32_t> nodes;
+};
+
+bool is_all(double share) { return share >= 1.0; }
+
+/// So many rows as `share` says, evenly spread, the first and the last among them. \param always  rows held in any case
+std::vector<std::uint32_t> spread(std::size_t rows, double share, const std::vector<char>& always = {}) {
+  std::vector<std::uint32_t> held;
+  double due = 1.0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (due >= 1.0 || i + 1 == rows || (!always.empty() && always[i] != 0)) {
+      held.push_back(static_cast<std::uint32_t>(i));
+      due = std::max(0.0, due - 1.0);
+    }
+    due += share;
+  }
+  return held;
+}
+
+HeldRows held_rows(const Search& search, double share) {
+  std::vector<char> roots(search.nodes.size(), 0);
+  for (std::size_t i = 0; i < std::min(search.parents.size(), roots.size()); ++i) {
+    if (search.parents[i] == i) roots[i] = 1;
+  }
+  return {spread(search.proposals.size(), share), spread(search.nodes.size(), share, roots)};
+}
+
+/// How many of the ascending rows come before one.
+std::uint32_t rows_before(const std::vector<std::uint32_t>& rows, std::uint32_t row) {
+  return static_cast<std::uint32_t>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
+}
+
+/// The search with the rows that are held. What named a node that is not held names the nearest of its ancestors that
+/// is; an edge with such an end is left out.
+Search thinned(const Search& search, const HeldRows& held) {
+  std::vector<std::uint32_t> at(search.nodes.size(), no_node);
+  for (std::size_t i = 0; i < held.nodes.size(); ++i) at[held.nodes[i]] = static_cast<std::uint32_t>(i);
+  const auto ancestor = [&](std::uint32_t row) {
+    // A tree's way to its root visits each node once at the most.
+    for (std::size_t steps = 0; row < at.size() && steps <= at.size(); ++steps) {
+      if (at[row] != no_node) return at[row];
+      if (row >= search.parents.size() || search.parents[row] == row) break;
+      row = search.parents[row];
+    }
+    return no_node;
+  };
+  Search out(search.nodes.dimension());
+  out.sources = search.sources;
+  const bool tree = search.parents.size() == search.nodes.size();
+  for (const std::uint32_t row : held.nodes) {
+    out.nodes.push(search.nodes[row]);
+    if (!tree) continue;
+    const std::uint32_t parent = search.parents[row];
+    out.parents.push_back(parent == no_node ? no_node : parent == row ? at[row] : ancestor(parent));
+  }
+  for (const std::uint32_t row : held.proposals) {
+    out.proposals.push(search.proposals[row]);
+    out.fates.push_back(row < search.fates.size() ? search.fates[row] : Fate::rejected);
+    out.near.push_back(row < search.near.size() ? ancestor(search.near[row]) : no_node);
+    const std::uint32_t added = row < search.added.size() ? search.added[row] : no_node;
+    out.added.push_back(added < at.size() ? at[added] : no_node);
+    out.proposal_sources.push_back(row < search.proposal_sources.size() ? search.proposal_sources[row] : 0);
+  }
+  for (const auto& [a, b] : search.edges) {
+    if (a < at.size() && b < at.size() && at[a] != no_node && at[b] != no_node) out.edges.push_back({at[a], at[b]});
+  }
+  return out;
+}
+
+/// \param held  nullptr where all is held
+Json level_json(const LevelResult& level, const Search& search, const HeldRows* held, const Problem& problem,
+                RobotTable& robots) {
   const LevelRecord& record = level.record;
-  const Search& search = record.search;
   Json classes = nullptr;
-  if (level.metrics && level.metrics->classes.size() == search.nodes.size()) {
+  if (level.metrics && level.metrics->classes.size() == record.search.nodes.size()) {
     std::string bytes;
-    for (const NodeClass c : level.metrics->classes) bytes += static_cast<char>(c);
+    const auto& all = level.metrics->classes;
+    for (std::size_t i = 0; i < search.nodes.size(); ++i) {
+      bytes += static_cast<char>(all[held != nullptr ? held->nodes[i] : i]);
+    }
     classes = base64(bytes);
   }
   Json position = Json::array();
@@ -219,19 +296,23 @@ Json level_json(const LevelResult& level, const Problem& problem, RobotTable& ro
           {"edges", packed_edges(search)},
           {"classes", std::move(classes)},
           {"proposals", packed(search.proposals, record.space)},
-          {"fates", packed_fates(record, problem)},
+          {"fates", packed_fates(record, search, problem)},
           {"source", packed_sources(search)},
           {"near", packed_near(search)},
-          {"added", packed_added(search)}};
+          {"added", packed_added(search)},
+          {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
 }
 
-Json turns_json(const RunResult& run) {
+/// \param held  of each level; empty where all is held
+Json turns_json(const RunResult& run, const std::vector<HeldRows>& held) {
   Json out = Json::array();
   const auto add = [&](const Turn& turn) {
-    const LevelRecord& record = run.levels[static_cast<std::size_t>(turn.level)].record;
+    const auto at = static_cast<std::size_t>(turn.level);
+    const LevelRecord& record = run.levels[at].record;
     const std::string path = packed(turn.path, record.space);
-    out.push_back(
-        {turn.level, turn.proposals, turn.nodes, turn.solve_ended ? 1 : 0, path.empty() ? Json(nullptr) : Json(path)});
+    out.push_back({turn.level, held.empty() ? turn.proposals : rows_before(held[at].proposals, turn.proposals),
+                   held.empty() ? turn.nodes : rows_before(held[at].nodes, turn.nodes), turn.solve_ended ? 1 : 0,
+                   path.empty() ? Json(nullptr) : Json(path)});
   };
   for (const Turn& turn : run.run.turns) add(turn);
   if (!run.run.turns.empty()) return out;
@@ -261,12 +342,20 @@ Json shape_json(const Shape& shape) {
   return points_json(std::get<Polygon>(shape).vertices);
 }
 
-Json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots) {
+Json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots, double share) {
   Json levels = Json::array();
-  for (const auto& level : run.levels) levels.push_back(level_json(level, problem, robots));
+  std::vector<HeldRows> held;
+  for (const auto& level : run.levels) {
+    if (is_all(share)) {
+      levels.push_back(level_json(level, level.record.search, nullptr, problem, robots));
+      continue;
+    }
+    held.push_back(held_rows(level.record.search, share));
+    levels.push_back(level_json(level, thinned(level.record.search, held.back()), &held.back(), problem, robots));
+  }
   Json path = nullptr;
   if (run.run.solved && !run.levels.empty()) path = packed(run.run.path, run.levels.front().record.space);
-  return {{"levels", std::move(levels)}, {"turns", turns_json(run)}, {"path", std::move(path)}};
+  return {{"levels", std::move(levels)}, {"turns", turns_json(run, held)}, {"path", std::move(path)}};
 }
 
 std::string script_json(const Json& json) {

@@ -28,7 +28,10 @@ nlohmann::ordered_json shape_json(const Shape& shape);
 
 /// One run: levels with their nodes and proposals, and the turns that they took. Coordinates have 16 bits, shares of
 /// their axis's extent. Whether rejected proposals are themselves valid is looked up here, on nobody's account.
-nlohmann::ordered_json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots);
+/// \param share  in (0, 1]: of each level's proposals and nodes that are held, evenly spread over the search; trees
+/// stay
+///               whole, as the parent of a node is the nearest of its ancestors that is held
+nlohmann::ordered_json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots, double share = 1.0);
 
 /// JSON to stand in a <script> element: it holds no '<', whatever the names in it.
 std::string script_json(const nlohmann::ordered_json& json);

@@ -59,8 +59,9 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
 
 struct HtmlOptions {
   std::string script = {};  ///< the path as given on the command line, "" for none
-  /// Of the runs' samples. Where those of all seeds take more, the first ones are held, and the page says so.
-  std::size_t most_bytes = 24'000'000;
+  /// Of the runs' samples, in a page of at most 5 MB. Long searches are thinned out. Where the runs of all seeds take
+  /// more, those of the first seeds are held, and the page says so.
+  std::size_t most_bytes = 5'000'000;
   std::function<void(std::size_t, std::size_t)> progress = {};  ///< called as runs are packed: done, in all
 };
 

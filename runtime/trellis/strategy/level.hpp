@@ -182,6 +182,8 @@ class LevelGuidance final : public Guidance {
 
   /// Limits what the levels below may spend in the present slice: they pause when this returns 0.
   void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
+  /// What the guide may spend at the outset, in work.
+  [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
   /// What progress along guiding paths has earned, in work.
   [[nodiscard]] double earned() const { return progress_rate * instance_.checks_per_metre() * progress(); }
   /// What a level spent on one kind of proposals.
@@ -247,7 +249,6 @@ class LevelGuidance final : public Guidance {
     side.checks += now.checks - counted_.checks;
     side.proposals += now.proposals - counted_.proposals;
   }
-  [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
 
   /// The probabilities that `sample` gives the parts.
   struct Shares {
@@ -358,6 +359,11 @@ class Level {
   [[nodiscard]] Instance& instance() { return *instance_; }
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
+  [[nodiscard]] const PlannerSpec& planner() const { return planner_spec_; }
+  /// The options of its planner that the level itself goes by.
+  [[nodiscard]] const PlannerCommon& common() const { return common_; }
+  /// The guide that made its instance from the parent's; nullptr at the root.
+  [[nodiscard]] const Guide* projection() const { return lift_.get(); }
   /// The best of what its solves found.
   [[nodiscard]] const Solution& solution() const { return record_.solution; }
 

@@ -59,7 +59,7 @@ const short = {
 };
 
 function unpackLevel(raw, number) {
-  const axes = raw.axes.map(([name, lo, hi, periodic]) => ({ name, lo, hi, periodic: !!periodic }));
+  const axes = raw.axes.map(([name, lo, hi, periodic, weight]) => ({ name, lo, hi, periodic: !!periodic, weight }));
   const level = { number, raw, axes, name: raw.name, nodes: rows(raw.nodes, axes), proposals: rows(raw.proposals, axes) };
   const n = level.nodes.size, p = level.proposals.size;
   level.robot = data.robots[raw.robot] || null;
@@ -114,8 +114,8 @@ function order(run) {
       if (cause >= 0) {
         level.cause[i] = cause;
         level.nodeTime[i] = level.proposalTime[cause];
-      } else if (p1 > was.p && level.parents) {
-        level.nodeTime[i] = from + 1;
+      } else if (level.parents && level.proposals.size) {
+        level.nodeTime[i] = from + 1;  // a root takes no step of its own, also in a turn without a proposal
       } else {
         level.nodeTime[i] = ++time;
       }
@@ -130,6 +130,7 @@ function order(run) {
   }
   run.total = time;
   for (const level of run.levels) {
+    level.nodeTime = level.nodeTime.map(t => Math.min(t, time));
     // A node that was left out of every turn comes at once.
     level.nodeOrder = level.nodeTime;
     level.edgeTime = level.edges.map(([a, b]) => Math.max(level.nodeTime[a], level.nodeTime[b]));
@@ -171,8 +172,8 @@ const until = (times, time) => {
 
 // The state ---------------------------------------------------------------------------------------------------------
 
-const state = { scene: 0, method: 0, seed: 0, at: 0, select: null, layers: null, colour: 'fate' };
-let run = null, hover = null, playing = false, zoom = { k: 1, x: 0, y: 0 };
+const state = { scene: 0, method: 0, seed: 0, beside: -1, at: 0, along: null, select: null, layers: null, colour: 'fate', show: 'density' };
+let run = null, other = null, hover = null, playing = false, zoom = { k: 1, x: 0, y: 0 };
 const roles = ['tree', 'expansion', 'path'];
 
 const cell = () => data.cells[state.scene][state.method];
@@ -193,18 +194,40 @@ const view = () => {
   return times;
 };
 
+/// The last step of the runs that are shown.
+const last = () => Math.max(run ? run.total : 0, other ? other.total : 0);
+
+/// The first run that found a path and is in this file: [scene, method, seed]. Of one scene and of one method where these
+/// are given; the first run of all where there is none.
+function solvedRun(scene, method) {
+  const scenes = scene >= 0 ? [scene] : data.problems.map((p, i) => i);
+  const methods = method >= 0 ? [method] : data.strategies.map((s, i) => i);
+  for (const s of scenes) {
+    for (const m of methods) {
+      const seed = data.cells[s][m].runs.findIndex(r => r.solved && r.id >= 0);
+      if (seed >= 0) return [s, m, seed];
+    }
+  }
+  return [scenes[0], methods[0], 0];
+}
+
 function readHash() {
   const given = new URLSearchParams(location.hash.slice(1));
-  const index = (list, name) => Math.max(0, list.indexOf(name));
-  state.scene = index(data.problems.map(p => p.name), given.get('scene'));
-  state.method = index(data.strategies.map(s => s.name), given.get('method'));
-  state.seed = index(data.seeds.map(String), given.get('seed'));
+  const index = (list, name) => list.indexOf(name);
+  const methods = data.strategies.map(s => s.name), seed = index(data.seeds.map(String), given.get('seed'));
+  const [scene, method, solved] = solvedRun(index(data.problems.map(p => p.name), given.get('scene')), index(methods, given.get('method')));
+  state.scene = scene;
+  state.method = method;
+  state.seed = seed >= 0 ? seed : solved;
+  state.beside = given.has('beside') ? index(methods, given.get('beside')) : -1;
+  state.show = given.get('show') === 'samples' ? 'samples' : 'density';
   state.layers = given.has('layers') ? new Set(given.get('layers').split(',').filter(Boolean)) : null;
   state.colour = given.get('colour') === 'source' ? 'source' : 'fate';
-  const at = given.get('at'), select = given.get('select');
+  const at = given.get('at'), select = given.get('select'), along = given.get('along');
   load(false);
+  state.along = along !== null && /^\d+$/.test(along) ? Math.min(1000, Number(along)) : null;
   if (run) {
-    if (at !== null && /^\d+$/.test(at)) state.at = Math.min(run.total, Number(at));
+    if (at !== null && /^\d+$/.test(at)) state.at = Math.min(last(), Number(at));
     state.select = null;
     if (select) setSelect(parseSelect(select), false);
   }
@@ -215,10 +238,13 @@ function writeHash() {
   out.set('scene', data.problems[state.scene].name);
   out.set('method', data.strategies[state.method].name);
   out.set('seed', data.seeds[state.seed]);
-  if (run && state.at < run.total) out.set('at', state.at);
+  if (state.beside >= 0) out.set('beside', data.strategies[state.beside].name);
+  if (run && state.at < last()) out.set('at', state.at);
+  if (state.along !== null) out.set('along', state.along);
   if (state.select) out.set('select', selectText());
   if (state.layers) out.set('layers', [...state.layers].join(','));
   if (state.colour !== 'fate') out.set('colour', state.colour);
+  if (state.show !== 'density') out.set('show', state.show);
   const hash = '#' + out.toString().replace(/%3A/g, ':').replace(/%2C/g, ',');
   if (hash === location.hash) return;
   try { history.replaceState(null, '', hash); } catch (e) { /* some browsers keep a file's address as it is */ }
@@ -245,7 +271,9 @@ function setSelect(s, draw = true) {
 
 // Drawing -------------------------------------------------------------------------------------------------------------
 
-const canvas = $('canvas'), pen = canvas.getContext('2d');
+const firstCanvas = $('canvas');
+/// What is drawn into: the canvas of the run, or that of the run beside it.
+let canvas = firstCanvas, pen = canvas.getContext('2d'), plot = $('plot');
 let colours = {}, frame = null;
 
 function readColours() {
@@ -273,10 +301,10 @@ function bounds() {
 
 function fitCanvas() {
   const b = bounds();
-  $('plot').classList.toggle('empty', !b);
+  plot.classList.toggle('empty', !b);
   canvas.hidden = !b;
   if (!b) return null;
-  const width = $('plot').clientWidth, most = Math.max(240, 0.74 * window.innerHeight);
+  const width = plot.clientWidth, most = Math.max(240, 0.74 * window.innerHeight);
   const aspect = (b[3] - b[1]) / (b[2] - b[0]);
   const height = Math.max(160, Math.min(most, width * aspect));
   const ratio = window.devicePixelRatio || 1;
@@ -406,7 +434,57 @@ function drawTree(level, n) {
   pen.globalAlpha = 1;
 }
 
+/// How densely a level's first p proposals lie, where they have a position: the logarithm of their number about each
+/// point of the picture, so that both the goal, which is drawn again and again, and thinly covered parts are seen.
+function drawDensity(level, p) {
+  const step = 5, w = Math.ceil(frame.width / step) + 1, h = Math.ceil(frame.height / step) + 1;
+  let grid = new Float32Array(w * h);
+  const values = level.proposals.values, d = level.proposals.d;
+  for (let i = 0; i < p; i++) {
+    const x = frame.X(values[i * d + level.x]) / step, y = frame.Y(values[i * d + level.y]) / step;
+    const cx = Math.floor(x), cy = Math.floor(y), fx = x - cx, fy = y - cy;
+    if (cx < 0 || cy < 0 || cx + 1 >= w || cy + 1 >= h) continue;
+    const at = cy * w + cx;
+    grid[at] += (1 - fx) * (1 - fy);
+    grid[at + 1] += fx * (1 - fy);
+    grid[at + w] += (1 - fx) * fy;
+    grid[at + w + 1] += fx * fy;
+  }
+  // A binomial kernel, some 8 pixels wide.
+  for (let pass = 0; pass < 2; pass++) {
+    for (const by of [1, w]) {
+      const out = new Float32Array(w * h);
+      for (let y = 1; y + 1 < h; y++) {
+        for (let x = 1; x + 1 < w; x++) {
+          const at = y * w + x;
+          out[at] = 0.25 * grid[at - by] + 0.5 * grid[at] + 0.25 * grid[at + by];
+        }
+      }
+      grid = out;
+    }
+  }
+  let most = 0, sum = 0, filled = 0;
+  for (const v of grid) if (v > 0) { most = Math.max(most, v); sum += v; filled++; }
+  if (!filled) return;
+  const unit = 0.5 * sum / filled, top = Math.log1p(most / unit);
+  const image = new ImageData(w, h), [r, g, b] = rgb(levelColour(level));
+  for (let i = 0; i < grid.length; i++) {
+    image.data[4 * i] = r;
+    image.data[4 * i + 1] = g;
+    image.data[4 * i + 2] = b;
+    image.data[4 * i + 3] = grid[i] > 0 ? 215 * Math.log1p(grid[i] / unit) / top : 0;
+  }
+  const small = make('canvas', { width: w, height: h });
+  small.getContext('2d').putImageData(image, 0, 0);
+  pen.imageSmoothingEnabled = true;
+  pen.drawImage(small, -step / 2, -step / 2, w * step, h * step);
+}
+
+/// The parts of a colour of the style sheet, "#rrggbb".
+const rgb = colour => [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16));
+
 function drawProposals(level, p) {
+  if (state.show === 'density') { drawDensity(level, p); return; }
   const groups = new Map();
   for (let i = 0; i < p; i++) {
     const kind = level.station(i);
@@ -447,7 +525,7 @@ function drawPath(level, path, width) {
 
 /// The path of a level as it stands now; the root's, in the end, as it was reported.
 function pathNow(level) {
-  if (level.number === 0 && state.at === run.total && run.path) return run.path;
+  if (level.number === 0 && state.at >= run.total && run.path) return run.path;
   const found = level.paths.filter(p => p.time <= state.at).pop();
   return found ? found.rows : null;
 }
@@ -486,7 +564,7 @@ function drawSelected() {
 }
 
 function drawNewest() {
-  if (!run || state.at === 0 || state.at === run.total) return;
+  if (!run || state.at === 0 || state.at >= run.total) return;
   for (const level of run.levels) {
     if (!level.drawn) continue;
     const p = until(level.proposalTime, state.at) - 1;
@@ -504,7 +582,7 @@ function drawNewest() {
   }
 }
 
-function draw() {
+function drawRun() {
   frame = fitCanvas();
   if (!frame) return;
   pen.setTransform(frame.ratio, 0, 0, frame.ratio, 0, 0);
@@ -532,19 +610,21 @@ function draw() {
   const robot = data.robots[problem.robot] || null;
   if (run) {
     const deepest = [...run.levels].reverse();
-    for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n);
-    for (const level of deepest) if (shown(level, 'expansion')) drawProposals(level, now[level.number].p);
+    const drawTrees = () => { for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n); };
+    const drawAllProposals = () => { for (const level of deepest) if (shown(level, 'expansion')) drawProposals(level, now[level.number].p); };
+    // Samples stand on the trees that they made; a density lies under them.
+    if (state.show === 'density') { drawAllProposals(); drawTrees(); } else { drawTrees(); drawAllProposals(); }
     for (const level of deepest) {
       const path = shown(level, 'path') && pathNow(level);
       if (!path || !path.size) continue;
       drawPath(level, path, level.number === 0 ? 2.6 : 1.8);
       if (level.number === 0) {
         const every = Math.max(1, Math.floor(path.size / 40));
-        for (let i = 0; i < path.size; i += every) drawRobot(robot, path.row(i), { stroke: levelColour(level), alpha: 0.4, width: 1 });
+        if (state.along === null) for (let i = 0; i < path.size; i += every) drawRobot(robot, path.row(i), { stroke: levelColour(level), alpha: 0.4, width: 1 });
       }
     }
     const root = run.levels[0];
-    if (root && !root.drawn && state.at === run.total && run.path) {
+    if (root && !root.drawn && state.at >= run.total && run.path && state.along === null) {
       for (let i = 0; i < run.path.size; i++) drawRobot(robot, run.path.row(i), { stroke: levelColour(root), alpha: 0.5 });
     }
   }
@@ -566,7 +646,62 @@ function draw() {
     pen.lineWidth = 3; pen.strokeStyle = colours.free; pen.lineJoin = 'round'; pen.strokeText(label, tx, ty);
     pen.fillStyle = colours.ends; pen.fillText(label, tx, ty);
   }
-  if (run) { drawNewest(); drawSelected(); }
+  if (run) { drawDriven(robot); drawNewest(); drawSelected(); }
+}
+
+/// The robot at its place on the path: the configuration at a share of the path's length in the root's metric.
+function drawDriven(robot) {
+  const root = run.levels[0];
+  if (state.along === null || !run.path || !root) return;
+  const q = onPath(run.path, root.axes, state.along / 1000);
+  if (drawRobot(robot, q, { stroke: colours.ink, fill: levelColour(root), fillAlpha: 0.75, width: 1.8 }) || !root.drawn) return;
+  pen.beginPath();
+  pen.arc(frame.X(q[root.x]), frame.Y(q[root.y]), 6, 0, 7);
+  pen.fillStyle = levelColour(root);
+  pen.fill();
+  pen.strokeStyle = colours.ink;
+  pen.lineWidth = 1.8;
+  pen.stroke();
+}
+
+/// b - a, the short way round on a periodic axis.
+const difference = (axis, a, b) => {
+  const period = axis.hi - axis.lo;
+  return axis.periodic ? b - a - period * Math.round((b - a) / period) : b - a;
+};
+
+function onPath(path, axes, share) {
+  const lengths = [0];
+  for (let i = 1; i < path.size; i++) {
+    const a = path.row(i - 1), b = path.row(i);
+    lengths.push(lengths[i - 1] + Math.hypot(...axes.map((axis, j) => axis.weight * difference(axis, a[j], b[j]))));
+  }
+  const at = share * lengths[path.size - 1], end = Math.min(path.size - 1, Math.max(1, until(lengths, at)));
+  if (path.size < 2) return path.row(0);
+  const a = path.row(end - 1), b = path.row(end), piece = lengths[end] - lengths[end - 1];
+  const t = piece > 0 ? Math.min(1, (at - lengths[end - 1]) / piece) : 0;
+  return axes.map((axis, j) => a[j] + t * difference(axis, a[j], b[j]));
+}
+
+/// Draws the run beside: what draws goes by the run, the canvas and its frame, and nothing of it is selected.
+function drawBeside() {
+  const plotBeside = $('plot-beside'), two = state.beside >= 0;
+  document.querySelector('.plots').classList.toggle('two', two);
+  plotBeside.hidden = !two;
+  if (!two) return;
+  const kept = [run, canvas, pen, plot, frame, state.select];
+  [run, canvas, plot, state.select] = [other, $('canvas-beside'), plotBeside, null];
+  pen = canvas.getContext('2d');
+  try {
+    drawRun();
+  } finally {
+    [run, canvas, pen, plot, frame, state.select] = kept;
+  }
+}
+
+function draw() {
+  drawBeside();
+  drawRun();
 }
 
 // Words ----------------------------------------------------------------------------------------------------------------
@@ -655,6 +790,14 @@ function showSample() {
 
 // The panels -------------------------------------------------------------------------------------------------------------
 
+/// How much of a long search this file holds.
+function heldText(level) {
+  const [proposals, nodes] = level.raw.all, held = [];
+  if (level.proposals.size < proposals) held.push(level.proposals.size + ' of ' + count(proposals, 'proposal'));
+  if (level.nodes.size < nodes) held.push(level.nodes.size + ' of ' + count(nodes, 'node'));
+  return held.length ? '; this file holds ' + held.join(', ') : '';
+}
+
 let levelCells = [];
 
 function showLevels() {
@@ -670,7 +813,7 @@ function showLevels() {
     const row = make('tr'), name = make('td', { className: 'name' });
     name.style.paddingLeft = (0.3 + 0.8 * level.raw.depth) + 'em';
     name.append(make('span', { className: 'swatch', style: 'background:' + levelColour(level) }), level.name,
-                make('small', { textContent: level.raw.space + ', ' + level.raw.planner + (level.raw.solves > 1 ? ', ' + level.raw.solves + ' solves' : '') + (level.drawn ? '' : '; not drawn: no position') }));
+                make('small', { title: level.drawn ? '' : 'no position', textContent: level.raw.space + ', ' + level.raw.planner + (level.raw.solves > 1 ? ', ' + level.raw.solves + ' solves' : '') + (level.drawn ? '' : '; not drawn: no position') + heldText(level) }));
     row.append(name);
     const cells = { row };
     for (const role of roles) {
@@ -746,21 +889,22 @@ function showLegend(now) {
     const mark = state.colour === 'fate' ? icon(key, colours[key]) : icon('reached', sourceColour(parseInt(key, 10)));
     list.append(make('li', null, mark, make('span', { textContent: state.colour === 'fate' ? stations[key] : key.slice(at + 1) }), make('b', { textContent: seen.get(key) })));
   }
-  if (state.colour === 'source') list.append(make('li', { className: 'muted', textContent: 'shapes: ● reached, ○ advanced, ◇ rejected though valid, × rejected' }));
+  if (state.show === 'density') list.append(make('li', { className: 'muted', textContent: 'The picture shows their density: the darker, the more of them, in logarithms.' }));
+  else if (state.colour === 'source') list.append(make('li', { className: 'muted', textContent: 'shapes: ● reached, ○ advanced, ◇ rejected though valid, × rejected' }));
 }
 
 function showNow(now) {
   const slider = $('at');
-  slider.max = run ? run.total : 0;
-  slider.disabled = !run || run.total === 0;
+  slider.max = last();
+  slider.disabled = last() === 0;
   slider.value = state.at;
   if (!run) { $('now').textContent = ''; return; }
-  let text = 'step ' + state.at + ' of ' + run.total;
+  let text = 'step ' + state.at + ' of ' + last();
   for (const level of run.levels) {
     const span = level.spans.find(s => s.from < state.at && state.at <= s.to);
     if (span && state.at < run.total) text += ' · at work: ' + levelTitle(level) + (level.raw.solves > 1 ? ', solve ' + (span.solve + 1) + ' of ' + level.raw.solves : '');
   }
-  if (state.at === run.total) text += ' · over';
+  if (state.at >= run.total) text += state.at < last() ? ' · the run on the left is over' : ' · over';
   $('now').textContent = text;
   slider.setAttribute('aria-valuetext', text);
   viewer.dataset.at = state.at;
@@ -778,6 +922,10 @@ function refresh(light) {
   if (!light || run && run.total < 20000) showLegend(now);
   if (!light) { showSample(); writeHash(); }
   viewer.dataset.layers = [...layers()].sort().join(',');
+  viewer.dataset.show = state.show;
+  viewer.dataset.along = state.along === null ? '' : state.along;
+  $('along').value = state.along === null ? 0 : state.along;
+  $('along').disabled = $('drive').disabled = !(run && run.path) && !(other && other.path);
 }
 
 /// Everything that depends on the scene, the method and the seed.
@@ -788,13 +936,21 @@ function load(fresh = true) {
   run = loadRun(entry.id);
   hover = null;
   $('tip').hidden = true;
-  if (fresh) { state.select = null; state.layers = null; }
-  state.at = run ? run.total : 0;
+  if (fresh) { state.select = null; state.layers = null; state.along = null; }
+  const beside = state.beside >= 0 ? data.cells[state.scene][state.beside].runs[state.seed] : null;
+  other = beside ? loadRun(beside.id) : null;
+  $('message-beside').textContent = beside && !other ? 'The samples of this run are not in this file.' : '';
+  $('message-beside').hidden = !$('message-beside').textContent;
+  $('caption-beside').textContent = beside ? data.strategies[state.beside].name + ': ' + beside.text : '';
+  viewer.dataset.beside = beside ? data.strategies[state.beside].name : '';
+  state.at = last();
   zoom = { k: 1, x: 0, y: 0 };
   $('scene').value = state.scene;
   $('method').value = state.method;
   $('seed').value = state.seed;
+  $('beside').value = state.beside;
   $('colour').value = state.colour;
+  $('show').value = state.show;
   $('text').textContent = data.strategies[state.method].text;
   $('outcome').textContent = entry.text;
   const message = $('message');
@@ -808,7 +964,7 @@ function load(fresh = true) {
   viewer.dataset.seed = data.seeds[state.seed];
   viewer.dataset.outcome = entry.text;
   for (const row of document.querySelectorAll('#summary tr[data-cell]')) row.classList.toggle('chosen', row.dataset.cell === state.scene + '-' + state.method);
-  const total = run ? run.total : 0, speeds = [2, 10, 50, 200, 1000, 5000];
+  const total = last(), speeds = [2, 10, 50, 200, 1000, 5000];
   $('speed').value = speeds.find(s => s * 12 >= total) || 5000;
   readColours();
   showLevels();
@@ -829,27 +985,99 @@ function showWorth() {
   }
 }
 
+// Tables ------------------------------------------------------------------------------------------------------------------
+
+/// Makes the headings of a table sort its rows: once ascending, then descending, then as they were. Rows stay in their
+/// group, and what is no number comes last.
+function makeSortable(table) {
+  const columns = [];  // the lowest heading over each column
+  [...table.tHead.rows].forEach((row, r) => {
+    let column = 0;
+    for (const th of row.cells) {
+      while (columns[column] && columns[column].until > r) column++;
+      for (let i = 0; i < th.colSpan; i++) columns[column + i] = { th, until: r + th.rowSpan, own: th.colSpan === 1 };
+      column += th.colSpan;
+    }
+  });
+  const groups = [];  // {head, rows}
+  for (const row of table.tBodies[0].rows) {
+    if (row.classList.contains('group')) groups.push({ head: row, rows: [] });
+    else { if (!groups.length) groups.push({ head: null, rows: [] }); groups[groups.length - 1].rows.push(row); }
+  }
+  const value = (row, column) => {
+    const text = row.cells[column].textContent.trim();
+    return column === 0 ? text : parseFloat(text.replace('−', '-'));
+  };
+  const compare = (a, b) => typeof a === 'string' ? a.localeCompare(b) : isNaN(a) ? (isNaN(b) ? 0 : Infinity) : isNaN(b) ? -Infinity : a - b;
+  columns.forEach(({ th, own }, column) => {
+    if (!own) return;
+    const button = make('button', { type: 'button', className: 'sort', title: 'sort by this column' }, ...th.childNodes);
+    th.append(button);
+    button.onclick = () => {
+      const next = { none: 'ascending', ascending: 'descending', descending: 'none' }[th.getAttribute('aria-sort') || 'none'];
+      for (const { th: any } of columns) any.removeAttribute('aria-sort');
+      if (next !== 'none') th.setAttribute('aria-sort', next);
+      for (const group of groups) {
+        const rows = [...group.rows];
+        if (next !== 'none') rows.sort((a, b) => {
+          const by = compare(value(a, column), value(b, column));
+          return Math.abs(by) === Infinity || next === 'ascending' ? by : -by;
+        });
+        for (const row of rows) table.tBodies[0].append(row);
+      }
+      // Groups in their order: each head before its rows.
+      for (const group of groups) if (group.head) {
+        const rows = [...table.tBodies[0].rows].filter(row => group.rows.includes(row));
+        table.tBodies[0].append(group.head, ...rows);
+      }
+    };
+  });
+}
+
 // Replay ------------------------------------------------------------------------------------------------------------------
 
-let clock = null;
+let clock = null, driving = false;
+/// Seconds that the robot takes for its path, whatever the length of that.
+const secondsAlong = 6;
+function driveOn(time) {
+  if (!driving) return;
+  if (clock === null) clock = { time, at: state.along };
+  state.along = Math.min(1000, Math.round(clock.at + (time - clock.time) / secondsAlong));
+  refresh(true);
+  if (state.along >= 1000) { stop(); refresh(); return; }
+  requestAnimationFrame(driveOn);
+}
+function drive() {
+  if (!(run && run.path) && !(other && other.path)) return;
+  if (driving) { stop(); refresh(); return; }
+  stop();
+  if (state.along === null || state.along >= 1000) state.along = 0;
+  state.at = last();
+  driving = true;
+  $('drive').textContent = '❚❚';
+  requestAnimationFrame(driveOn);
+}
 function tick(time) {
   if (!playing) return;
   if (clock === null) clock = { time, at: state.at };
-  const at = Math.min(run.total, Math.floor(clock.at + (time - clock.time) / 1000 * Number($('speed').value)));
+  const at = Math.min(last(), Math.floor(clock.at + (time - clock.time) / 1000 * Number($('speed').value)));
   if (at !== state.at) { state.at = at; refresh(true); }
-  if (at >= run.total) { stop(); refresh(); return; }
+  if (at >= last()) { stop(); refresh(); return; }
   requestAnimationFrame(tick);
 }
 function stop() {
-  playing = false;
+  playing = driving = false;
   clock = null;
+  $('drive').textContent = '▶';
   $('play').textContent = '▶';
   $('play').setAttribute('aria-label', 'play');
 }
 function play() {
-  if (!run || run.total === 0) return;
+  if (last() === 0) return;
   if (playing) { stop(); refresh(); return; }
-  if (state.at >= run.total) state.at = 0;
+  stop();
+  state.along = null;
+  if (state.at >= last()) state.at = 0;
   playing = true;
   $('play').textContent = '❚❚';
   $('play').setAttribute('aria-label', 'pause');
@@ -858,7 +1086,8 @@ function play() {
 function goTo(at) {
   if (!run) return;
   stop();
-  state.at = Math.max(0, Math.min(run.total, at));
+  state.along = null;
+  state.at = Math.max(0, Math.min(last(), at));
   refresh();
 }
 
@@ -884,8 +1113,8 @@ function pick(px, py) {
 }
 
 let grip = null;
-canvas.addEventListener('pointerdown', e => { if (frame) grip = { x: e.offsetX, y: e.offsetY, zx: zoom.x, zy: zoom.y, moved: false }; });
-canvas.addEventListener('pointermove', e => {
+firstCanvas.addEventListener('pointerdown', e => { if (frame) grip = { x: e.offsetX, y: e.offsetY, zx: zoom.x, zy: zoom.y, moved: false }; });
+firstCanvas.addEventListener('pointermove', e => {
   if (grip && frame && (e.buttons & 1)) {
     const dx = e.offsetX - grip.x, dy = e.offsetY - grip.y;
     if (Math.hypot(dx, dy) > 4) grip.moved = true;
@@ -905,12 +1134,12 @@ canvas.addEventListener('pointermove', e => {
   tip.style.left = Math.max(2, x) + 'px';
   tip.style.top = (e.offsetY > 34 ? e.offsetY - 30 : e.offsetY + 18) + 'px';
 });
-canvas.addEventListener('pointerleave', () => { $('tip').hidden = true; hover = null; });
-canvas.addEventListener('pointerup', e => {
+firstCanvas.addEventListener('pointerleave', () => { $('tip').hidden = true; hover = null; });
+firstCanvas.addEventListener('pointerup', e => {
   if (grip && !grip.moved) { stop(); setSelect(pick(e.offsetX, e.offsetY)); }
   grip = null;
 });
-canvas.addEventListener('wheel', e => {
+firstCanvas.addEventListener('wheel', e => {
   if (!e.ctrlKey && !e.metaKey) return;
   e.preventDefault();
   zoomBy(e.deltaY < 0 ? 1.25 : 0.8, e.offsetX, e.offsetY);
@@ -940,12 +1169,12 @@ document.addEventListener('keydown', e => {
   const by = e.shiftKey ? 10 : 1, s = state.select;
   const keys = {
     ' ': play, ArrowLeft: () => goTo(state.at - by), ArrowRight: () => goTo(state.at + by), Home: () => goTo(0),
-    End: () => run && goTo(run.total), Escape: () => setSelect(null), '+': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), 0: fit,
+    End: () => run && goTo(last()), Escape: () => { state.along = null; setSelect(null); }, d: drive, '+': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), 0: fit,
     '[': () => s && s.index > 0 && setSelect({ ...s, index: s.index - 1 }),
     ']': () => s && s.index + 1 < (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).size && setSelect({ ...s, index: s.index + 1 }),
   };
   // Home and End belong to the page unless the picture is in hand.
-  if ((e.key === 'Home' || e.key === 'End') && document.activeElement !== canvas && !ranging) return;
+  if ((e.key === 'Home' || e.key === 'End') && document.activeElement !== firstCanvas && !ranging) return;
   const action = keys[e.key];
   if (!action) return;
   e.preventDefault();
@@ -958,6 +1187,11 @@ $('method').onchange = e => choose('method', e.target.value);
 $('seed').onchange = e => choose('seed', e.target.value);
 $('seed-back').onclick = () => choose('seed', (state.seed + data.seeds.length - 1) % data.seeds.length);
 $('seed-on').onclick = () => choose('seed', (state.seed + 1) % data.seeds.length);
+$('beside').onchange = e => choose('beside', e.target.value);
+$('show').onchange = e => { state.show = e.target.value; refresh(); };
+$('drive').onclick = drive;
+$('along').oninput = e => { stop(); state.along = Number(e.target.value); state.at = last(); refresh(true); };
+$('along').onchange = () => refresh();
 $('colour').onchange = e => { state.colour = e.target.value; refresh(); };
 $('play').onclick = play;
 $('at').oninput = e => { stop(); state.at = Number(e.target.value); refresh(true); };
@@ -978,7 +1212,10 @@ for (const query of ['(prefers-color-scheme: dark)', 'print']) {
   matchMedia(query).addEventListener('change', () => { readColours(); showLevels(); refresh(); });
 }
 
+makeSortable($('summary'));
 data.problems.forEach((p, i) => $('scene').append(make('option', { value: i, textContent: p.name })));
+$('beside').append(make('option', { value: -1, textContent: 'nothing' }));
+data.strategies.forEach((s, i) => $('beside').append(make('option', { value: i, textContent: s.name })));
 data.strategies.forEach((s, i) => $('method').append(make('option', { value: i, textContent: s.name })));
 data.seeds.forEach((s, i) => $('seed').append(make('option', { value: i, textContent: s })));
 for (const speed of [2, 10, 50, 200, 1000, 5000]) $('speed').append(make('option', { value: speed, textContent: speed + '/s' }));

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/strategy/explanation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <trellis/guide/custom.hpp>
+#include <trellis/guide/guide.hpp>
+#include <trellis/instance/edge_evaluator.hpp>
+#include <trellis/strategy/checks.hpp>
+#include <trellis/strategy/combinators.hpp>
+#include <trellis/strategy/level.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Levels = std::map<std::string, Level*>;  // by their keys
+
+LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_given, const Levels& levels);
+
+const Component* combinator_component(GuideSpec::Kind kind) {
+  switch (kind) {
+    case GuideSpec::Kind::sequence: return &sequence_settings().component();
+    case GuideSpec::Kind::blend: return &blend_settings().component();
+    case GuideSpec::Kind::schedule: return &schedule_settings().component();
+    case GuideSpec::Kind::race: return &race_settings().component();
+    case GuideSpec::Kind::component:
+    case GuideSpec::Kind::mixture: break;
+  }
+  return nullptr;
+}
+
+/// What the registry says of a guide, its search and its parts left out.
+GuideExplanation described(const GuideSpec& spec) {
+  GuideExplanation guide{.spec = spec};
+  if (spec.kind() != GuideSpec::Kind::component) {
+    const auto& all = combinators();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Combinator& c) { return c.name == spec.name(); });
+    if (found == all.end()) throw Fault("a combinator that is not in the catalogue: " + spec.name());
+    guide.summary = found->summary;
+    guide.claims = &found->claims;
+    guide.component = combinator_component(spec.kind());
+  } else if (spec.custom()) {
+    guide.claims = &spec.custom()->description().claims;
+    guide.resolves = spec.planner() ? spec.custom()->description().resolves : 0;
+  } else {
+    const GuideKind& kind = *find_guide(spec.name());
+    guide.component = kind.component;
+    guide.summary = kind.component->summary;
+    guide.claims = &kind.claims;
+    guide.resolves = kind.resolves(spec.options());
+  }
+  return guide;
+}
+
+/// \param key  its place in the hierarchy, as `make_guidance` names it
+GuideExplanation explained(const GuideSpec& spec, const std::string& key, const Levels& levels) {
+  GuideExplanation guide = described(spec);
+  double total = 0.0;
+  for (const auto& term : spec.terms()) {
+    guide.parts.push_back(explained(term.guide, fmt::format("{}.{}", key, guide.parts.size()), levels));
+    total += term.weight;
+  }
+  if (spec.kind() == GuideSpec::Kind::mixture) {
+    for (const auto& term : spec.terms()) guide.shares.push_back(term.weight / total);
+  }
+  const auto found = levels.find(key);
+  if (spec.kind() != GuideSpec::Kind::component || found == levels.end()) return guide;
+  const Guide& f = *found->second->projection();
+  guide.effort = f.effort();
+  guide.effort_again = f.effort_again();
+  guide.validates_edges = dynamic_cast<const SpendsParentsChecks*>(&f) != nullptr;
+  guide.level =
+      std::make_shared<const LevelExplanation>(explained(*found->second, spec.below(), spec.planner_given(), levels));
+  return guide;
+}
+
+void add_levels(const GuideExplanation& guide, std::vector<int>& numbers) {
+  if (guide.level) {
+    numbers.push_back(guide.level->number);
+    numbers.insert(numbers.end(), guide.level->below.begin(), guide.level->below.end());
+  }
+  for (const GuideExplanation& part : guide.parts) add_levels(part, numbers);
+}
+
+LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_given, const Levels& levels) {
+  const LevelRecord& record = level.record();
+  const Instance& instance = level.instance();
+  LevelExplanation out{.number = record.level,
+                       .name = record.name,
+                       .space = instance.space,
+                       .goals = instance.goals(),
+                       .motion_model = instance.motion_model ? instance.motion_model->text() : "",
+                       .presumed = record.presumed,
+                       .collision = instance.collision,
+                       .resolution = instance.resolution,
+                       .shared_resolution = instance.shared_resolution,
+                       .planner = level.planner(),
+                       .kind = find_planner(level.planner().name()),
+                       .planner_given = planner_given,
+                       .common = level.common(),
+                       .grant = level.guidance().grant()};
+  if (instance.graph) {
+    const auto& graph = *instance.graph;
+    out.graph = {.vertices = graph.vertices.size(), .edges = graph.edges.size(), .verified = graph.verified};
+  }
+  if (guide != nullptr) {
+    out.guide = explained(*guide, record.key + "/0", levels);
+    add_levels(*out.guide, out.below);
+  }
+  return out;
+}
+
+}  // namespace
+
+LevelExplanation explain(const StrategySpec& strategy, const Problem& problem) {
+  check_depth(strategy);
+  Run run;
+  run.problem = problem.name;
+  Level root(run, nullptr, "0", "root", root_instance(strategy, problem), strategy.planner(), nullptr);
+  if (strategy.guide() != nullptr) root.guide_by(*strategy.guide());
+  Levels levels;
+  for (Level* level : run.levels) levels.emplace(level->record().key, level);
+  return explained(root, strategy.guide(), true, levels);
+}
+
+}  // namespace trellis
