@@ -99,7 +99,7 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
       }
     }
     THEN("the report names every level and both strategies") {
-      for (const auto* word : {"root", "lazy()", "shrink(0.5)", "skeleton()", "rrt", "nested", "summary", "uniform"}) {
+      for (const auto* word : {"root", "lazy()", "shrink(0.5)", "skeleton()", "rrt", "nested", "baseline", "verdict", "uniform sampling"}) {
         CHECK(result.outcome.out.find(word) != std::string::npos);
       }
     }

@@ -118,9 +118,11 @@ std::string strategies_table(const Section& section, std::size_t width) {
   Table table(columns);
   for (const Row& row : section.rows) {
     const RunsSummary& s = row.summary;
-    std::vector<std::string> cells = {
-        row.name, fmt::format("{}/{}", s.solved, s.runs), count_text(s.validity_checks.value),
-        std::isfinite(s.validity_checks.value) && most > 0.0 ? bar(s.validity_checks.value / most, bar_width) : ""};
+    std::vector<std::string> cells = {row.name, fmt::format("{}/{}", s.solved, s.runs),
+                                      count_text(s.validity_checks.value),
+                                      std::isfinite(s.validity_checks.value) && most > 0.0 && section.rows.size() > 1
+                                          ? bar(s.validity_checks.value / most, bar_width)
+                                          : ""};
     if (compared) {
       const Comparison* c = comparison_of(section, row.name);
       cells.push_back(row.name == section.baseline ? "1" : c != nullptr ? ratio_text(c->validity_checks.ratio) : "-");
