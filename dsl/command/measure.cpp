@@ -113,6 +113,7 @@ Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
   if (result.headline.estimator != specs.front().text() || !result.headline.reason.empty()) {
     throw Error(fmt::format("{}: {} gives no figure: {}", c.samples, specs.front().name(), reason_of(specs.front())));
   }
+  result.headline = shown(std::move(result.headline));
   result.log_volume = target.log_volume();
   result.notes = notes_on(c.space, samples);
   for (std::size_t i = 0; c.valid && i < c.path.size(); ++i) {
@@ -140,7 +141,9 @@ Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
 
 /// The plain grid is not defended: its one figure stands as D.
 Estimate as_it_is(Estimate estimate) {
-  if (estimate.estimator.starts_with("legacy")) estimate.value = std::numeric_limits<double>::quiet_NaN();
+  if (!estimate.estimator.starts_with("legacy")) return estimate;
+  estimate.value = std::numeric_limits<double>::quiet_NaN();
+  estimate.parts = {};
   return estimate;
 }
 
@@ -151,6 +154,13 @@ Json number(double x) {
   if (std::isnan(x)) return nullptr;
   if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
   return x;
+}
+
+Json parts(const ChainRule& parts) {
+  return {{"mass", number(parts.mass)},
+          {"spread", number(parts.spread)},
+          {"along", number(parts.along)},
+          {"across", number(parts.across)}};
 }
 
 Json document(const Case& c, const Measured& m) {
@@ -169,6 +179,10 @@ Json document(const Case& c, const Measured& m) {
   json["gain_eps0.05"] = number(figures.gain);
   json["D_mass"] = number(e.mass);
   json["D_mass_LB95"] = number(e.mass_lower95);
+  json["D_mass_CI95"] = {number(e.mass_lo), number(e.mass_hi)};
+  json["D_perfect"] = number(e.perfect);
+  json["D_parts"] = parts(figures.undefended_parts);
+  json["D_eps0.05_parts"] = parts(figures.parts);
   json["D_arc"] = number(e.along.divergence);
   json["arc_empty_share"] = number(e.along.empty_share);
   json["cov_delta"] = number(e.coverage);
@@ -193,6 +207,8 @@ Json document(const Case& c, const Measured& m) {
     one["D_eps0.05"] = number(estimate.value);
     one["D_eps0.01"] = number(estimate.light_value);
     one["gain_eps0.05"] = number(estimate.gain);
+    one["D_parts"] = parts(estimate.undefended_parts);
+    one["D_eps0.05_parts"] = parts(estimate.parts);
     one["JS"] = number(estimate.js);
     if (!answer.estimate) one["reason"] = answer.reason;
   }
@@ -209,12 +225,14 @@ std::string row(std::string_view name, double x, std::string_view meaning) {
 }
 
 std::string meaning_of(const std::string& flag) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> meanings = {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> meanings = {
       {{"underpowered", "as many uniform samples would put fewer than 10 into the target: draw more"},
        {"censored",
         "no sample lies in the target: D_mass_LB95 is all that is known, the rest is what so few leave possible"},
        {"partial", "the samples cover less of the target than as many uniform ones would"},
        {"below mass bound", "D is below what the share of the samples in the target allows: do not believe it"},
+       {"lower bound", "mass and arc length alone: the divergence is at least this"},
+       {"indicative", "nearest neighbours are far from the truth in so many dimensions: --estimator arc gives a bound"},
        {"cannot reach", "part of the target is invalid, and these samples can never be"},
        {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
   const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
@@ -262,12 +280,20 @@ std::string table(const Case& c, const Measured& m) {
   text += fmt::format("estimator: {}\n\n", e.estimator);
   text += row("D_eps0.05", figures.value,
               "nats, lower is better: divergence of the samples with 5 % uniform ones mixed in");
+  text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
+  text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
+  text += row("    along", figures.parts.along, "of the spread: along the path");
+  text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
   text += row("gain_eps0.05", figures.gain, "nats won over uniform sampling: D_uniform - D_eps0.05");
-  text += row("D_uniform", e.uniform, "the divergence of uniform sampling: the zero of the scale");
+  text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
+  text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
   text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");
   text += row("D", figures.undefended, "of the samples as they are");
-  text += row("D_mass", e.mass, "the least that D can be, by the share of the samples in the target");
-  text += row("D_mass_LB95", e.mass_lower95, "its lower end, with 95 % confidence");
+  text += row(
+      "D_mass", e.mass,
+      fmt::format("-log of the share of the samples in the target; 95 % interval: {} to {}{}", figure_text(e.mass_lo),
+                  figure_text(e.mass_hi), e.repeated > 0 ? "; repeated samples count" : ""));
+  text += row("D_mass_LB95", e.mass_lower95, "the least that D can be, with 95 % confidence");
   text += row("D_arc", e.along.divergence, "divergence of where along the path the samples in the target lie");
   text += row("arc_empty_share", e.along.empty_share, "share of the target in parts of the path without a sample");
   text += row(
@@ -278,17 +304,18 @@ std::string table(const Case& c, const Measured& m) {
   text += row("JS", figures.js, "Jensen-Shannon divergence, from 0 (the same) to 0.693 (nothing in common)");
   text += profile(e.along);
   if (!m.answers.empty()) {
-    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>12} {:>9}\n", "estimator", "D_eps0.05", "D_eps0.01", "D",
-                        "gain_eps0.05", "JS");
+    text += fmt::format("\n  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", "estimator", "D_eps0.05", "mass",
+                        "spread", "D_eps0.01", "D", "gain_eps0.05", "JS");
     for (const Answer& answer : m.answers) {
       if (!answer.estimate) {
         text += fmt::format("  {:<10} none: {}\n", answer.estimator, answer.reason);
         continue;
       }
       const Estimate estimate = as_it_is(*answer.estimate);
-      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>12} {:>9}\n", answer.estimator, figure_text(estimate.value),
-                          figure_text(estimate.light_value), figure_text(estimate.undefended),
-                          figure_text(estimate.gain), figure_text(estimate.js));
+      text += fmt::format("  {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9}\n", answer.estimator,
+                          figure_text(estimate.value), figure_text(estimate.parts.mass),
+                          figure_text(estimate.parts.spread), figure_text(estimate.light_value),
+                          figure_text(estimate.undefended), figure_text(estimate.gain), figure_text(estimate.js));
     }
   }
   if (!e.flags.empty()) text += '\n';

@@ -356,7 +356,8 @@ const Construct& experiment_construct() {
             "what samples are measured against; false computes no efficiency", false, "tube {}"},
            {"estimators", "trellis.Estimator|trellis.Estimator[]",
             "an estimator or a list of estimators, as { exact(), knn { k = 3 } }",
-            "the first that has a figure gives the headline, the others stand beside it", false, "{ exact(), knn() }"},
+            "the first that has a figure gives the headline; of a list that is given, the others stand beside it",
+            false, "{ exact(), arc(), knn() }"},
            {"baseline", "string", "the name of a strategy", "what the others are compared with; the first by default"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
             "problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are "

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/statistics.hpp>
 #include <trellis/testing.hpp>
 #include <trellis/trial/paired_runs.hpp>
@@ -27,8 +28,7 @@ inline testing::Trial tried(StrategySpec strategy, const Problem& problem) {
 }
 
 /// Of the validity checks of runs beside those of the same seeds without guidance, the median ratio is at most `most`:
-/// a guide may mislead, but its loss is bounded. A run without a path counts as infinite where the other found
-/// one.
+/// a guide may mislead, but its loss is bounded. A run without a path costs infinitely much.
 class BoundedLoss final : public trial::Matcher {
  public:
   explicit BoundedLoss(testing::Trial plain) : plain_(std::move(plain)) {}
@@ -44,9 +44,8 @@ class BoundedLoss final : public trial::Matcher {
     for (const auto& [mine, others] : trial::pairs_of(guided.runs(), guided, plain_.runs(), plain_)) {
       const auto here = static_cast<double>(mine->run.validity_checks);
       const auto there = static_cast<double>(others->run.validity_checks);
-      const bool only_there = others->run.solved && !mine->run.solved;
-      lost += only_there ? 1 : 0;
-      const double ratio = only_there ? std::numeric_limits<double>::infinity() : here / there;
+      lost += others->run.solved && !mine->run.solved ? 1 : 0;
+      const double ratio = cost_ratio({here, mine->run.solved}, {there, others->run.solved});
       ratios.push_back(ratio);
       if (ratio <= worst) continue;
       worst = ratio;

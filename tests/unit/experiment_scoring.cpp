@@ -230,6 +230,7 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
   experiment.problems = {test::cup_problem()};
   experiment.strategies.pop_back();
   experiment.seeds = {4, 5};
+  experiment.measure->estimators = {EstimatorSpec::make("exact"), EstimatorSpec::make("knn")};
   const ExperimentResult result = run(experiment);
   const std::shared_ptr<Instance> instance = make_instance(experiment.problems.front());
   for (const RunResult& run : result.runs) {
@@ -253,6 +254,66 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
     CHECK(own.expansion.others.front().estimator == "knn");
     CHECK(own.expansion.samples == record.search.proposals.size());
   }
+  // Where no list was given the headline alone is asked.
+  experiment.measure = Measure{};
+  for (const RunResult& run : run(experiment).runs) {
+    CHECK(root_of(run).own->expansion.estimator == "exact");
+    CHECK(root_of(run).own->expansion.others.empty());
+  }
+}
+
+TEST_CASE("the oracle and uniform sampling frame the root's figures", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.problems = {test::cup_problem()};
+  experiment.strategies.pop_back();
+  experiment.seeds = {1, 2, 3, 4, 5, 6};
+  std::vector<double> perfect;
+  std::vector<double> none;
+  for (const RunResult& run : run(experiment).runs) {
+    const LevelResult& root = root_of(run);
+    if (!run.run.solved) continue;
+    REQUIRE(root.oracle);
+    REQUIRE(root.uniform);
+    CHECK(root.oracle->tree.samples == std::min<std::size_t>(root.own->tree.samples, LevelResult::most_references));
+    CHECK(root.oracle->tree.in_target == root.oracle->tree.samples);
+    CHECK(root.oracle->expansion.estimator == "exact");
+    CHECK(root.oracle->expansion.undefended == Approx(0.0).margin(1e-9));
+    CHECK(root.uniform->expansion.value == Approx(root.own->expansion.uniform).margin(1e-6));
+    perfect.push_back(root.oracle->tree.undefended);
+    none.push_back(root.uniform->tree.value - root.uniform->tree.uniform);
+  }
+  REQUIRE(perfect.size() >= 5);
+  for (const auto& values : {perfect, none}) {
+    const Interval interval = student_interval(values, 0.99);
+    CAPTURE(interval.value, interval.lo, interval.hi);
+    CHECK(interval.lo <= 0.01);
+    CHECK(interval.hi >= -0.01);
+  }
+}
+
+TEST_CASE("samples of all seeds together are scored without the seed whose path it is", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.seeds = {1, 2, 3, 4};
+  experiment.measure = Measure{.target = tube(), .cross = 3};
+  const ExperimentResult result = run(experiment);
+  REQUIRE(result.pooled.size() == experiment.strategies.size());
+  for (const PooledScores& pooled : result.pooled) {
+    CHECK(pooled.seeds == 3);
+    CHECK(pooled.targets == 3);
+    // Each run of more than 500 samples gives 500 of them.
+    std::size_t most = 0;
+    for (const RunResult& run : result.runs) {
+      if (run.strategy == pooled.strategy) most += std::min<std::size_t>(root_of(run).record.search.nodes.size(), 500);
+    }
+    CHECK(pooled.scores.tree.samples < most);
+    CHECK(pooled.scores.tree.samples > 0);
+    CHECK(std::isfinite(pooled.scores.tree.value));
+    // Proposals of plain RRT are uniform but for the goal, alone and together.
+    CHECK(pooled.scores.expansion.estimator == "exact");
+    CHECK(pooled.scores.expansion.undefended == Approx(pooled.scores.expansion.uniform - std::log(0.95)).margin(1e-6));
+  }
+  experiment.measure->cross = 0;
+  CHECK(run(experiment).pooled.empty());
 }
 
 TEST_CASE("a run's own path flatters its tree", "[scoring]") {
@@ -421,6 +482,45 @@ TEST_CASE("progress in every direction that comes closer gains what is to be gai
   // D_eps of the better half: q = 0.95 * 2 + 0.05.
   CHECK(gain(0.5 * pi) == Approx(std::log(1.95)).margin(0.05));
   CHECK(gain(0.25 * pi) < 0.0);  // half of the directions that come closer are never taken
+}
+
+TEST_CASE("progress ranks what a driven robot can do, not straight directions", "[scoring]") {
+  // Of its speeds a sixth drive backwards.
+  const MotionKind& unicycle = *find_motion("unicycle1");
+  const auto model = unicycle.make(Options::validate(*unicycle.component, {{"min_speed", -0.1}, {"max_speed", 0.5}}));
+  LevelRecord level;
+  level.key = "0";
+  level.space = Space::se2({-1000, 1000}, {-1000, 1000});
+  level.goal = {-900, 0, 0};  // the robot looks along x
+  level.search = Search(3);
+  level.search.nodes.push(std::vector{0.0, 0.0, 0.0});
+  level.search.parents = {0};
+  Stream stream(5, "", "test");
+  for (int i = 0; i < 400; ++i) {
+    const double angle = stream.uniform(-pi, pi);
+    level.search.proposals.push(std::vector{5 * std::cos(angle), 5 * std::sin(angle), 0.0});
+    level.search.near.push_back(0);
+  }
+  const ProgressSettings settings;
+  const Ranks driven = rank_motions(level, false, settings, 1, model.get());
+  const Ranks straight = rank_motions(level, false, settings, 1);
+  REQUIRE(driven.target.target);
+  REQUIRE(straight.target.target);
+  // Controls drawn at random come closer as often as they drive backwards, directions half of the time.
+  const double backwards = 1.0 / 6.0;
+  CHECK(driven.target.target->uniform() == Approx(-std::log(backwards)).margin(0.15));
+  CHECK(straight.target.target->uniform() == Approx(std::log(2.0)).margin(0.15));
+  // A proposal behind the robot is followed by a control that drives backwards.
+  level.search.proposals = Configurations(3);
+  level.search.near.clear();
+  for (int i = 0; i < 50; ++i) {
+    level.search.proposals.push(std::vector{-5.0, 0.0, 0.0});
+    level.search.near.push_back(0);
+  }
+  const Ranks behind = rank_motions(level, false, settings, 1, model.get());
+  double mean = 0.0;
+  for (std::size_t i = 0; i < behind.samples.size(); ++i) mean += behind.samples[i][0] / 50.0;
+  CHECK(mean < backwards);
 }
 
 TEST_CASE("an experiment is scored by progress, whether its runs find paths or not", "[scoring]") {

@@ -28,11 +28,15 @@ TEST_CASE("Student's interval gives the published figures of the sleep data") {
   CHECK(wide.hi - wide.lo > i.hi - i.lo);
 }
 
-TEST_CASE("Student's interval leaves NaN out, averages no infinity and needs two values") {
-  const Interval with_nan = student_interval(std::vector{1.0, not_a_number, 3.0});
-  CHECK(with_nan.value == 2.0);
-  CHECK(with_nan.n == 2);
-  CHECK(with_nan.hi - 2.0 == Approx(12.7062).epsilon(1e-5));
+TEST_CASE("Student's interval leaves NaN out, averages no infinity and needs five values") {
+  const Interval with_nan = student_interval(std::vector{1.0, 2.0, not_a_number, 3.0, 4.0, 5.0});
+  CHECK(with_nan.value == 3.0);
+  CHECK(with_nan.n == 5);
+  CHECK(with_nan.hi - 3.0 == Approx(2.776445 * std::sqrt(0.5)).epsilon(1e-6));
+  const Interval four = student_interval(std::vector{1.0, 2.0, 3.0, 4.0});
+  CHECK(four.value == 2.5);
+  CHECK(std::isnan(four.lo));
+  CHECK(std::isnan(four.hi));
 
   const Interval censored = student_interval(std::vector{1.0, infinity, 3.0, not_a_number, 2.0, 5.0});
   CHECK(censored.value == 3.0);
@@ -50,10 +54,54 @@ TEST_CASE("Student's interval leaves NaN out, averages no infinity and needs two
   const Interval none = student_interval(std::vector{not_a_number});
   CHECK(std::isnan(none.value));
   CHECK(none.n == 0);
-  const Interval equal = student_interval(std::vector{2.0, 2.0, 2.0});
+  const Interval equal = student_interval(std::vector{2.0, 2.0, 2.0, 2.0, 2.0});
   CHECK(equal.lo == 2.0);
   CHECK(equal.hi == 2.0);
   CHECK_THROWS_AS(student_interval(std::vector{1.0, 2.0}, 1.0), Error);
+}
+
+TEST_CASE("Newcombe's interval gives his published figures and never leaves [-1, 1]") {
+  // Newcombe 1998, Statistics in Medicine 17, 873-890, table II, method 10.
+  const auto check = [](Share a, Share b, double lo, double hi) {
+    const Interval i = newcombe_interval(a, b);
+    CHECK(i.lo == Approx(lo).margin(5e-5));
+    CHECK(i.hi == Approx(hi).margin(5e-5));
+    const Interval turned = newcombe_interval(b, a);
+    CHECK(turned.lo == Approx(-i.hi));
+    CHECK(turned.value == Approx(-i.value));
+  };
+  check({56, 70}, {48, 80}, 0.0524, 0.3339);
+  check({9, 10}, {3, 10}, 0.1705, 0.8090);
+  check({10, 10}, {0, 10}, 0.6075, 1.0);
+  check({0, 10}, {0, 20}, -0.1611, 0.2775);
+  for (std::size_t a = 0; a <= 6; ++a) {
+    for (std::size_t b = 0; b <= 6; ++b) {
+      const Interval i = newcombe_interval({a, 6}, {b, 6}, 0.999);
+      CHECK(i.lo >= -1.0);
+      CHECK(i.hi <= 1.0);
+    }
+  }
+  CHECK(std::isnan(newcombe_interval({1, 2}, {0, 0}).value));
+}
+
+TEST_CASE("Holm's correction multiplies the smallest p most and keeps their order") {
+  // R: p.adjust(c(.01, .02, .03, .04, .05), "holm").
+  const auto adjusted = holm(std::vector{0.05, 0.01, not_a_number, 0.03, 0.04, 0.02});
+  CHECK(adjusted[1] == Approx(0.05));
+  CHECK(adjusted[5] == Approx(0.08));
+  CHECK(adjusted[3] == Approx(0.09));
+  CHECK(adjusted[4] == Approx(0.09));
+  CHECK(adjusted[0] == Approx(0.09));
+  CHECK(std::isnan(adjusted[2]));
+  CHECK(holm(std::vector{0.7, 0.9}) == std::vector{1.0, 1.0});
+  CHECK(holm({}).empty());
+}
+
+TEST_CASE("the sign test is the binomial one") {
+  CHECK(sign_test(5, 0) == Approx(2.0 / 32));
+  CHECK(sign_test(2, 8) == Approx(0.109375));
+  CHECK(sign_test(3, 3) == 1.0);
+  CHECK(sign_test(0, 0) == 1.0);
 }
 
 TEST_CASE("Wilson's interval gives Newcombe's published figures") {

@@ -115,17 +115,18 @@ TEST_CASE("costs are divided seed by seed, and a run without a path costs infini
   REQUIRE(all.size() == 1);
   CHECK(all[0].runs == 6);
   CHECK(all[0].solved == 5);
-  CHECK(all[0].reference_solved == 5);
-  // 0.5, 0.25, 0.25 (of what the failed run had spent), infinite, 2, 3.
-  CHECK(all[0].checks.paired == 1.25);
-  CHECK(all[0].checks.median == 150.0);
-  CHECK(all[0].checks.reference_median == 100.0);
-  CHECK(all[0].checks.of_medians == 1.5);
-  // Six seeds: the interval is the range.
-  CHECK(all[0].checks.lo == 0.25);
-  CHECK(all[0].checks.hi == infinity);
-  CHECK(all[0].seconds.paired == Approx(1.25));
-  CHECK(all[0].seconds.median == Approx(0.15));
+  CHECK(all[0].checks.reference_solved == 5);
+  CHECK(all[0].checks.both_solved == 4);
+  // 0.5, 0.25, 0 (the reference failed), infinite, 2, 3.
+  CHECK(all[0].checks.ratio.value == 1.25);
+  CHECK(all[0].checks.median.value == 150.0);
+  CHECK(all[0].checks.reference_median.value == 100.0);
+  CHECK(all[0].checks.ratio_of_medians() == 1.5);
+  // Six seeds bound nothing with 99 %.
+  CHECK(all[0].checks.ratio.lo == 0.0);
+  CHECK(all[0].checks.ratio.hi == infinity);
+  CHECK(all[0].seconds.ratio.value == Approx(1.25));
+  CHECK(all[0].seconds.median.value == Approx(0.15));
 }
 
 TEST_CASE("a composition is compared with the part that costs less there", "[report][costs]") {
@@ -133,12 +134,12 @@ TEST_CASE("a composition is compared with the part that costs less there", "[rep
   const auto parts = compare_costs(data, CostReference::best_part, "connect");
   CHECK(parts.size() == 2);
   CHECK(find(data, parts, "cup", "ab").checks.reference == "a");
-  CHECK(find(data, parts, "cup", "ab").checks.paired == 2.0);
+  CHECK(find(data, parts, "cup", "ab").checks.ratio.value == 2.0);
   CHECK(find(data, parts, "a|b", "ab").checks.reference == "b");
   const auto own = compare_costs(data, CostReference::own_planner, "connect");
   CHECK(own.size() == 6);
   CHECK(std::all_of(own.begin(), own.end(), [](const auto& c) { return c.checks.reference == "rrt"; }));
-  CHECK(find(data, own, "a|b", "a").checks.paired == 1.0);
+  CHECK(find(data, own, "a|b", "a").checks.ratio.value == 1.0);
 
   const std::size_t b = 3;
   const auto beside = compare_costs(data, CostReference::baseline, "connect");
@@ -171,8 +172,8 @@ TEST_CASE("a document without CPU times has ratios of checks only", "[report][co
   data.add(text, "old.json");
   const auto all = compare_costs(data, CostReference::baseline, "connect");
   REQUIRE(all.size() == 1);
-  CHECK(all[0].checks.paired == 2.0);
-  CHECK(std::isnan(all[0].seconds.paired));
+  CHECK(all[0].checks.ratio.value == 2.0);
+  CHECK(std::isnan(all[0].seconds.ratio.value));
   CHECK_FALSE(costs_markdown(data, "connect").empty());
 }
 

@@ -262,9 +262,16 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   CHECK(better.expansion.difference.value == 0.0);
   CHECK(better.expansion.equal == 5);
   CHECK(better.expansion.sign_p == 1.0);
-  CHECK(better.check_ratio == 0.25);
-  CHECK(better.validity_checks.less == 5);
+  // The third seed found no path: 0.25 on the other four, infinite there.
+  CHECK(better.validity_checks.ratio.value == 0.25);
+  CHECK(better.validity_checks.less == 4);
+  CHECK(better.validity_checks.greater == 1);
+  CHECK(better.validity_checks.solved == 4);
+  CHECK(better.validity_checks.reference_solved == 5);
+  CHECK(better.validity_checks.both_solved == 4);
+  CHECK(better.validity_checks.difference.value == -1500.0);
   CHECK(better.solved.difference.value == Approx(-0.2));
+  CHECK(better.solved.difference.lo >= -1.0);
   CHECK(better.solved.less == 1);
   // A strategy with a guide taken out stands beside the whole one.
   const Comparison& without = compared[1];
@@ -272,7 +279,10 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   CHECK(without.text == "without lazy()");
   CHECK(without.tree.difference.value == Approx(0.3));
   CHECK(without.expansion.greater == 5);
-  CHECK(without.check_ratio == 2.0);
+  CHECK(without.validity_checks.ratio.value == 2.0);
+  // Two comparisons are shown: the smaller p is doubled.
+  CHECK(without.expansion.sign_p == Approx(2.0 / 32));
+  CHECK(without.expansion.holm_p == Approx(4.0 / 32));
 
   SECTION("another baseline") {
     experiment.baseline = "better";
@@ -282,15 +292,16 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
     CHECK(turned[0].strategy == "base");
     CHECK(turned[0].tree.difference.value == Approx(0.3));
     CHECK(turned[0].tree.difference.lo == Approx(-better.tree.difference.hi));
-    CHECK(turned[0].check_ratio == 4.0);
+    CHECK(turned[0].validity_checks.ratio.value == 4.0);
   }
   SECTION("a run that was not scored leaves its pair out, and keeps its success and its checks") {
     result.runs[6].levels.front().root_cross.reset();
     const Comparison some = compare(experiment, result, "p").front();
     CHECK(some.tree.difference.n == 4);
     CHECK(some.tree.difference.value == Approx(-1.3 / 4));
+    CHECK(std::isnan(some.tree.difference.lo));  // four values have no interval
     CHECK(some.solved.difference.n == 5);
-    CHECK(some.validity_checks.difference.n == 5);
+    CHECK(some.validity_checks.pairs == 5);
   }
   SECTION("infinite figures are not averaged") {
     result.runs[5].levels.front().root_cross->tree.value = infinity;

@@ -288,7 +288,9 @@ void rrt_table(Report& report) {
       experiment.strategies = {{"rrt", StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}))}};
       for (std::uint64_t seed = 1; seed <= runs_each; ++seed) experiment.seeds.push_back(1000 * e + seed);
       experiment.measure = Measure{};
-      if (e > 0) experiment.measure->estimators = {EstimatorSpec::make("knn")};
+      experiment.measure->estimators = {EstimatorSpec::make("knn")};
+      if (e == 0)
+        experiment.measure->estimators.insert(experiment.measure->estimators.begin(), EstimatorSpec::make("exact"));
       const ExperimentResult result = run(experiment, {.jobs = jobs(), .progress = {}, .interrupted = {}});
       std::vector<double> knn;
       std::vector<double> exact;

@@ -88,12 +88,15 @@ class Plot {
     for (const RatioRow& row : figure_.rows) {
       for (const auto& dots : row.panels) {
         for (const RatioDot& dot : dots) {
-          if (std::isfinite(dot.value)) extent_.add(dot.value, AxisScale::log);
+          if (on_axis(dot.value)) extent_.add(dot.value, AxisScale::log);
         }
       }
     }
     extent_ = extent_.fitted(AxisScale::log, 0.04);
   }
+
+  /// Whether a ratio has a place on a logarithmic axis.
+  static bool on_axis(double ratio) { return std::isfinite(ratio) && ratio > 0.0; }
 
   [[nodiscard]] double row_top(std::size_t row) const { return top_ + row_ * static_cast<double>(row); }
 
@@ -182,7 +185,8 @@ class Plot {
       values.push_back(one.value);
       if (largest == nullptr || one.value > largest->value) largest = &one;
       const double y = y0 + lane * static_cast<double>(one.group);
-      if (std::isinf(one.lo) && std::isinf(one.hi)) continue;  // nothing is known of it
+      const bool unbounded = !(one.lo > 0.0) && std::isinf(one.hi);
+      if (std::isnan(one.lo) || unbounded) continue;  // nothing is known of it
       const double lo = std::isfinite(one.lo) && one.lo > 0.0 ? x.inside(one.lo) : x.from();
       const double hi = x.inside(one.hi);
       if (one.lo < one.hi && hi > lo) canvas.line({lo, y}, {hi, y}, whisker(figure_.groups[one.group]));
@@ -190,8 +194,10 @@ class Plot {
     for (const RatioDot& one : dots) {
       if (std::isnan(one.value)) continue;
       const double y = y0 + lane * static_cast<double>(one.group);
-      if (std::isinf(one.value)) {
-        marks::arrow(canvas, {x.inside(one.value), y}, 1, 0, figure_.groups[one.group].colour);
+      if (!on_axis(one.value)) {
+        const bool right = one.value > 0.0;
+        marks::arrow(canvas, {right ? x.inside(one.value) : x.from(), y}, right ? 1 : -1, 0,
+                     figure_.groups[one.group].colour);
       } else {
         dot(canvas, figure_.groups[one.group], {x.inside(one.value), y});
       }
@@ -201,7 +207,7 @@ class Plot {
     const std::size_t half = values.size() / 2;
     const double middle =
         values.size() % 2 == 1 || std::isinf(values[half]) ? values[half] : 0.5 * (values[half - 1] + values[half]);
-    if (std::isfinite(middle)) {
+    if (on_axis(middle)) {
       canvas.line({x.inside(middle), row_top(r) + 1.5}, {x.inside(middle), row_top(r) + row_ - 1.5},
                   {palette::ink, 1.6});
     }

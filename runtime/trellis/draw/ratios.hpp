@@ -21,8 +21,8 @@ struct RatioGroup {
 struct RatioDot {
   std::size_t group = 0;  ///< index into RatioFigure::groups
   std::string label{};    ///< printed right of the row whose largest it is; "": nothing
-  double value = 1.0;     ///< above 0; infinity: an arrow at the right edge
-  double lo = 1.0;        ///< its interval; none where both ends are infinite
+  double value = 1.0;     ///< infinity: an arrow at the right edge; 0: one at the left edge
+  double lo = 1.0;        ///< its interval; NaN: none
   double hi = 1.0;
 };
 

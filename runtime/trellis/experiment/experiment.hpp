@@ -53,6 +53,8 @@ const TargetSettings& common_settings(const TargetSpec& target);
 /// How an experiment's samples are scored.
 struct Measure {
   TargetSpec target = TubeSettings{};
+  /// The first that has a figure gives the headline. Of the default list it alone is asked, which spares half of the
+  /// work; of any other list the others stand beside it.
   std::vector<EstimatorSpec> estimators = default_estimators();
   /// Paths of other seeds that each run is scored on besides its own; 0: none. The same paths for all strategies.
   std::int64_t cross = 4;
@@ -135,6 +137,12 @@ struct LevelResult {
   /// root_cross (or root, without other seeds) of `equal_samples` of the samples drawn at random: as many as the
   /// strategy with the fewest has, where numbers differ much. The root level only.
   std::optional<Scores> equal = {};
+  /// What frames the root's figures on its own path, with as many samples as it has, but `most_references` at the most:
+  /// the oracle, which draws from T itself (S = C with the solution known), and uniform sampling of C. The root level
+  /// only, scored by the headline's estimators.
+  std::optional<Scores> oracle = {};
+  std::optional<Scores> uniform = {};
+  static constexpr std::size_t most_references = 2000;
   std::optional<SearchMetrics> metrics = {};
 };
 
@@ -151,10 +159,22 @@ struct RunResult {
   Configurations target = {};
 };
 
+/// The root's samples of all seeds of a strategy taken together, on the paths that single runs are scored on. On each
+/// path the seed that found it is left out, as a run is never scored on its own path there. What one run tells differs
+/// from it: a mixture of distributions that lie in different places covers what each of them misses.
+struct PooledScores {
+  std::string problem;
+  std::string strategy;
+  std::size_t seeds = 0;    ///< taken together on a path
+  std::size_t targets = 0;  ///< paths; the scores are means over them
+  Scores scores;
+};
+
 struct ExperimentResult {
-  std::vector<RunResult> runs;     ///< by problem, strategy, seed, whatever the number of threads
-  double planning_seconds = 0.0;   ///< wall clock of all runs
-  double measuring_seconds = 0.0;  ///< wall clock of scoring them
+  std::vector<RunResult> runs;       ///< by problem, strategy, seed, whatever the number of threads
+  std::vector<PooledScores> pooled;  ///< by problem and strategy; none of those without two seeds and a path
+  double planning_seconds = 0.0;     ///< wall clock of all runs
+  double measuring_seconds = 0.0;    ///< wall clock of scoring them
 };
 
 struct ExperimentOptions {

@@ -18,7 +18,8 @@ namespace {
 // A run is scored on several paths of others: with fewer points each, as their errors average out.
 constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
-constexpr std::size_t kept_points = 2048;  // of each run's target, for who draws it
+constexpr std::size_t kept_points = 2048;    // of each run's target, for who draws it
+constexpr std::size_t pooled_samples = 500;  // of each run, where those of all seeds are taken together
 // Kernels cost more than all other estimators together, and are for comparison.
 constexpr std::size_t kernel_points = 256;
 // Numbers of samples within this factor of each other are compared as they are.
@@ -74,13 +75,15 @@ class ProblemScoring {
         interrupted_(interrupted),
         seeds_(experiment.seeds.size()),
         strategies_(experiment.strategies.size()),
-        users_(std::holds_alternative<UserTarget>(measure_.target)) {
+        users_(std::holds_alternative<UserTarget>(measure_.target)),
+        headline_only_(measure_.estimators == default_estimators()) {
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == runs_.front()->problem; });
     occasion_->problem = &*problem;
   }
 
-  void score() {
+  /// \param pooled  appended to
+  void score(std::vector<PooledScores>& pooled) {
     for (RunResult* run : runs_) guard(*run);
     choose_equal_number();
     make_cross_targets();
@@ -88,6 +91,11 @@ class ProblemScoring {
       score_run(i);
       progress_();
     });
+    std::vector<std::optional<PooledScores>> of_strategies(strategies_);
+    in_parallel(strategies_, jobs_, [&](std::size_t s) { of_strategies[s] = score_pooled(s); });
+    for (auto& one : of_strategies) {
+      if (one) pooled.push_back(std::move(*one));
+    }
   }
 
  private:
@@ -276,6 +284,7 @@ class ProblemScoring {
                       {.held = held,
                        .estimators = measure_.estimators,
                        .brief = brief,
+                       .headline_only = headline_only_,
                        .density = density,
                        .points = 0,
                        .kernel_points = kernel_points});
@@ -288,6 +297,46 @@ class ProblemScoring {
     tell("proposal", sets.proposals);
     found.expansion = figure(target, sets.expansion, Held::anything, sets.density, sets.brief);
     return found;
+  }
+
+  /// Perfect guidance and none, beside a level's samples.
+  void score_references(const Target& target, const Sets& sets, std::uint64_t seed, LevelResult& level) const {
+    if (users_) return;  // its density would be asked for samples that are no run's
+    const Space& space = target.space();
+    const double log_target = target.is_uniform() ? -target.log_volume() : 0.0;
+    const auto score = [&](const Configurations& rows, const std::function<double(View)>& density) {
+      if (rows.empty()) return none(0, "there are no samples", false);
+      return efficiency(target, {space, rows},
+                        {.held = Held::anything,
+                         .estimators = measure_.estimators,
+                         .headline_only = true,
+                         .density = density,
+                         .points = static_cast<std::size_t>(cross_points),
+                         .kernel_points = kernel_points});
+    };
+    Scores oracle;
+    Scores uniform;
+    for (const bool tree : {true, false}) {
+      const std::size_t count = std::min((tree ? sets.tree : sets.expansion).total(), LevelResult::most_references);
+      const bool closed = !tree && sets.density && target.is_uniform();
+      Stream stream(measure_seed + seed, "", tree ? "oracle tree" : "oracle expansion");
+      Efficiency& perfect = tree ? oracle.tree : oracle.expansion;
+      perfect = score(target.draw(count, stream), closed ? std::function<double(View)>([&](View x) {
+                        return target.contains(x) ? std::exp(log_target) : 0.0;
+                      })
+                                                         : std::function<double(View)>());
+      Configurations anywhere(space.dimension());
+      Configuration x(space.dimension());
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < x.size(); ++j) x[j] = stream.uniform(space.axes()[j].lo, space.axes()[j].hi);
+        anywhere.push(x);
+      }
+      Efficiency& blind = tree ? uniform.tree : uniform.expansion;
+      blind = score(anywhere, closed ? std::function<double(View)>([&](View) { return std::exp(-space.log_volume()); })
+                                     : std::function<double(View)>());
+    }
+    level.oracle = std::move(oracle);
+    level.uniform = std::move(uniform);
   }
 
   /// The expansion's samples, of rows that stand for a level's proposals.
@@ -343,6 +392,7 @@ class ProblemScoring {
       if (root.target || !crossing.empty()) {
         const Sets sets = root_sets(result, record, space);
         if (root.target) level.root = scores(*root.target, sets);
+        if (root.target && record.level == 0) score_references(*root.target, sets, result.seed, level);
         level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets); });
       }
       if (!root.target && result.run.solved) level.root = absent(record, root.reason);
@@ -381,11 +431,20 @@ class ProblemScoring {
     for (std::size_t i = 0; i < count; ++i) kept.push(target.pool()[i]);
   }
 
+  /// What drives a level's robot; nullptr where its motions are straight.
+  [[nodiscard]] const MotionModel* model_of(const LevelRecord& record) const {
+    const MotionModel* const model = occasion_->problem->motion_model.get();
+    const bool driven =
+        model != nullptr && find_planner(record.planner)->kinodynamic && model->dimension() == record.space.dimension();
+    return driven ? model : nullptr;
+  }
+
   void score_progress(RunResult& result, const ProgressSettings& settings) const {
     for (LevelResult& level : result.levels) {
       Scores found;
       for (const bool tree : {true, false}) {
-        const Ranks ranks = rank_motions(level.record, tree, settings, measure_seed + result.seed);
+        const Ranks ranks =
+            rank_motions(level.record, tree, settings, measure_seed + result.seed, model_of(level.record));
         Efficiency& role = tree ? found.tree : found.expansion;
         role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
                                             Held::anything, {}, level.record.level != 0)
@@ -403,6 +462,81 @@ class ProblemScoring {
 
   static Scores absent(const LevelRecord& record, const std::string& reason) {
     return {none(record.search.nodes.size(), reason, true), none(record.search.proposals.size(), reason, true)};
+  }
+
+  // All seeds together
+  // -------------------------------------------------------------------------------------------------
+
+  /// The samples of a strategy's runs but one, and their density where it is known of all.
+  [[nodiscard]] Sets pooled_sets(std::size_t strategy, std::size_t without) const {
+    const LevelRecord* first = nullptr;
+    Configurations nodes;
+    Configurations proposals;
+    std::vector<std::pair<double, const LevelRecord*>> known;
+    bool closed = true;
+    double total = 0.0;
+    for (std::size_t seed = 0; seed < seeds_; ++seed) {
+      const RunResult& one = run(strategy, seed);
+      if (seed == without || one.levels.empty()) continue;
+      const LevelRecord& record = one.levels.front().record;
+      if (first == nullptr) {
+        first = &record;
+        nodes = Configurations(record.space.dimension());
+        proposals = Configurations(record.space.dimension());
+      }
+      const auto add = [&](Configurations& all, const Configurations& rows, const char* name) {
+        const Configurations some = thinned(rows, pooled_samples, Stream(measure_seed + one.seed, record.key, name));
+        for (std::size_t i = 0; i < some.size(); ++i) all.push(some[i]);
+      };
+      add(nodes, record.search.tree_samples(record.root_nodes), "pooled nodes");
+      const Configurations proposed = expansion(record, record.root_proposals);
+      add(proposals, proposed, "pooled proposals");
+      if (proposed.empty()) continue;
+      // Each run counts by the samples that it gives here.
+      const auto weight = static_cast<double>(std::min(proposed.size(), pooled_samples));
+      closed = closed && record.root_proposal_density;
+      known.emplace_back(weight, &record);
+      total += weight;
+    }
+    if (first == nullptr) return {.tree = {Space(), {}}, .expansion = {Space(), {}}};
+    Sets sets{
+        .tree = {first->space, nodes}, .expansion = {first->space, proposals}, .held = held(*first), .brief = true};
+    if (closed && !known.empty()) {
+      sets.density = [known, total](View x) {
+        double sum = 0.0;
+        for (const auto& [weight, record] : known) sum += weight * record->root_proposal_density(x);
+        return sum / total;
+      };
+    }
+    return sets;
+  }
+
+  [[nodiscard]] std::optional<PooledScores> score_pooled(std::size_t strategy) const {
+    if (users_ || !crosses() || !gives_paths(strategy)) return std::nullopt;
+    PooledScores result{.problem = runs_.front()->problem,
+                        .strategy = run(strategy, 0).strategy,
+                        .seeds = seeds_ - 1,
+                        .targets = 0,
+                        .scores = {}};
+    std::vector<Efficiency> tree;
+    std::vector<Efficiency> expansions;
+    // A path of each of some seeds, by whichever strategy gave one.
+    std::vector<char> taken(seeds_, 0);
+    for (std::size_t i = 0; i < cross_roots_.size() && tree.size() < static_cast<std::size_t>(measure_.cross); ++i) {
+      const std::size_t seed = i % seeds_;
+      if (!cross_roots_[i] || taken[seed] != 0) continue;
+      taken[seed] = 1;
+      poll();
+      const Sets sets = pooled_sets(strategy, seed);
+      if (sets.tree.total() + sets.expansion.total() == 0) continue;
+      Scores found = scores(*cross_roots_[i], sets);
+      tree.push_back(std::move(found.tree));
+      expansions.push_back(std::move(found.expansion));
+    }
+    if (tree.empty()) return std::nullopt;
+    result.targets = tree.size();
+    result.scores = {mean(tree), mean(expansions)};
+    return result;
   }
 
   // Equal numbers ----------------------------------------------------------------------------------------------------
@@ -492,7 +626,8 @@ class ProblemScoring {
   std::vector<std::vector<std::size_t>> donors_;          // of each seed
   std::size_t equal_nodes_ = 0;                           // 0: not wanted
   std::size_t equal_proposals_ = 0;
-  bool users_;  // the target is a script's
+  bool users_;          // the target is a script's
+  bool headline_only_;  // no estimator beside it was asked for
   std::shared_ptr<UserTarget::Occasion> occasion_ = std::make_shared<UserTarget::Occasion>();
 };
 
@@ -504,7 +639,7 @@ void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs
   for (std::size_t problem = 0; problem < experiment.problems.size(); ++problem) {
     std::vector<RunResult*> runs;
     for (std::size_t i = 0; i < each; ++i) runs.push_back(&result.runs[problem * each + i]);
-    ProblemScoring(experiment, std::move(runs), jobs, progress, interrupted).score();
+    ProblemScoring(experiment, std::move(runs), jobs, progress, interrupted).score(result.pooled);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <trellis/experiment/cost_field.hpp>
@@ -34,6 +35,72 @@ std::vector<std::size_t> all_axes(const Space& space) {
   return axes;
 }
 
+/// Where the motions from a configuration can end.
+class Steering {
+ public:
+  Steering(const Space& space, const MotionModel* model, Stream& stream)
+      : space_(space), model_(model), stream_(stream), direction_(space.dimension()) {
+    if (model != nullptr) control_.resize(model->controls().size());
+  }
+
+  /// The end of a motion of a length drawn at random: in any direction, or by any control of the motion model, held
+  /// until the robot has come as far. False where it leaves the space or the model's limits.
+  bool draw(View from, double length, Configuration& end) {
+    if (model_ != nullptr) return drive(from, length, end);
+    double square = 0.0;
+    for (double& u : direction_) {
+      u = stream_.normal();
+      square += u * u;
+    }
+    const double scale = length / std::sqrt(square);
+    for (std::size_t j = 0; j < end.size(); ++j) {
+      end[j] = from[j] + scale * direction_[j] / space_.axes()[j].weight;
+    }
+    space_.normalise(end);
+    return space_.contains(end);
+  }
+
+  /// The motion towards a configuration: straight, or by that of some controls that ends nearest to it, which is how
+  /// planners steer.
+  bool towards(View from, View to, double length, Configuration& end) {
+    const double wanted = space_.distance(from, to);
+    if (model_ == nullptr) {
+      space_.interpolate(from, to, length / wanted, end);
+      return true;
+    }
+    double nearest = std::numeric_limits<double>::infinity();
+    Configuration option(end.size());
+    for (std::size_t c = 0; c < tried_controls; ++c) {
+      if (!draw(from, length, option)) continue;
+      const double rest = space_.distance(option, to);
+      if (rest >= nearest) continue;
+      nearest = rest;
+      end = option;
+    }
+    return std::isfinite(nearest);
+  }
+
+ private:
+  bool drive(View from, double length, Configuration& end) {
+    model_->sample_control(stream_, control_);
+    std::copy(from.begin(), from.end(), end.begin());
+    // A control that hardly moves the robot, such as braking, ends here.
+    for (std::size_t k = 0; k < longest_hold && space_.distance(from, end) < length; ++k) {
+      model_->step(space_, end, control_, end);
+      if (!space_.contains(end) || !model_->admits(end)) return false;
+    }
+    return true;
+  }
+
+  static constexpr std::size_t tried_controls = 16;
+  static constexpr std::size_t longest_hold = 20;
+  const Space& space_;
+  const MotionModel* model_;
+  Stream& stream_;
+  std::vector<double> direction_;
+  std::vector<double> control_;
+};
+
 }  // namespace
 
 MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
@@ -59,7 +126,8 @@ MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings
   return {std::move(target), ""};
 }
 
-Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed) {
+Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed,
+                   const MotionModel* model) {
   const Space& space = level.space;
   const Search& search = level.search;
   const std::size_t d = space.dimension();
@@ -68,15 +136,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
 
   const auto controls = static_cast<std::size_t>(settings.controls);
   Stream stream(seed, level.key, tree ? "progress nodes" : "progress proposals");
-  std::vector<double> direction(d);  // a unit vector in metric coordinates
-  const auto turn = [&] {
-    double square = 0.0;
-    for (double& u : direction) {
-      u = stream.normal();
-      square += u * u;
-    }
-    for (double& u : direction) u /= std::sqrt(square);
-  };
+  Steering steering(space, model, stream);
 
   const Space ranks = Space::euclidean({{0.0, 1.0}});
   Configurations samples(1);
@@ -88,7 +148,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
     const double wanted = space.distance(x, to[i]);
     if (!(wanted > 0.0)) continue;
     const double length = std::min(settings.step, wanted);
-    space.interpolate(x, to[i], length / wanted, end);
+    if (!steering.towards(x, to[i], length, end)) continue;
     const double reached = space.distance(end, level.goal);
     const double here = space.distance(x, level.goal);
     double better = 0.0;
@@ -97,10 +157,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
     // Rivals of its own: a direction's rank among them is uniform, while ranks among rivals that all motions share
     // would crowd where these happen to lie apart.
     for (std::size_t c = 0; c < controls; ++c) {
-      turn();
-      for (std::size_t j = 0; j < d; ++j) end[j] = x[j] + length * direction[j] / space.axes()[j].weight;
-      space.normalise(end);
-      if (!space.contains(end)) continue;
+      if (!steering.draw(x, length, end)) continue;
       const double there = space.distance(end, level.goal);
       all += 1.0;
       better += there < reached ? 1.0 : 0.0;

@@ -32,7 +32,10 @@ struct Ranks {
   Configurations samples;
 };
 /// \param tree  the motions that made nodes, from each one's parent; else those that were proposed
+/// \param model  what drives the robot: motions are ranked among those that its controls make; nullptr: among straight
+///               ones in all directions
 /// Planners without a tree make none.
-Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed);
+Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed,
+                   const MotionModel* model = nullptr);
 
 }  // namespace trellis

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include <trellis/measure/along.hpp>
 #include <trellis/measure/evaluation.hpp>
 #include <trellis/measure/samples.hpp>
 
@@ -28,38 +29,30 @@ void bound_mass(Efficiency& result) {
   result.mass = -std::log(inside / total);
   const double highest = boost::math::binomial_distribution<>::find_upper_bound_on_p(total, inside, 0.05);
   result.mass_lower95 = result.in_target == result.samples ? 0.0 : -std::log(highest);
+  using Binomial = boost::math::binomial_distribution<>;
+  constexpr double each_side = 0.025;
+  const double most = Binomial::find_upper_bound_on_p(total, inside, each_side);
+  result.mass_lo = result.in_target == result.samples ? 0.0 : -std::log(most);
+  result.mass_hi = -std::log(result.in_target == 0 ? 0.0 : Binomial::find_lower_bound_on_p(total, inside, each_side));
 }
 
-Along profile(const Target& target, std::span<const double> arcs, std::size_t points) {
-  Along along;
-  if (!target.has_path()) return along;
-  along.length = target.length();
-  const double bins = std::min(std::max(1.0, std::floor(along.length / target.delta())),
-                               std::floor(static_cast<double>(arcs.size()) / 5.0));
-  if (bins < 1.0) {
-    if (arcs.empty()) along.empty_share = 1.0;
-    return along;
-  }
-  const auto count = static_cast<std::size_t>(bins);
-  along.target.assign(count, 0.0);
-  along.samples.assign(count, 0.0);
-  const auto bin = [&](double arc) {
-    return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, arc / along.length * bins)));
+/// The chain rule for an estimate, where it was not made with its parts.
+void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
+  const bool across = target.space().dimension() < most_across;
+  const auto complete = [&](ChainRule& parts, double divergence, double along) {
+    if (std::isnan(parts.mass)) return;
+    if (std::isinf(parts.mass)) return;  // nothing in A: all of it is mass
+    parts.spread = divergence - parts.mass;
+    parts.along = along;
+    if (across) parts.across = parts.spread - parts.along;
   };
-  for (std::size_t i = 0; i < points; ++i) along.target[bin(target.arc(i))] += 1.0;
-  for (const double arc : arcs) along.samples[bin(arc)] += 1.0;
-  const auto n = static_cast<double>(arcs.size());
-  along.divergence = 0.0;
-  along.empty_share = 0.0;
-  for (std::size_t j = 0; j < count; ++j) {
-    const double t = along.target[j] / static_cast<double>(points);
-    const double c = along.samples[j];
-    if (t > 0.0) along.divergence += t * std::log(t / ((c + 0.5) / (n + 0.5 * bins)));
-    if (c == 0.0) along.empty_share += t;
-    along.target[j] = t;
-    along.samples[j] = c / n;
-  }
-  return along;
+  ChainRule& plain = estimate.undefended_parts;
+  if (std::isnan(plain.mass)) plain.mass = whole.mass;
+  complete(plain, estimate.undefended, whole.along.corrected);
+  if (!target.is_uniform()) return;
+  const double assumed = std::isinf(plain.mass) ? measure::mass_without_hit(whole.samples) : plain.mass;
+  estimate.parts.mass = defended_mass(assumed, whole.uniform);
+  complete(estimate.parts, estimate.value, whole.along.defended);
 }
 
 /// Share of the evaluation points within a distance of a sample, beside what uniform sampling is expected to reach.
@@ -152,24 +145,26 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     }
     if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
   }
-  const measure::Evaluation evaluation{target,  samples,         inside,      points,
-                                       squared, scoring.density, unreachable, scoring.kernel_points};
+  result.along = measure::along_path(target, inside.arcs, points,
+                                     static_cast<double>(inside.count) / static_cast<double>(samples.total()));
+  const measure::Evaluation evaluation{
+      target, samples, inside, points, squared, scoring.density, unreachable, result.along, scoring.kernel_points};
   for (std::size_t i = 0; i < points; ++i) {
     samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }
 
   bound_mass(result);
+  if (target.is_uniform()) result.perfect = defended_mass(0.0, result.uniform);
   cover(evaluation, result);
-  result.along = profile(target, inside.arcs, points);
   if (inside.count == 0) result.flags.emplace_back("censored");
 
   std::string reasons;
   bool found = false;
   for (const EstimatorSpec& spec : scoring.estimators) {
-    if (found && scoring.brief && spec.name() != "knn") continue;
+    if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
     if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
-      if (spec.name() != "exact") reasons += (reasons.empty() ? "" : "; ") + reason;
+      if (spec.name() != "exact" && spec.name() != "arc") reasons += (reasons.empty() ? "" : "; ") + reason;
       continue;
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
@@ -178,8 +173,11 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       estimate.undefended = std::numeric_limits<double>::infinity();
     }
     estimate.estimator = spec.text();
+    split(estimate, result, target);
     if (!found) {
       take(result, estimate);
+      if (spec.name() == "arc") result.flags.emplace_back("lower bound");
+      if (spec.name() == "knn" && target.space().dimension() >= most_across) result.flags.emplace_back("indicative");
     } else {
       result.others.push_back(std::move(estimate));
     }
@@ -229,6 +227,11 @@ Estimate mean_estimate(std::span<const Estimate> estimates) {
        {&Estimate::value, &Estimate::light_value, &Estimate::undefended, &Estimate::gain, &Estimate::js}) {
     result.*field = mean_of(estimates, [&](const Estimate& e) { return e.*field; });
   }
+  for (ChainRule Estimate::*parts : {&Estimate::parts, &Estimate::undefended_parts}) {
+    for (double ChainRule::*part : {&ChainRule::mass, &ChainRule::spread, &ChainRule::along, &ChainRule::across}) {
+      result.*parts.*part = mean_of(estimates, [&](const Estimate& e) { return e.*parts.*part; });
+    }
+  }
   return result;
 }
 
@@ -252,6 +255,8 @@ Along mean_along(std::span<const Efficiency> figures) {
   Along result;
   result.divergence = mean_of(figures, [](const Efficiency& e) { return e.along.divergence; });
   result.empty_share = mean_of(figures, [](const Efficiency& e) { return e.along.empty_share; });
+  result.corrected = mean_of(figures, [](const Efficiency& e) { return e.along.corrected; });
+  result.defended = mean_of(figures, [](const Efficiency& e) { return e.along.defended; });
   result.length = mean_of(figures, [](const Efficiency& e) { return e.along.length; });
   std::size_t bins = 0;
   double with = 0.0;
@@ -276,6 +281,38 @@ Along mean_along(std::span<const Efficiency> figures) {
 
 }  // namespace
 
+double least_value(const Efficiency& efficiency) {
+  if (std::isnan(efficiency.perfect)) return efficiency.perfect;
+  return defended_mass(efficiency.mass_lower95, efficiency.uniform);
+}
+
+Efficiency shown(Efficiency efficiency) {
+  const auto show = [&](Estimate& e) {
+    // Recorded densities make no estimate that chance could put below its bound; a floor is no estimate either.
+    const bool estimated = !e.estimator.starts_with("exact") && !e.estimator.starts_with("legacy");
+    const auto bound = [&](double& divergence, ChainRule& parts, double least) {
+      if (std::isnan(divergence)) return;
+      if (estimated && divergence < least) divergence = least;
+      divergence = std::max(divergence, 0.0);
+      if (std::isnan(parts.mass) || std::isnan(parts.spread)) return;
+      parts.mass = std::clamp(parts.mass, 0.0, std::isfinite(divergence) ? divergence : parts.mass);
+      parts.spread = divergence - parts.mass;
+      if (std::isnan(parts.along)) return;
+      parts.along = std::clamp(parts.along, 0.0, parts.spread);
+      if (!std::isnan(parts.across)) parts.across = parts.spread - parts.along;
+    };
+    const double certain = efficiency.mass_lower95;
+    bound(e.undefended, e.undefended_parts, certain);
+    const double least = least_value(efficiency);
+    bound(e.value, e.parts, std::isnan(least) ? 0.0 : least);
+    e.light_value = std::max(e.light_value, 0.0);
+    if (!std::isnan(e.value)) e.gain = efficiency.uniform - e.value;
+  };
+  show(efficiency);
+  for (Estimate& other : efficiency.others) show(other);
+  return efficiency;
+}
+
 Efficiency mean(std::span<const Efficiency> figures) {
   Efficiency result;
   if (figures.empty()) {
@@ -292,9 +329,10 @@ Efficiency mean(std::span<const Efficiency> figures) {
   std::vector<Estimate> headlines(figures.begin(), figures.end());
   headlines.front().estimator = first.estimator;
   take(result, mean_estimate(headlines));
-  for (double Efficiency::*field : {&Efficiency::uniform, &Efficiency::mass, &Efficiency::mass_lower95,
-                                    &Efficiency::coverage, &Efficiency::uniform_coverage, &Efficiency::coverage_half,
-                                    &Efficiency::uniform_coverage_half, &Efficiency::free_share}) {
+  for (double Efficiency::*field :
+       {&Efficiency::uniform, &Efficiency::perfect, &Efficiency::mass, &Efficiency::mass_lower95, &Efficiency::mass_lo,
+        &Efficiency::mass_hi, &Efficiency::coverage, &Efficiency::uniform_coverage, &Efficiency::coverage_half,
+        &Efficiency::uniform_coverage_half, &Efficiency::free_share}) {
     result.*field = mean_of(figures, [&](const Efficiency& e) { return e.*field; });
   }
   double inside = 0.0;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/measure/along.hpp>
 #include <trellis/measure/estimator.hpp>
 #include <trellis/measure/target.hpp>
 
@@ -16,26 +17,22 @@ namespace trellis {
 
 class PreparedSamples;
 
-/// Where along the path the samples in the target lie: J = min(L / delta, n / 5) bins of equal arc length.
-struct Along {
-  /// D(T || Q) of arc length, Q by the mean of its posterior under a Dirichlet(1/2) prior, in nats.
-  double divergence = std::numeric_limits<double>::quiet_NaN();
-  /// Share of the target that lies in bins without a sample.
-  double empty_share = std::numeric_limits<double>::quiet_NaN();
-  double length = std::numeric_limits<double>::quiet_NaN();  ///< of the path, metres of the target's distance
-  std::vector<double> target;                                ///< share of the target in each bin
-  std::vector<double> samples;                               ///< share of the samples in the target in each bin
-};
-
 /// The sampling efficiency of one set of samples against one target, SE_T(Q) = D_KL(T || Q), in nats, lower is better:
 /// the headline figures of one estimator, and what holds whichever estimator is asked. A figure that does not exist is
 /// NaN.
 struct Efficiency : Estimate {
   /// log|C| - log|A|, the divergence of uniform sampling of C.
   double uniform = std::numeric_limits<double>::quiet_NaN();
+  /// What `value` is of perfect guidance, samples of T itself: the price of the 5 % uniform ones that are mixed in.
+  /// `perfect` and `uniform` frame the scale. NaN where T is not uniform.
+  double perfect = std::numeric_limits<double>::quiet_NaN();
   /// -log Q(A), at most D; and its lower end with 95 % confidence (Clopper and Pearson, one-sided).
   double mass = std::numeric_limits<double>::quiet_NaN();
   double mass_lower95 = std::numeric_limits<double>::quiet_NaN();
+  /// The two-sided 95 % interval of `mass`, Clopper and Pearson's; infinite above where no sample lies in A. Samples
+  /// that occur more than once count, each time that they do; what is lost by their having no density is spread.
+  double mass_lo = std::numeric_limits<double>::quiet_NaN();
+  double mass_hi = std::numeric_limits<double>::quiet_NaN();
   /// Share of A within delta of a sample (full metric), and what as many uniform samples would reach (expected); the
   /// same within delta / 2.
   double coverage = std::numeric_limits<double>::quiet_NaN();
@@ -52,8 +49,8 @@ struct Efficiency : Estimate {
   std::vector<Estimate> others;
   /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
   /// (coverage clearly below uniform's), "below mass bound" (D is below the bound that the mass in A sets: wrong), "too
-  /// few samples" (fewer than k that are no atoms), "empty target", "cannot reach" (part of T is invalid, and the
-  /// samples can never be).
+  /// few samples" (fewer than k that are no atoms), "lower bound" (`arc`), "indicative" (`knn` from five dimensions
+  /// on), "empty target", "cannot reach" (part of T is invalid, and the samples can never be).
   std::vector<std::string> flags;
   /// Why there is no figure; "" where there is one.
   std::string reason;
@@ -70,6 +67,8 @@ struct Scoring {
   std::vector<EstimatorSpec> estimators = default_estimators();
   /// Whether, of those that stand beside the headline, `knn` alone is asked.
   bool brief = false;
+  /// Whether the headline's estimator alone is asked.
+  bool headline_only = false;
   /// The density of the samples where it is known (without atoms, per volume in metric coordinates), for `exact`.
   std::function<double(View)> density = {};
   std::size_t points = 0;         ///< evaluation points, at most the target's; 0: the target's
@@ -85,6 +84,14 @@ Efficiency efficiency(const Target& target, const Configurations& samples, const
 /// The same of samples that were made ready before, which spares most of that work where they are scored on several
 /// targets. Throws Error where they are of another space than the target.
 Efficiency efficiency(const Target& target, const PreparedSamples& samples, const Scoring& scoring = {});
+
+/// What D_eps is at least, by the certain bound of the mass; NaN where T is not uniform.
+double least_value(const Efficiency& efficiency);
+
+/// The same figures as they are shown: an estimate cannot be below what is certain, so one that is stands as its bound.
+/// D is at least `mass_lower95`, D_eps at least what follows from it, no part is negative, and the parts sum to the
+/// whole. Means over runs are taken of the estimates as they are, else they would be biased.
+Efficiency shown(Efficiency efficiency);
 
 /// One figure for several targets: means over them, of `along` too (over the least number of bins that one has);
 /// infinite values give infinity, and figures that some targets lack are means over those that have them. Flags are

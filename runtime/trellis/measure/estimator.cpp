@@ -14,8 +14,8 @@ namespace trellis {
 namespace measure {
 
 const std::vector<EstimatorKind>& estimator_kinds() {
-  static const std::vector<EstimatorKind> kinds = {knn_kind(), exact_kind(), kde_kind(), histogram_kind(),
-                                                   legacy_kind()};
+  static const std::vector<EstimatorKind> kinds = {knn_kind(), exact_kind(),     arc_kind(),
+                                                   kde_kind(), histogram_kind(), legacy_kind()};
   return kinds;
 }
 
@@ -36,6 +36,8 @@ double log_sum(double a, double b) {
 }
 
 }  // namespace
+
+double mass_without_hit(std::size_t samples) { return -std::log(0.5 / (static_cast<double>(samples) + 1.0)); }
 
 Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log_density, double mass) {
   const Target& target = evaluation.target;
@@ -101,8 +103,13 @@ std::string EstimatorSpec::text() const {
   return text.empty() ? name_ : fmt::format("{} {{ {} }}", name_, text);
 }
 
+double defended_mass(double mass, double uniform) {
+  return -std::log((1.0 - defence) * std::exp(-mass) + defence * std::exp(-uniform));
+}
+
 const std::vector<EstimatorSpec>& default_estimators() {
-  static const std::vector<EstimatorSpec> estimators = {EstimatorSpec::make("exact"), EstimatorSpec::make("knn")};
+  static const std::vector<EstimatorSpec> estimators = {EstimatorSpec::make("exact"), EstimatorSpec::make("arc"),
+                                                        EstimatorSpec::make("knn")};
   return estimators;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -14,6 +15,25 @@ namespace trellis {
 /// The uniform shares of the defended divergences: the headline's and the one beside it.
 inline constexpr double defence = 0.05;
 inline constexpr double light_defence = 0.01;
+
+/// A divergence by the chain rule, with A the support of T: D(T || Q) = -log Q(A) + D(T || Q given A). The parts of a
+/// finite divergence sum to it.
+struct ChainRule {
+  /// -log Q(A): how seldom a sample lies in the target.
+  double mass = std::numeric_limits<double>::quiet_NaN();
+  /// D(T || Q given A): how unevenly those that do cover it. NaN where no sample does.
+  double spread = std::numeric_limits<double>::quiet_NaN();
+  /// Of the spread: the divergence of arc length along the path, and what is left across it. NaN without a path; what
+  /// lies across also from `most_across` dimensions, where samples do not show it.
+  double along = std::numeric_limits<double>::quiet_NaN();
+  double across = std::numeric_limits<double>::quiet_NaN();
+};
+inline constexpr std::size_t most_across = 5;
+
+/// -log of the mass in A of Q with 5 % uniform samples mixed in.
+/// \param mass     -log Q(A)
+/// \param uniform  -log of the mass in A of uniform sampling
+double defended_mass(double mass, double uniform);
 
 /// What one estimator makes of a set of samples, in nats. A figure that does not exist is NaN.
 struct Estimate {
@@ -29,6 +49,10 @@ struct Estimate {
   double gain = std::numeric_limits<double>::quiet_NaN();
   /// Jensen-Shannon divergence of T and Q, in [0, log 2].
   double js = std::numeric_limits<double>::quiet_NaN();
+  /// The parts of `value`; none where T is not uniform.
+  ChainRule parts;
+  /// The parts of `undefended`.
+  ChainRule undefended_parts;
 };
 
 /// An estimator with its validated options.
@@ -47,7 +71,8 @@ class EstimatorSpec {
   Options options_;
 };
 
-/// Where densities are known they are used, else nearest neighbours: { exact, knn }.
+/// Where densities are known they are used, else the bound by arc length from five dimensions, else nearest neighbours:
+/// { exact, arc, knn }.
 const std::vector<EstimatorSpec>& default_estimators();
 
 namespace measure {
@@ -68,6 +93,7 @@ const EstimatorKind* find_estimator(std::string_view name);
 
 EstimatorKind knn_kind();
 EstimatorKind exact_kind();
+EstimatorKind arc_kind();
 EstimatorKind kde_kind();
 EstimatorKind histogram_kind();
 EstimatorKind legacy_kind();

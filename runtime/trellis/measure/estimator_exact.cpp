@@ -27,7 +27,10 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }
   mass /= static_cast<double>(pool.size());
-  return estimate_from(evaluation, log_density, std::min(mass, 1.0));
+  Estimate result = estimate_from(evaluation, log_density, std::min(mass, 1.0));
+  // The mass of the density itself: nothing was counted.
+  result.undefended_parts.mass = -std::log(std::min(mass, 1.0));
+  return result;
 }
 
 std::string unfit(const Options&, const Evaluation& evaluation) {

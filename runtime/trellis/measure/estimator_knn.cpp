@@ -166,7 +166,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   if (inside.empty()) {
     // Half a sample, spread over A: what N samples without a hit leave possible.
     for (std::size_t i = 0; i < evaluation.points; ++i) {
-      log_density[i] = std::log(0.5 / (total + 1.0)) + evaluation.target.log_density(i);
+      log_density[i] = evaluation.target.log_density(i) - mass_without_hit(evaluation.samples.total());
     }
     Estimate result = estimate_from(evaluation, log_density, 0.0);
     result.undefended = std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include <trellis/measure/along.hpp>
 #include <trellis/measure/estimator.hpp>
 #include <trellis/measure/samples.hpp>
 
@@ -19,6 +20,7 @@ struct Evaluation {
   std::span<const double> neighbours;                ///< squared distances to the `neighbour_count` nearest of all
   const std::function<double(View)>& known_density;  ///< of Q where it is known, raw coordinates; else empty
   std::span<const char> unreachable;                 ///< points of the pool where Q is known to be 0; empty: none
+  const Along& along;                                ///< where along the path the samples in the target lie
   std::size_t kernel_points = 0;                     ///< of them, those that `kde` looks at; 0: all
 
   static constexpr std::size_t neighbour_count = 8;
@@ -29,6 +31,10 @@ struct Evaluation {
     return View(target.pool_rows()).subspan(i * d, d);
   }
 };
+
+/// -log Q(A) as estimators take it where none of N samples lies in A: half a sample, what N without a hit leave
+/// possible.
+double mass_without_hit(std::size_t samples);
 
 /// The figures that follow from log q at the first points of the pool.
 /// \param mass  the mass that Q has in A without atoms, for JS

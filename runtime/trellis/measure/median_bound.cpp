@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -49,6 +50,22 @@ double median_lower(std::span<const double> values, double confidence) {
   mirrored.reserve(values.size());
   for (const double v : values) mirrored.push_back(-v);
   return -median_upper(mirrored, confidence);
+}
+
+Interval median_interval(std::span<const double> values, double confidence) {
+  check_confidence(confidence);
+  std::vector<double> known;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return !std::isnan(v); });
+  Interval result;
+  result.value = median(known);
+  result.n = known.size();
+  result.infinite =
+      static_cast<std::size_t>(std::count_if(known.begin(), known.end(), [](double v) { return std::isinf(v); }));
+  if (known.size() < least_for_interval) return result;
+  const double each_side = 0.5 + 0.5 * confidence;
+  result.lo = median_lower(known, each_side);
+  result.hi = median_upper(known, each_side);
+  return result;
 }
 
 std::size_t least_for_median(double confidence) {

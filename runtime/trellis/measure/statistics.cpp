@@ -61,7 +61,7 @@ Interval student_interval(std::span<const double> values, double confidence) {
   double sum = 0.0;
   for (const double v : finite) sum += v;
   result.value = sum / n;
-  if (finite.size() == 1) return result;
+  if (finite.size() < least_for_interval) return result;
   double squares = 0.0;
   for (const double v : finite) squares += (v - result.value) * (v - result.value);
   const double error = std::sqrt(squares / (n - 1.0) / n);
@@ -91,6 +91,39 @@ Interval wilson_interval(std::size_t successes, std::size_t trials, double confi
   return result;
 }
 
+Interval newcombe_interval(Share share, Share reference, double confidence) {
+  const Interval mine = wilson_interval(share.successes, share.trials, confidence);
+  const Interval other = wilson_interval(reference.successes, reference.trials, confidence);
+  Interval result;
+  result.n = std::min(mine.n, other.n);
+  if (result.n == 0) return result;
+  result.value = mine.value - other.value;
+  result.lo = result.value - std::hypot(mine.value - mine.lo, other.hi - other.value);
+  result.hi = result.value + std::hypot(mine.hi - mine.value, other.value - other.lo);
+  return result;
+}
+
+double sign_test(std::size_t less, std::size_t greater) {
+  if (less + greater == 0) return 1.0;
+  const boost::math::binomial coin(static_cast<double>(less + greater), 0.5);
+  return std::min(1.0, 2.0 * boost::math::cdf(coin, static_cast<double>(std::min(less, greater))));
+}
+
+std::vector<double> holm(std::span<const double> p) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!std::isnan(p[i])) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+  std::vector<double> adjusted(p.begin(), p.end());
+  double largest = 0.0;  // a test is never surer than one with a smaller p
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    largest = std::max(largest, std::min(1.0, static_cast<double>(order.size() - k) * p[order[k]]));
+    adjusted[order[k]] = largest;
+  }
+  return adjusted;
+}
+
 Paired paired(std::span<const double> a, std::span<const double> b, double confidence) {
   if (a.size() != b.size()) {
     throw Error(fmt::format("paired: {} figures against {}; the runs must be the same", a.size(), b.size()));
@@ -106,12 +139,7 @@ Paired paired(std::span<const double> a, std::span<const double> b, double confi
     if (!(std::isinf(a[i]) && std::isinf(b[i]))) differences.push_back(b[i] - a[i]);
   }
   result.difference = student_interval(differences, confidence);
-  const std::size_t signs = result.less + result.greater;
-  if (signs > 0) {
-    const boost::math::binomial coin(static_cast<double>(signs), 0.5);
-    const auto fewer = static_cast<double>(std::min(result.less, result.greater));
-    result.sign_p = std::min(1.0, 2.0 * boost::math::cdf(coin, fewer));
-  }
+  result.sign_p = result.holm_p = sign_test(result.less, result.greater);
   return result;
 }
 

@@ -304,6 +304,36 @@ bool Target::contains(View x) const {
   return tube_->contains(y) && (holds_invalid_ || valid_(x));
 }
 
+Configurations Target::draw(std::size_t count, Stream& stream) const {
+  const std::size_t d = space_.dimension();
+  Configurations drawn(d);
+  if (empty()) return drawn;
+  drawn.reserve(count);
+  if (!is_uniform()) {
+    // The user's own draws, from the end: those at the beginning are the evaluation points.
+    for (std::size_t i = pool_.size(); i-- > evaluation_points() && drawn.size() < count;) {
+      drawn.push(std::as_const(pool_)[i]);
+    }
+    return drawn;
+  }
+  const measure::Frame frame(space_);
+  std::vector<double> unit(d + 1);
+  std::vector<double> y(d);
+  std::vector<double> x(d);
+  const auto attempts = static_cast<std::size_t>(static_cast<double>(cover_limit * count) / free_share_);
+  for (std::size_t tried = 0; tried < attempts && drawn.size() < count; ++tried) {
+    for (double& u : unit) u = stream.uniform();
+    if (tube_) {
+      if (!tube_->draw(unit, y)) continue;
+    } else {
+      for (std::size_t j = 0; j < d; ++j) y[j] = frame.lo(j) + unit[j] * frame.extent(j);
+    }
+    frame.to_raw(y, x);
+    if (tube_ ? holds_invalid_ || valid_(x) : contains_(x)) drawn.push(x);
+  }
+  return drawn;
+}
+
 double Target::distance(View x) const {
   std::vector<double> y(space_.dimension());
   tube_->frame().to_metric(x, y);

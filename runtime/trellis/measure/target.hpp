@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <trellis/base/component.hpp>
+#include <trellis/base/random.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {
@@ -117,6 +118,10 @@ class Target {
   [[nodiscard]] const std::vector<std::size_t>& axes() const;
   /// Points of the whole tube, valid or not: what `legacy` takes for the target.
   [[nodiscard]] const Configurations& whole_tube() const { return whole_tube_; }
+
+  /// Independent draws from T, other points than those of the pool's beginning that log q is averaged at: what perfect
+  /// guidance would propose. Fewer than asked for where the target is hardly found, or was made from too few draws.
+  [[nodiscard]] Configurations draw(std::size_t count, Stream& stream) const;
 
   /// Points at which log q is averaged: a prefix of the pool.
   [[nodiscard]] std::size_t evaluation_points() const;

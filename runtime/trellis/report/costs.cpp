@@ -13,7 +13,6 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/measure/median_bound.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {
@@ -49,44 +48,37 @@ std::vector<std::vector<Cell>> cells_of(const CostData& data) {
 
 using Quantity = double CostData::Run::*;
 
-/// What a run of a strategy counts with.
-double cost(const CostData::Run& run, Quantity quantity) { return run.solved ? run.*quantity : infinity; }
+CensoredCost cost(const CostData::Run& run, Quantity quantity) { return {run.*quantity, run.solved}; }
 
-std::vector<double> costs(const Cell& cell, Quantity quantity) {
-  std::vector<double> values;
+std::vector<CensoredCost> costs(const Cell& cell, Quantity quantity) {
+  std::vector<CensoredCost> values;
   values.reserve(cell.size());
   for (const auto& [seed, run] : cell) values.push_back(cost(*run, quantity));
   return values;
 }
 
-double ratio(double cost, double reference) {
-  if (std::isnan(cost) || std::isnan(reference)) return nan;
-  return cost == reference ? 1.0 : reference > 0.0 ? cost / reference : infinity;
-}
-
-CostRatio ratio_of(const Cell& mine, const Cell& theirs, Quantity quantity) {
-  CostRatio result;
-  std::vector<double> left;
-  std::vector<double> right;
-  std::vector<double> ratios;
+/// On the seeds that both have, where both documents have the quantity.
+PairedCosts pairs_of(const Cell& mine, const Cell& theirs, Quantity quantity) {
+  std::vector<CensoredCost> left;
+  std::vector<CensoredCost> right;
   for (const auto& [seed, run] : mine) {
     const auto other = theirs.find(seed);
-    if (other == theirs.end()) continue;
-    const double one = ratio(cost(*run, quantity), other->second->*quantity);
-    if (std::isnan(one)) continue;
+    if (other == theirs.end() || std::isnan(run->*quantity) || std::isnan(other->second->*quantity)) continue;
     left.push_back(cost(*run, quantity));
-    right.push_back(other->second->*quantity);
-    ratios.push_back(one);
+    right.push_back(cost(*other->second, quantity));
   }
-  if (ratios.empty()) return result;
-  constexpr double each_side = 0.975;
-  result.median = median(left);
-  result.reference_median = median(right);
-  result.of_medians = ratio(result.median, result.reference_median);
-  result.paired = median(ratios);
-  result.lo = median_lower(ratios, each_side);
-  result.hi = median_upper(ratios, each_side);
-  return result;
+  return paired_costs(left, right);
+}
+
+/// Corrects the p values of one quantity over all comparisons.
+void correct(std::vector<CostComparison>& comparisons, CostRatio CostComparison::*quantity) {
+  std::vector<double> p;
+  p.reserve(comparisons.size());
+  for (const CostComparison& c : comparisons) p.push_back((c.*quantity).pairs > 0 ? (c.*quantity).sign_p : nan);
+  p = holm(p);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!std::isnan(p[i])) (comparisons[i].*quantity).holm_p = p[i];
+  }
 }
 
 std::size_t solved(const Cell& cell) {
@@ -136,7 +128,7 @@ std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t
   std::size_t best = references.front();
   double least = infinity;
   for (const std::size_t reference : references) {
-    const double value = median(costs(row[reference], quantity));
+    const double value = median_cost(costs(row[reference], quantity)).value;
     if (value < least) {
       least = value;
       best = reference;
@@ -225,16 +217,14 @@ std::vector<CostComparison> compare_costs(const CostData& data, CostReference re
       if (mine.empty() || references.empty()) continue;
       const auto against = [&](Quantity quantity) {
         const std::size_t other = cheapest(cells[p], references, quantity);
-        CostRatio result = ratio_of(mine, cells[p][other], quantity);
-        result.reference = data.strategies[other].name;
-        return std::pair{result, solved(cells[p][other])};
+        return CostRatio{pairs_of(mine, cells[p][other], quantity), data.strategies[other].name};
       };
-      CostComparison comparison{p, s, mine.size(), solved(mine), 0, {}, {}};
-      std::tie(comparison.checks, comparison.reference_solved) = against(&CostData::Run::checks);
-      comparison.seconds = against(&CostData::Run::seconds).first;
-      comparisons.push_back(std::move(comparison));
+      comparisons.push_back(
+          {p, s, mine.size(), solved(mine), against(&CostData::Run::checks), against(&CostData::Run::seconds)});
     }
   }
+  correct(comparisons, &CostComparison::checks);
+  correct(comparisons, &CostComparison::seconds);
   return comparisons;
 }
 
@@ -248,7 +238,7 @@ CostSummary summarise_costs(const CostData& data, const std::vector<CostComparis
     ++summary.problems;
     summary.runs += c.runs;
     summary.solved += c.solved;
-    const double value = (c.*quantity).paired;
+    const double value = (c.*quantity).ratio.value;
     if (std::isnan(value)) continue;
     ratios.push_back(value);
     if (!(value <= summary.worst)) {

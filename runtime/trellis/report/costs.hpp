@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <trellis/measure/censored_cost.hpp>
+
 /// What strategies cost beside one another: validity checks of all levels and CPU time, seed by seed, from the
 /// documents that `trellis run --json` writes.
 namespace trellis {
@@ -48,16 +50,9 @@ enum class CostReference : std::uint8_t {
   best_part,    ///< of `a >> b >> planner`: `a >> planner` or `b >> planner`, whichever costs less there
 };
 
-/// One quantity of a strategy divided by that of its reference, on the seeds that both have. A run without a path costs
-/// infinitely much; one of the reference counts with what it had spent by then, the least that it would have cost.
-struct CostRatio {
-  std::string reference;                                     ///< the strategy's name
-  double median = std::numeric_limits<double>::quiet_NaN();  ///< of the strategy
-  double reference_median = std::numeric_limits<double>::quiet_NaN();
-  double of_medians = std::numeric_limits<double>::quiet_NaN();  ///< median / reference_median
-  double paired = std::numeric_limits<double>::quiet_NaN();      ///< median of the ratios, seed by seed
-  double lo = -std::numeric_limits<double>::infinity();          ///< 95 % interval of that median by the sign test
-  double hi = std::numeric_limits<double>::infinity();
+/// One quantity of a strategy beside that of its reference, on the seeds that both have.
+struct CostRatio : PairedCosts {
+  std::string reference;  ///< the strategy's name
 };
 
 /// A strategy on a problem beside its reference.
@@ -66,7 +61,6 @@ struct CostComparison {
   std::size_t strategy = 0;  ///< index into CostData::strategies
   std::size_t runs = 0;
   std::size_t solved = 0;
-  std::size_t reference_solved = 0;  ///< of the reference of the checks
   CostRatio checks;
   CostRatio seconds;
 };
@@ -75,7 +69,8 @@ struct CostComparison {
 std::vector<std::string> cost_levels(const std::string& text);
 
 /// By problem, then strategy; without those that have no such reference among the strategies, and without the
-/// reference. Throws Error where no strategy is called `baseline`.
+/// reference. `holm_p` is corrected over all of them, quantity by quantity. Throws Error where no strategy is called
+/// `baseline`.
 std::vector<CostComparison> compare_costs(const CostData& data, CostReference reference, const std::string& baseline);
 
 /// Over the problems of one kind, a strategy's ratios.
@@ -83,7 +78,7 @@ struct CostSummary {
   std::size_t problems = 0;
   std::size_t runs = 0;
   std::size_t solved = 0;
-  double median = std::numeric_limits<double>::quiet_NaN();  ///< over the problems, of CostRatio::paired
+  double median = std::numeric_limits<double>::quiet_NaN();  ///< over the problems, of the median ratio
   double worst = std::numeric_limits<double>::quiet_NaN();
   std::string worst_problem;
 };
@@ -96,7 +91,7 @@ std::string costs_text(const CostData& data, const std::string& baseline, std::s
 /// All of it, in Markdown. From "## Every figure" on a row stands for each problem and strategy.
 std::string costs_markdown(const CostData& data, const std::string& baseline);
 /// One figure a line: group, tuned, problem, strategy, against, reference, quantity, runs, solved, reference_solved,
-/// median, reference_median, ratio_of_medians, paired_ratio, lo, hi.
+/// both_solved, median, reference_median, ratio_of_medians, paired_ratio, lo, hi, sign_p, holm_p, effect.
 std::string costs_csv(const CostData& data, const std::string& baseline);
 /// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy. Throws
 /// Error where a file cannot be written.

@@ -31,7 +31,7 @@ std::vector<draw::RatioGroup> groups_of(const CostData& data, std::vector<std::s
 }
 
 draw::RatioDot dot(const CostData& data, const CostComparison& c, const CostRatio& ratio, std::size_t group) {
-  return {group, data.problems[c.problem].name, ratio.paired, ratio.lo, ratio.hi};
+  return {group, data.problems[c.problem].name, ratio.ratio.value, ratio.ratio.lo, ratio.ratio.hi};
 }
 
 void write(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure figure,
@@ -55,10 +55,10 @@ void write(const CostData& data, const std::vector<CostComparison>& comparisons,
 
 constexpr const char* how_to_read =
     "A dot is a world: the median over the seeds of the strategy's cost divided by the reference's on the same seed, "
-    "with "
-    "its 95 % interval. Left of 1 the strategy costs less. An arrow: most runs found no path. The world with the "
-    "largest "
-    "ratio of a row has its name beside it.";
+    "with its 99 % interval. A run without a path costs infinitely much. Left of 1 the strategy costs less. An arrow "
+    "to "
+    "the right: most of its runs found no path; to the left: most of the reference's. The world with the largest ratio "
+    "of a row has its name beside it.";
 
 }  // namespace
 

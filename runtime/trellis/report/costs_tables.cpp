@@ -28,15 +28,22 @@ const std::vector<std::pair<const char*, Quantity>>& quantities() {
 std::string ratio_text(double x) {
   if (std::isnan(x)) return "-";
   if (std::isinf(x)) return x > 0.0 ? "inf" : "0";
+  if (x == 0.0) return "0";
   const double size = std::abs(x);
   const int decimals = size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 ? 2 : 3;
   return fmt::format("{:.{}f}", x, decimals);
 }
 
-std::string ratio_interval(const CostRatio& ratio) {
-  if (std::isnan(ratio.paired)) return "-";
-  return fmt::format("{} [{}, {}]", ratio_text(ratio.paired), ratio_text(std::max(ratio.lo, 0.0)),
-                     ratio_text(ratio.hi));
+std::string range_text(const Interval& interval, const char* between) {
+  if (std::isnan(interval.lo)) return "-";
+  return ratio_text(interval.lo) + between + ratio_text(interval.hi);
+}
+
+std::string ratio_interval(const CostRatio& costs) {
+  const Interval& ratio = costs.ratio;
+  if (std::isnan(ratio.value)) return "-";
+  if (std::isnan(ratio.lo)) return ratio_text(ratio.value);
+  return fmt::format("{} [{}]", ratio_text(ratio.value), range_text(ratio, ", "));
 }
 
 std::string checks_text(double checks) {
@@ -143,7 +150,7 @@ class Tables {
     out_.line(
         fmt::format("{}, {}, {}. A number is a strategy's cost divided by that of its "
                     "reference on the same seed, the median over the seeds; below 1 the strategy costs less. A "
-                    "run without a path costs infinitely much.",
+                    "run without a path costs infinitely much; where neither finds one the ratio is 1.",
                     plural(data_.problems.size(), "problem"), plural_y(data_.strategies.size(), "strateg"),
                     plural(seeds_of(data_), "seed")));
     overall();
@@ -159,8 +166,8 @@ class Tables {
     }
     out_.line("## World by world");
     out_.line(
-        fmt::format("The reference is {}; its row has its medians. In brackets: the 95 % interval of the median by "
-                    "the sign test. A fraction follows where some runs found no path.",
+        fmt::format("The reference is {}; its row has its medians. In brackets: the 99 % interval of the median by "
+                    "order statistics. A fraction follows where some runs found no path.",
                     escaped(baseline_)));
     for (const Group& group : groups_of(data_)) {
       out_.line(heading(group));
@@ -227,9 +234,10 @@ class Tables {
         cells.emplace_back("-");
         continue;
       }
-      const double median = ((*any).*quantity).reference_median;
+      const CostRatio& costs = (*any).*quantity;
+      const double median = costs.reference_median.value;
       const std::string text = quantity == &CostComparison::checks ? checks_text(median) : milliseconds(median) + " ms";
-      cells.push_back(text + unsolved(any->reference_solved, any->runs));
+      cells.push_back(text + unsolved(costs.reference_solved, costs.pairs));
     }
     out_.row(cells);
     for (const std::size_t s : strategies_of(beside_baseline_)) {
@@ -249,17 +257,22 @@ class Tables {
 
   void every_figure() {
     out_.line("## Every figure");
-    out_.header({"world", "group", "strategy", "solved", "checks", "ratio of medians", "median ratio", "interval",
-                 "CPU ms", "ratio of medians", "median ratio", "interval"});
+    out_.line(
+        "Solved: by the strategy, by the reference, by both on one seed. p: sign test, corrected by Holm over all "
+        "rows.");
+    out_.header({"world", "group", "strategy", "solved", "reference", "both", "checks", "ratio of medians",
+                 "median ratio", "99 % interval", "p", "CPU ms", "ratio of medians", "median ratio", "99 % interval",
+                 "p"});
     for (const CostComparison& c : beside_baseline_) {
       const auto& problem = data_.problems[c.problem];
-      const auto range = [](const CostRatio& r) {
-        return std::isnan(r.paired) ? "-" : fmt::format("{} – {}", ratio_text(std::max(r.lo, 0.0)), ratio_text(r.hi));
-      };
+      const auto range = [](const CostRatio& r) { return range_text(r.ratio, " – "); };
+      const auto p = [](const CostRatio& r) { return r.pairs > 0 ? p_text(r.holm_p) : "-"; };
       out_.row({escaped(problem.name), escaped(problem.group), "`" + data_.strategies[c.strategy].name + "`",
-                share_text(c.solved, c.runs), checks_text(c.checks.median), ratio_text(c.checks.of_medians),
-                ratio_text(c.checks.paired), range(c.checks), milliseconds(c.seconds.median),
-                ratio_text(c.seconds.of_medians), ratio_text(c.seconds.paired), range(c.seconds)});
+                share_text(c.solved, c.runs), share_text(c.checks.reference_solved, c.checks.pairs),
+                share_text(c.checks.both_solved, c.checks.pairs), checks_text(c.checks.median.value),
+                ratio_text(c.checks.ratio_of_medians()), ratio_text(c.checks.ratio.value), range(c.checks), p(c.checks),
+                milliseconds(c.seconds.median.value), ratio_text(c.seconds.ratio_of_medians()),
+                ratio_text(c.seconds.ratio.value), range(c.seconds), p(c.seconds)});
     }
   }
 
@@ -317,8 +330,9 @@ std::string costs_markdown(const CostData& data, const std::string& baseline) {
 
 std::string costs_csv(const CostData& data, const std::string& baseline) {
   std::string out =
-      "group,tuned,problem,strategy,against,reference,quantity,runs,solved,reference_solved,median,reference_median,"
-      "ratio_of_medians,paired_ratio,lo,hi\n";
+      "group,tuned,problem,strategy,against,reference,quantity,runs,solved,reference_solved,both_solved,median,"
+      "reference_median,"
+      "ratio_of_medians,paired_ratio,lo,hi,sign_p,holm_p,effect\n";
   const std::vector<std::pair<const char*, CostReference>> references = {{"baseline", CostReference::baseline},
                                                                          {"own_planner", CostReference::own_planner},
                                                                          {"best_part", CostReference::best_part}};
@@ -329,11 +343,12 @@ std::string costs_csv(const CostData& data, const std::string& baseline) {
       const auto& problem = data.problems[c.problem];
       for (const auto& [name, quantity] : columns) {
         const CostRatio& r = c.*quantity;
-        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem.group), problem.tuned,
-                           csv_text(problem.name), csv_text(data.strategies[c.strategy].name), against,
-                           csv_text(r.reference), name, c.runs, c.solved, c.reference_solved, csv_number(r.median),
-                           csv_number(r.reference_median), csv_number(r.of_medians), csv_number(r.paired),
-                           csv_number(r.lo), csv_number(r.hi));
+        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem.group),
+                           problem.tuned, csv_text(problem.name), csv_text(data.strategies[c.strategy].name), against,
+                           csv_text(r.reference), name, c.runs, c.solved, r.reference_solved, r.both_solved,
+                           csv_number(r.median.value), csv_number(r.reference_median.value),
+                           csv_number(r.ratio_of_medians()), csv_number(r.ratio.value), csv_number(r.ratio.lo),
+                           csv_number(r.ratio.hi), csv_number(r.sign_p), csv_number(r.holm_p), csv_number(r.effect));
       }
     }
   }

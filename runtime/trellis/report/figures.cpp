@@ -14,6 +14,7 @@
 #include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis {
 
@@ -22,6 +23,27 @@ namespace {
 draw::WaterfallStep step(const std::string& label, const Interval& interval) {
   return {label, interval.value, interval.lo, interval.hi};
 }
+
+/// How many runs the figures of a picture are means over: those that have one, not all that were made.
+class Averaged {
+ public:
+  void add(const Interval& interval) {
+    const std::size_t n = interval.n + interval.infinite;
+    if (n == 0) return;
+    least_ = most_ == 0 ? n : std::min(least_, n);
+    most_ = std::max(most_, n);
+  }
+  /// "means over 2 of 20 runs, too few for whiskers".
+  [[nodiscard]] std::string text(std::size_t runs, const std::string& marks) const {
+    const std::string means = "means over " + averaged_text(least_, most_, runs);
+    if (most_ < least_for_interval) return fmt::format("{}, too few for {}", means, marks);
+    return fmt::format("{}; {}: 95 % Student interval", means, marks);
+  }
+
+ private:
+  std::size_t least_ = 0;
+  std::size_t most_ = 0;
+};
 
 /// The guides of a level that have steps of their own, in the waterfall's order.
 std::vector<const WaterfallStep*> steps_to(const Waterfall& waterfall, int level) {
@@ -87,26 +109,32 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
   StrategyFigures figures;
   if (summary.levels.empty()) return figures;
   const std::string heading = fmt::format("{} on {}", strategy, problem);
-  const std::string seeds = fmt::format("{} seed{}", summary.runs, summary.runs == 1 ? "" : "s");
 
   draw::Waterfall waterfall;
   waterfall.title = heading + ": what each level took off the divergence";
-  waterfall.caption = fmt::format(
-      "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over {}.", seeds);
   const FigurePair& root = summary.levels.front().root;
+  Averaged in_waterfall;
+  for (const Waterfall* shown : {&summary.tree_waterfall, &summary.expansion_waterfall}) {
+    for (const WaterfallStep& s : shown->steps) in_waterfall.add(s.added);
+  }
+  waterfall.caption = fmt::format("Lifted to the root's space, against the root's own path; {}.",
+                                  in_waterfall.text(summary.runs, "whiskers"));
   add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
   add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
   if (!waterfall.panels.empty()) figures.waterfall = draw::waterfall(waterfall);
 
   draw::Profile profile;
   profile.title = heading + ": where along the path its samples lie";
-  profile.caption = fmt::format(
-      "Each level in its own space along its own path; dashed: the target; bands: 95 % Student interval over {}.",
-      seeds);
+  Averaged in_profile;
   for (const LevelSummary& level : summary.levels) {
+    for (const Figure* shown : {&level.own.tree, &level.own.expansion}) {
+      if (!shown->profile.empty()) in_profile.add(shown->profile.front());
+    }
     add_profile(level.own.tree, level.name, "tree", profile);
     add_profile(level.own.expansion, level.name, "expansion", profile);
   }
+  profile.caption = fmt::format("Each level in its own space along its own path; dashed: the target; {}.",
+                                in_profile.text(summary.runs, "bands"));
   if (!profile.panels.empty()) figures.profile = draw::profile(profile);
   return figures;
 }

@@ -100,9 +100,7 @@ std::string spent_cell(const SpentSummary& spent) {
                      count_text(spent.validity_checks));
 }
 
-std::string milliseconds(double seconds) {
-  return std::isfinite(seconds) ? fixed(1000.0 * seconds, decimals_for(1000.0 * seconds)) : "-";
-}
+std::string milliseconds(double seconds) { return milliseconds_text(seconds, decimals_for(1000.0 * seconds)); }
 
 /// A heading of two rows: groups over columns.
 struct Columns {
@@ -146,8 +144,8 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
     const FigurePair& ranked = crossed ? cross : own;
     out += cell(interval_html(ranked.tree.gain, 2, true)) + cell(interval_html(ranked.expansion.gain, 2, true));
   }
-  return out + cell(count_text(s.validity_checks)) + cell(milliseconds(s.seconds)) + cell(interval_html(s.length)) +
-         "</tr>\n";
+  return out + cell(count_text(s.validity_checks.value)) + cell(milliseconds(s.seconds.value)) +
+         cell(interval_html(s.length)) + "</tr>\n";
 }
 
 std::string summary_table(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
@@ -413,6 +411,7 @@ std::string about(const Experiment& experiment) {
         target_text(experiment.measure->target));
   }
   text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
+                                        "Medians of methods: an unsolved run counts as infinite. "
                                       : "";
   return text + "Trellis " + version() + '.';
 }

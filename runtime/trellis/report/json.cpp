@@ -51,13 +51,15 @@ std::string_view status_name(Status status) {
 }
 
 /// The same fields whether there is a score or not, so that readers need no second shape.
-Json efficiency_json(const Efficiency* e) {
-  if (e == nullptr) {
+Json efficiency_json(const Efficiency* estimated) {
+  if (estimated == nullptr) {
     return {{"value", nullptr},      {"estimator", nullptr},  {"n", nullptr},
             {"in_target", nullptr},  {"undefended", nullptr}, {"uniform", nullptr},
             {"gain", nullptr},       {"coverage", nullptr},   {"uniform_coverage", nullptr},
             {"flags", Json::array()}};
   }
+  const Efficiency bounded = shown(*estimated);
+  const Efficiency* const e = &bounded;
   const bool exists = !std::isnan(e->value);
   return {{"value", number(e->value)},
           {"estimator", exists ? Json(e->estimator) : Json(nullptr)},
@@ -85,28 +87,43 @@ Json along_json(const Along& along) {
           {"samples", numbers(along.samples)}};
 }
 
+/// The chain rule: the parts sum to the divergence.
+Json parts_json(const ChainRule& parts) {
+  return {{"mass", number_or_inf(parts.mass)},
+          {"spread", number_or_inf(parts.spread)},
+          {"along", number(parts.along)},
+          {"across", number_or_inf(parts.across)}};
+}
+
 Json estimate_json(const Estimate& e) {
   return {{"D", number_or_inf(e.undefended)},
+          {"D_parts", parts_json(e.undefended_parts)},
           {"D_eps", number(e.value)},
+          {"D_eps_parts", parts_json(e.parts)},
           {"D_eps0.01", number(e.light_value)},
           {"gain", number(e.gain)},
           {"JS", number(e.js)}};
 }
 
 /// Everything that is known of samples against a target.
-Json measure_json(const Efficiency* e) {
-  static const Efficiency none;
-  const bool scored = e != nullptr;
-  if (!scored) e = &none;
+Json measure_json(const Efficiency* estimated) {
+  const bool scored = estimated != nullptr;
+  const Efficiency bounded = scored ? shown(*estimated) : Efficiency();
+  const Efficiency* const e = &bounded;
   Json others = Json::object();
   for (const Estimate& other : e->others) others[other.estimator] = estimate_json(other);
   return {{"D", number_or_inf(e->undefended)},
+          {"D_parts", parts_json(e->undefended_parts)},
           {"D_eps", number(e->value)},
+          {"D_eps_parts", parts_json(e->parts)},
           {"D_eps0.01", number(e->light_value)},
+          {"D_perfect", number(e->perfect)},
           {"D_uniform", number(e->uniform)},
           {"gain", number(e->gain)},
           {"D_mass", number_or_inf(e->mass)},
           {"D_mass_lower95", number(e->mass_lower95)},
+          {"D_mass_lo", number(e->mass_lo)},
+          {"D_mass_hi", number_or_inf(e->mass_hi)},
           {"JS", number(e->js)},
           {"coverage", number(e->coverage)},
           {"coverage_half", number(e->coverage_half)},
@@ -139,6 +156,14 @@ Json roles_json(const std::optional<Scores>& self, const std::optional<Scores>& 
 Json measures_json(const LevelResult& level) {
   Json out = roles_json(level.own, level.own_cross);
   out["root"] = roles_json(level.root, level.root_cross);
+  if (level.oracle) {
+    out["oracle"] = {{"tree", measure_json(&level.oracle->tree)},
+                     {"expansion", measure_json(&level.oracle->expansion)}};
+  }
+  if (level.uniform) {
+    out["uniform"] = {{"tree", measure_json(&level.uniform->tree)},
+                      {"expansion", measure_json(&level.uniform->expansion)}};
+  }
   if (level.equal) {
     out["equal_samples"] = {{"tree", measure_json(&level.equal->tree)},
                             {"expansion", measure_json(&level.equal->expansion)}};
@@ -298,8 +323,15 @@ Json measure_json(const Figure& f) {
     check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
   }
   return {{"D", interval_json(f.undefended)},
+          {"D_parts", {{"mass", interval_json(f.mass)}, {"spread", interval_json(f.spread)}}},
           {"D_eps", interval_json(f.value)},
+          {"D_eps_parts",
+           {{"mass", interval_json(f.mass_part)},
+            {"spread", interval_json(f.spread_part)},
+            {"along", interval_json(f.along_part)},
+            {"across", interval_json(f.across_part)}}},
           {"D_eps0.01", interval_json(f.light_value)},
+          {"D_perfect", interval_json(f.perfect)},
           {"D_uniform", interval_json(f.uniform)},
           {"gain", interval_json(f.gain)},
           {"D_mass", interval_json(f.mass)},
@@ -363,7 +395,30 @@ Json paired_json(const Paired& paired) {
           {"less", paired.less},
           {"greater", paired.greater},
           {"equal", paired.equal},
-          {"sign_p", number(paired.sign_p)}};
+          {"sign_p", number(paired.sign_p)},
+          {"holm_p", number(paired.holm_p)}};
+}
+
+/// Where it ends at an infinity, that is no missing end.
+Json median_json(const Interval& interval) {
+  return {{"value", number_or_inf(interval.value)}, {"lo", number_or_inf(interval.lo)},
+          {"hi", number_or_inf(interval.hi)},       {"n", interval.n},
+          {"infinite", interval.infinite},          {"statistic", "median"}};
+}
+
+Json paired_json(const PairedCosts& paired) {
+  return {{"ratio", median_json(paired.ratio)},
+          {"difference", median_json(paired.difference)},
+          {"pairs", paired.pairs},
+          {"solved", paired.solved},
+          {"baseline_solved", paired.reference_solved},
+          {"both_solved", paired.both_solved},
+          {"less", paired.less},
+          {"greater", paired.greater},
+          {"equal", paired.equal},
+          {"effect", number(paired.effect)},
+          {"sign_p", number(paired.sign_p)},
+          {"holm_p", number(paired.holm_p)}};
 }
 
 Json comparison_json(const Comparison& c) {
@@ -373,7 +428,7 @@ Json comparison_json(const Comparison& c) {
           {"ablation", c.text.empty() ? Json(nullptr) : Json(c.text)},
           {"solved", paired_json(c.solved)},
           {"validity_checks", paired_json(c.validity_checks)},
-          {"check_ratio_median", number(c.check_ratio)},
+          {"check_ratio_median", number_or_inf(c.validity_checks.ratio.value)},
           {"paths", c.cross ? "cross" : "self"},
           {"tree_D_eps", paired_json(c.tree)},
           {"expansion_D_eps", paired_json(c.expansion)}};
@@ -395,12 +450,18 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"motion_checks_median", number(level.motion_checks)},
                       {"spent_median", spent_json(level)},
                       {"time_s_median", number(level.seconds)},
+                      {"check_share", number(level.check_share)},
+                      {"time_share", number(level.time_share)},
                       {"efficiency", pair_json(level.own)},
                       {"root_efficiency", pair_json(level.root)},
                       {"measure", roles_json(level.own, level.own_cross)},
                       {"metrics", metrics_json(level.metrics)}});
     Json& measure = levels.back()["measure"];
     measure["root"] = roles_json(level.root, level.root_cross);
+    for (const auto& [name, pair] : {std::pair{"oracle", &level.oracle}, std::pair{"uniform", &level.uniform}}) {
+      if (pair->tree.scored + pair->expansion.scored == 0) continue;
+      measure[name] = {{"tree", measure_json(pair->tree)}, {"expansion", measure_json(pair->expansion)}};
+    }
     if (level.equal.tree.scored + level.equal.expansion.scored > 0) {
       measure["equal_samples"] = {{"tree", measure_json(level.equal.tree)},
                                   {"expansion", measure_json(level.equal.expansion)}};
@@ -415,9 +476,16 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
        {{"value", number(summary.success.value)},
         {"lo", number(summary.success.lo)},
         {"hi", number(summary.success.hi)}}},
-      {"validity_checks_median", number(summary.validity_checks)},
-      {"motion_checks_median", number(summary.motion_checks)},
-      {"time_s_median", number(summary.seconds)},
+      {"validity_checks_median", number_or_inf(summary.validity_checks.value)},
+      {"motion_checks_median", number_or_inf(summary.motion_checks.value)},
+      {"time_s_median", number_or_inf(summary.seconds.value)},
+      {"validity_checks", median_json(summary.validity_checks)},
+      {"motion_checks", median_json(summary.motion_checks)},
+      {"time_s", median_json(summary.seconds)},
+      {"spent_median",
+       {{"validity_checks", number(summary.spent_validity_checks)},
+        {"motion_checks", number(summary.spent_motion_checks)},
+        {"time_s", number(summary.spent_seconds)}}},
       {"length", interval_json(summary.length)},
       {"levels", std::move(levels)},
       {"waterfall",
@@ -514,6 +582,13 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
     for (const auto& [strategy, spec] : experiment.strategies) {
       summary.push_back(summary_json(summarise(select_runs(result, problem, strategy)),
                                      problem.empty() ? Json(nullptr) : Json(problem), strategy));
+      for (const PooledScores& pooled : result.pooled) {
+        if (pooled.problem != problem || pooled.strategy != strategy) continue;
+        summary.back()["pooled"] = {{"seeds", pooled.seeds},
+                                    {"targets", pooled.targets},
+                                    {"tree", measure_json(&pooled.scores.tree)},
+                                    {"expansion", measure_json(&pooled.scores.expansion)}};
+      }
     }
   };
   std::vector<Json> comparisons;

@@ -13,6 +13,7 @@
 
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis {
 
@@ -165,8 +166,7 @@ class Tables {
         const RunsSummary summary = summarise(chosen);
         add(problem.name, name, "", "", "", "success", summary.success);
         add(problem.name, name, "", "", "", "length", summary.length);
-        add(problem.name, name, "", "", "", "validity_checks",
-            over(chosen, [](const RunResult& r) { return static_cast<double>(r.run.validity_checks); }));
+        add(problem.name, name, "", "", "", "validity_checks", summary.validity_checks);
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths()) {
             for (const std::string& estimator : estimators_) {
@@ -199,6 +199,8 @@ class Tables {
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
         {"gain", "gain", [](const Efficiency& e) { return e.gain; }},
         {"D", "D", [](const Efficiency& e) { return e.undefended; }},
+        {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }},
+        {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
         {"along", "along", [](const Efficiency& e) { return e.along.divergence; }},
         {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},
@@ -217,14 +219,6 @@ class Tables {
     if (std::isnan(x)) return "";
     if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
     return fmt::format("{}", x);
-  }
-
-  template <class F>
-  static Interval over(const std::vector<const RunResult*>& runs, F f) {
-    std::vector<double> values;
-    values.reserve(runs.size());
-    for (const RunResult* run : runs) values.push_back(f(*run));
-    return student_interval(values);
   }
 
   [[nodiscard]] Interval figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
@@ -296,8 +290,8 @@ class Tables {
         return !run->levels.empty() && run->levels.front().root_cross;
       });
       std::vector<std::string> cells = {escaped(name), fmt::format("{}/{}", summary.solved, summary.runs),
-                                        std::isnan(summary.validity_checks) ? "NA" : fixed(summary.validity_checks, 0),
-                                        std::isnan(summary.seconds) ? "NA" : fixed(1e3 * summary.seconds, 2)};
+                                        summary.runs == 0 ? "NA" : count_text(summary.validity_checks.value),
+                                        summary.runs == 0 ? "NA" : milliseconds_text(summary.seconds.value, 2)};
       for (const Quantity& quantity : quantities()) {
         std::string both;
         for (const NamedRole& role : roles()) {

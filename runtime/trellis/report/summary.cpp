@@ -70,6 +70,28 @@ void add_profile(const std::vector<const Efficiency*>& figures, Figure& result) 
   for (const auto& shares : samples) result.profile.push_back(student_interval(shares));
 }
 
+/// A figure that cannot be below a bound, shown as the bound where it is.
+void at_least(Interval& interval, double bound) {
+  if (std::isnan(bound)) return;
+  for (double* x : {&interval.value, &interval.lo, &interval.hi}) {
+    if (*x < bound) *x = bound;
+  }
+}
+
+/// \param least  what D_eps is at least, the mean over the runs
+void bound_below(Figure& figure, double least) {
+  at_least(figure.undefended, figure.mass_lower95.value);
+  at_least(figure.value, least);
+  const double most_gain = figure.uniform.value - least;
+  for (double* x : {&figure.gain.value, &figure.gain.lo, &figure.gain.hi}) {
+    if (*x > most_gain) *x = most_gain;
+  }
+  for (Interval* part :
+       {&figure.spread, &figure.mass_part, &figure.spread_part, &figure.along_part, &figure.across_part}) {
+    at_least(*part, 0.0);
+  }
+}
+
 Figure figure(const LevelResults& levels, Where where, Role role) {
   Figure result;
   std::vector<const Efficiency*> figures;
@@ -121,7 +143,13 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   result.light_value = over_runs([](E e) { return e.light_value; });
   result.undefended = over_runs([](E e) { return e.undefended; });
   result.gain = over_runs([](E e) { return e.gain; });
+  result.perfect = over_runs([](E e) { return e.perfect; });
   result.mass = over_runs([](E e) { return e.mass; });
+  result.spread = over_runs([](E e) { return e.undefended_parts.spread; });
+  result.mass_part = over_runs([](E e) { return e.parts.mass; });
+  result.spread_part = over_runs([](E e) { return e.parts.spread; });
+  result.along_part = over_runs([](E e) { return e.parts.along; });
+  result.across_part = over_runs([](E e) { return e.parts.across; });
   result.mass_lower95 = over_runs([](E e) { return e.mass_lower95; });
   result.js = over_runs([](E e) { return e.js; });
   result.coverage = over_runs([](E e) { return e.coverage; });
@@ -129,6 +157,8 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   result.coverage_half = over_runs([](E e) { return e.coverage_half; });
   result.along = over_runs([](E e) { return e.along.divergence; });
   result.empty_share = over_runs([](E e) { return e.along.empty_share; });
+  bound_below(result,
+              over_runs([](E e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); }).value);
   add_profile(figures, result);
 
   std::vector<double> headline;
@@ -237,6 +267,34 @@ Waterfall waterfall(std::span<const RunResult* const> runs, const std::vector<Le
   return result;
 }
 
+double median_spent(const std::vector<CensoredCost>& costs) {
+  std::vector<double> values;
+  values.reserve(costs.size());
+  for (const CensoredCost& one : costs) values.push_back(one.spent);
+  return median(values);
+}
+
+/// Each level's part of what all levels of all runs spent.
+void add_shares(std::span<const RunResult* const> runs, std::vector<LevelSummary>& levels) {
+  std::map<std::string, std::pair<double, double>> spent;
+  double checks = 0.0;
+  double seconds = 0.0;
+  for (const RunResult* run : runs) {
+    for (const LevelResult& level : run->levels) {
+      const Search& search = level.record.search;
+      auto& [of_checks, of_seconds] = spent[level.record.key];
+      of_checks += static_cast<double>(search.checks.validity);
+      of_seconds += search.seconds;
+      checks += static_cast<double>(search.checks.validity);
+      seconds += search.seconds;
+    }
+  }
+  for (LevelSummary& level : levels) {
+    if (checks > 0.0) level.check_share = spent[level.key].first / checks;
+    if (seconds > 0.0) level.time_share = spent[level.key].second / seconds;
+  }
+}
+
 FigurePair figures(const LevelResults& levels, Where where) {
   return {figure(levels, where, &Scores::tree), figure(levels, where, &Scores::expansion)};
 }
@@ -281,6 +339,8 @@ LevelSummary summarise_level(const LevelResults& levels) {
   result.own_cross = figures(levels, &LevelResult::own_cross);
   result.root_cross = figures(levels, &LevelResult::root_cross);
   result.equal = figures(levels, &LevelResult::equal);
+  result.oracle = figures(levels, &LevelResult::oracle);
+  result.uniform = figures(levels, &LevelResult::uniform);
   result.metrics = metrics(levels);
   return result;
 }
@@ -302,16 +362,16 @@ std::vector<std::uint64_t> parse_key(const std::string& key) {
 RunsSummary summarise(std::span<const RunResult* const> runs) {
   RunsSummary result;
   result.runs = runs.size();
-  std::vector<double> validity;
-  std::vector<double> motion;
-  std::vector<double> seconds;
+  std::vector<CensoredCost> validity;
+  std::vector<CensoredCost> motion;
+  std::vector<CensoredCost> seconds;
   std::vector<double> length;
   // By key: a run that ended early may lack the deeper levels.
   std::map<std::vector<std::uint64_t>, LevelResults> levels;
   for (const auto* run : runs) {
-    validity.push_back(static_cast<double>(run->run.validity_checks));
-    motion.push_back(static_cast<double>(run->run.motion_checks));
-    seconds.push_back(run->run.seconds);
+    validity.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
+    motion.push_back({static_cast<double>(run->run.motion_checks), run->run.solved});
+    seconds.push_back({run->run.seconds, run->run.solved});
     if (run->run.solved) {
       ++result.solved;
       length.push_back(run->run.length);
@@ -319,9 +379,12 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
     for (const auto& level : run->levels) levels[parse_key(level.record.key)].push_back(&level);
   }
   result.success = wilson_interval(result.solved, result.runs);
-  result.validity_checks = median(validity);
-  result.motion_checks = median(motion);
-  result.seconds = median(seconds);
+  result.validity_checks = median_cost(validity);
+  result.motion_checks = median_cost(motion);
+  result.seconds = median_cost(seconds);
+  result.spent_validity_checks = median_spent(validity);
+  result.spent_motion_checks = median_spent(motion);
+  result.spent_seconds = median_spent(seconds);
   result.length = student_interval(length);
 
   std::map<std::vector<std::uint64_t>, int> index;
@@ -335,13 +398,17 @@ RunsSummary summarise(std::span<const RunResult* const> runs) {
       if (above != index.end()) result.levels.back().parent = above->second;
     }
   }
+  add_shares(runs, result.levels);
   result.tree_waterfall = waterfall(runs, result.levels, &Scores::tree);
   result.expansion_waterfall = waterfall(runs, result.levels, &Scores::expansion);
   return result;
 }
 
-std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
-                                const std::string& problem) {
+namespace {
+
+/// On one problem, or "" on all, without correction.
+std::vector<Comparison> compare_on(const Experiment& experiment, const ExperimentResult& result,
+                                   const std::string& problem) {
   std::vector<Comparison> comparisons;
   if (experiment.strategies.size() < 2) return comparisons;
   const std::string& common = experiment.baseline.empty() ? experiment.strategies.front().first : experiment.baseline;
@@ -360,6 +427,13 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
     const auto mine = select_runs(result, problem, name);
     const auto theirs = select_runs(result, problem, c.baseline);
     if (mine.size() != theirs.size()) continue;
+    const auto costs = [](const std::vector<const RunResult*>& runs) {
+      std::vector<CensoredCost> list;
+      list.reserve(runs.size());
+      for (const RunResult* run : runs)
+        list.push_back({static_cast<double>(run->run.validity_checks), run->run.solved});
+      return list;
+    };
     const auto values = [](const std::vector<const RunResult*>& runs, auto field) {
       std::vector<double> list;
       list.reserve(runs.size());
@@ -368,13 +442,9 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
     };
     const auto both = [&](auto field) { return paired(values(theirs, field), values(mine, field)); };
     c.solved = both([](const RunResult& r) { return r.run.solved ? 1.0 : 0.0; });
-    const auto checks = [](const RunResult& r) { return static_cast<double>(r.run.validity_checks); };
-    c.validity_checks = both(checks);
-    std::vector<double> ratios;
-    for (std::size_t i = 0; i < mine.size(); ++i) {
-      if (checks(*theirs[i]) > 0.0) ratios.push_back(checks(*mine[i]) / checks(*theirs[i]));
-    }
-    c.check_ratio = median(ratios);
+    c.validity_checks = paired_costs(costs(mine), costs(theirs));
+    c.solved.difference =
+        newcombe_interval({c.validity_checks.solved, mine.size()}, {c.validity_checks.reference_solved, theirs.size()});
     const auto crossed = [](const RunResult* r) { return !r->levels.empty() && r->levels.front().root_cross; };
     c.cross = std::any_of(mine.begin(), mine.end(), crossed) && std::any_of(theirs.begin(), theirs.end(), crossed);
     const auto efficiency = [&](Role role) {
@@ -389,6 +459,45 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
     comparisons.push_back(std::move(c));
   }
   return comparisons;
+}
+
+/// Corrects the p values of one quantity; `any` says whether a comparison has it.
+template <class Quantity, class Any>
+void correct(std::vector<Comparison>& comparisons, Quantity quantity, Any any) {
+  std::vector<double> p;
+  p.reserve(comparisons.size());
+  for (Comparison& c : comparisons) p.push_back(any(quantity(c)) ? quantity(c).sign_p : nan);
+  p = holm(p);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!std::isnan(p[i])) quantity(comparisons[i]).holm_p = p[i];
+  }
+}
+
+}  // namespace
+
+std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
+                                const std::string& problem) {
+  std::vector<Comparison> shown;
+  if (problem.empty()) {
+    shown = compare_on(experiment, result, "");
+  } else {
+    for (const Problem& one : experiment.problems) {
+      auto found = compare_on(experiment, result, one.name);
+      shown.insert(shown.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    }
+  }
+  const auto has_pairs = [](const Paired& p) { return p.less + p.greater + p.equal > 0; };
+  correct(
+      shown, [](Comparison& c) -> PairedCosts& { return c.validity_checks; },
+      [](const PairedCosts& p) { return p.pairs > 0; });
+  correct(
+      shown, [](Comparison& c) -> Paired& { return c.solved; }, has_pairs);
+  correct(
+      shown, [](Comparison& c) -> Paired& { return c.tree; }, has_pairs);
+  correct(
+      shown, [](Comparison& c) -> Paired& { return c.expansion; }, has_pairs);
+  if (!problem.empty()) std::erase_if(shown, [&](const Comparison& c) { return c.problem != problem; });
+  return shown;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

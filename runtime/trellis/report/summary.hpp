@@ -10,19 +10,24 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/statistics.hpp>
 
 namespace trellis {
 
-/// The figures of one role over the runs of a group, each with its interval. A run that was not scored leaves no trace
-/// in the intervals; `scored` says how many were.
+/// The figures of one role over the runs of a group, each with its interval. Means are taken of the estimates as they
+/// are; those of divergences that come out below what is possible, and their intervals, end at their bounds. A run that
+/// was not scored leaves no trace in the intervals; `scored` says how many were.
 struct Figure {
   Interval value;                                               ///< D_eps, the headline: SE, defended, nats
   Interval light_value;                                         ///< the same with 1 % uniform
   Interval undefended;                                          ///< D
   Interval gain;                                                ///< uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
+  Interval perfect;                                             ///< D_eps of samples of T itself
   Interval mass;                                                ///< -log Q(A)
+  Interval spread;                                              ///< D - mass
+  Interval mass_part, spread_part, along_part, across_part;     ///< of D_eps, by the chain rule
   Interval mass_lower95;                                        ///< its lower end
   Interval js;                                                  ///< Jensen-Shannon divergence
   Interval coverage;                                            ///< share of the target within delta of a sample
@@ -81,6 +86,9 @@ struct LevelSummary {
   double validity_checks = std::numeric_limits<double>::quiet_NaN();
   double motion_checks = std::numeric_limits<double>::quiet_NaN();
   double seconds = std::numeric_limits<double>::quiet_NaN();
+  /// Of what all runs spent in all levels, the part of this one: shares of totals, which sum to 1 over the levels.
+  double check_share = std::numeric_limits<double>::quiet_NaN();
+  double time_share = std::numeric_limits<double>::quiet_NaN();
   bool guided = false;     ///< in some run
   SpentSummary by_guided;  ///< by guided proposals, the validation of guiding paths included
   SpentSummary by_unguided;
@@ -89,7 +97,9 @@ struct LevelSummary {
   FigurePair root;
   FigurePair own_cross;
   FigurePair root_cross;
-  FigurePair equal;  ///< of the root level: with as many samples as the strategy with the fewest
+  FigurePair oracle;   ///< of the root level, on its own path: samples of T itself
+  FigurePair uniform;  ///< and of uniform sampling
+  FigurePair equal;    ///< of the root level: with as many samples as the strategy with the fewest
   MetricsSummary metrics;
 };
 
@@ -112,9 +122,14 @@ struct RunsSummary {
   std::size_t runs = 0;
   Interval success;  ///< Wilson
   std::size_t solved = 0;
-  double validity_checks = std::numeric_limits<double>::quiet_NaN();  ///< medians over all runs, all levels together
-  double motion_checks = std::numeric_limits<double>::quiet_NaN();
-  double seconds = std::numeric_limits<double>::quiet_NaN();
+  /// What a path costs, all levels together: medians over all runs, an unsolved one infinite, with 99 % intervals.
+  Interval validity_checks;
+  Interval motion_checks;
+  Interval seconds;
+  /// What all runs spent, solved or not, all levels together: medians, as those of the levels are.
+  double spent_validity_checks = std::numeric_limits<double>::quiet_NaN();
+  double spent_motion_checks = std::numeric_limits<double>::quiet_NaN();
+  double spent_seconds = std::numeric_limits<double>::quiet_NaN();
   Interval length;                   ///< mean over the solved runs, metres of the metric
   std::vector<LevelSummary> levels;  ///< depth first, the root first
   Waterfall tree_waterfall;
@@ -127,9 +142,8 @@ struct Comparison {
   std::string strategy;
   std::string baseline;
   std::string text;  ///< of an ablation: "without shrink(0.5)"
-  Paired solved;     ///< 1 or 0
-  Paired validity_checks;
-  double check_ratio = std::numeric_limits<double>::quiet_NaN();  ///< median over the runs of the ratio of checks
+  Paired solved;     ///< 1 or 0; the difference of the shares has Newcombe's interval
+  PairedCosts validity_checks;
   bool cross = false;  ///< efficiency on the paths of other seeds, else on each run's own
   Paired tree;         ///< SE of the root's nodes
   Paired expansion;
@@ -140,7 +154,9 @@ std::vector<std::uint64_t> parse_key(const std::string& key);
 
 RunsSummary summarise(std::span<const RunResult* const> runs);
 
-/// All strategies against the baseline (ablations against the whole strategy), on a problem or, "", on all.
+/// All strategies against the baseline (ablations against the whole strategy), on a problem or, "", on all. p values of
+/// a quantity are corrected over the comparisons that are shown together: those of all problems one by one, or those on
+/// all problems taken together.
 std::vector<Comparison> compare(const Experiment& experiment, const ExperimentResult& result,
                                 const std::string& problem);
 

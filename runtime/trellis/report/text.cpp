@@ -250,7 +250,7 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
                    {number_column({"guided", "proposals"}, by), number_column({"unguided", "proposals"}, by),
                     number_column({"levels", "below"}, by)});
   }
-  double slowest = 1000.0 * summary.seconds;
+  double slowest = 1000.0 * summary.spent_seconds;
   for (const auto& level : levels) slowest = std::max(slowest, 1000.0 * level.seconds);
   const int decimals = decimals_for(slowest);
   const auto labels = level_labels(levels);
@@ -278,9 +278,9 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
   if (levels.size() > 1) {
     std::vector<std::string> cells(columns.size());
     cells[0] = "all levels";
-    cells[7] = count_text(summary.validity_checks);
-    cells[8] = count_text(summary.motion_checks);
-    cells[9] = fixed(1000.0 * summary.seconds, decimals);
+    cells[7] = count_text(summary.spent_validity_checks);
+    cells[8] = count_text(summary.spent_motion_checks);
+    cells[9] = fixed(1000.0 * summary.spent_seconds, decimals);
     table.rule();
     table.add(std::move(cells));
   }
@@ -313,10 +313,13 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
   const std::string root = "root space: SE on";
   std::vector<Table::Column> columns = {text_column("level"),
                                         text_column("samples"),
+                                        number_column({"runs"}),
                                         number_column({"N"}),
                                         number_column({"in", "target"}),
                                         number_column({"uniform", "nats"}, own),
                                         number_column({"SE", "nats"}, own),
+                                        number_column({"mass", "nats"}, own),
+                                        number_column({"spread", "nats"}, own),
                                         number_column({"gain", "nats"}, own),
                                         number_column({"D", "nats"}, own),
                                         number_column({"D at", "least"}, own),
@@ -331,11 +334,25 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
   FigureColumn root_se;
   FigureColumn cross_se;
   struct Line {
-    std::size_t level;
+    std::string label;
     const char* role;
     const Figure* own;
   };
   std::vector<Line> lines;
+  const auto labels = level_labels(levels);
+  static const Figure nothing;
+  // Perfect guidance above, none below: what the estimators make of either with as many samples.
+  const auto add_reference = [&](const std::string& name, const FigurePair& pair) {
+    Notes unread;
+    for (const auto& [role, figure] : {std::pair{"tree", &pair.tree}, std::pair{"expansion", &pair.expansion}}) {
+      if (figure->scored == 0) continue;
+      own_se.add(*figure, {name, role}, unread);
+      root_se.add(*figure, {name, role}, unread);
+      cross_se.add(nothing, {name, role}, unread);
+      lines.push_back({name, role, figure});
+    }
+  };
+  if (!levels.empty()) add_reference("oracle", levels.front().oracle);
   for (std::size_t i = 0; i < levels.size(); ++i) {
     for (const bool tree : {true, false}) {
       const LevelSummary& level = levels[i];
@@ -348,22 +365,22 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
       Notes heard_already;
       root_se.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
       cross_se.add(level.root_cross.*role, {row, "other seeds'"}, told);
-      lines.push_back({i, name, &(level.own.*role)});
+      lines.push_back({labels[i], name, &(level.own.*role)});
     }
   }
+  if (!levels.empty()) add_reference("uniform", levels.front().uniform);
   const auto own_text = own_se.text();
   const auto root_text = root_se.text();
   const auto cross_text = cross_se.text();
-  const auto labels = level_labels(levels);
   Table table(columns);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const Figure& f = *lines[k].own;
-    const bool first = k == 0 || lines[k - 1].level != lines[k].level;
+    const bool first = k == 0 || lines[k - 1].label != lines[k].label;
     const std::string covered =
         f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-    table.add({first ? labels[lines[k].level] : "", lines[k].role, count_text(f.samples), count_text(f.in_target),
-               std::isfinite(f.uniform.value) ? fixed(f.uniform.value, 2) : "-", own_text[k],
-               interval_text(f.gain, 2, true),
+    table.add({first ? lines[k].label : "", lines[k].role, std::to_string(f.scored), count_text(f.samples),
+               count_text(f.in_target), std::isfinite(f.uniform.value) ? fixed(f.uniform.value, 2) : "-", own_text[k],
+               interval_text(f.mass_part), interval_text(f.spread_part), interval_text(f.gain, 2, true),
                std::isnan(f.undefended.value)   ? "-"
                : std::isinf(f.undefended.value) ? "inf"
                                                 : fixed(f.undefended.value, 2),
@@ -443,6 +460,27 @@ std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
   return out + check_text(levels, width);
 }
 
+/// "all 14 other seeds together, on 4 paths: tree SE 0.43 (mass 0.31, spread 0.12); expansion ...".
+std::string pooled_text(const ExperimentResult& result, const std::string& problem, const std::string& strategy,
+                        std::size_t width) {
+  for (const PooledScores& pooled : result.pooled) {
+    if (pooled.problem != problem || pooled.strategy != strategy) continue;
+    std::string text =
+        fmt::format("samples of {} taken together, on {} of a seed left out:", plural(pooled.seeds, "seed"),
+                    plural(pooled.targets, "path"));
+    const auto add = [&](const char* name, const Efficiency& estimated) {
+      if (std::isnan(estimated.value)) return;
+      const Efficiency e = shown(estimated);
+      text += fmt::format(" {} SE {} (mass {}, spread {})", name, fixed(e.value, 2), fixed(e.parts.mass, 2),
+                          fixed(e.parts.spread, 2));
+    };
+    add("tree", pooled.scores.tree);
+    add("expansion", pooled.scores.expansion);
+    return wrap(text, width, "", "  ");
+  }
+  return "";
+}
+
 std::string strategy_table(const RunsSummary& summary, bool measured, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (levels.empty()) return "no level was reached\n";
@@ -512,7 +550,7 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     const FigurePair& cross = root(row).root_cross;
     cross_tree.add(cross.tree, {row.strategy, "tree on other seeds'"}, told);
     cross_expansion.add(cross.expansion, {row.strategy, "expansion on other seeds'"}, told);
-    slowest = std::max(slowest, 1000.0 * row.summary.seconds);
+    if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
   }
   const auto tree_text = tree.text();
   const auto expansion_text = expansion.text();
@@ -524,9 +562,9 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     std::vector<std::string> cells = {rows[i].strategy,
                                       fmt::format("{}/{}", s.solved, s.runs),
                                       wilson_text(s.success) + " %",
-                                      count_text(s.validity_checks),
-                                      count_text(s.motion_checks),
-                                      std::isfinite(s.seconds) ? fixed(1000.0 * s.seconds, decimals_for(slowest)) : "-",
+                                      count_text(s.validity_checks.value),
+                                      count_text(s.motion_checks.value),
+                                      milliseconds_text(s.seconds.value, decimals_for(slowest)),
                                       interval_text(s.length)};
     if (measured) {
       const FigurePair& pair = root(rows[i]).root;
@@ -552,9 +590,6 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
   return table.text(width) + told.text(width);
 }
 
-/// "p < 0.001", "p 0.04".
-std::string p_text(double p) { return p < 0.001 ? "<0.001" : fixed(p, 3); }
-
 /// Strategies against a baseline, paired by seed; one table for each baseline.
 std::string comparison_tables(const std::vector<Comparison>& comparisons, bool measured, std::size_t width) {
   std::vector<std::string> baselines;
@@ -563,15 +598,23 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
   }
   std::string out;
   for (const std::string& baseline : baselines) {
+    const std::string solved = "solved";
     const std::string checks = "validity checks";
     const std::string tree = "SE of the tree, nats";
     const std::string expansion = "SE of the expansion, nats";
-    std::vector<Table::Column> columns = {text_column("strategy"), number_column({"success", "%"}),
-                                          number_column({"ratio,", "median"}, checks),
-                                          number_column({"difference"}, checks), number_column({"p"}, checks)};
+    std::vector<Table::Column> columns = {text_column("strategy"),
+                                          number_column({"difference", "%"}, solved),
+                                          number_column({"here"}, solved),
+                                          number_column({"there"}, solved),
+                                          number_column({"both"}, solved),
+                                          number_column({"ratio, median", "[99 % interval]"}, checks),
+                                          number_column({"difference,", "median"}, checks),
+                                          number_column({"p"}, checks)};
     if (measured) {
-      columns.insert(columns.end(), {number_column({"difference"}, tree), number_column({"p"}, tree),
-                                     number_column({"difference"}, expansion), number_column({"p"}, expansion)});
+      for (const std::string& se : {tree, expansion}) {
+        columns.insert(columns.end(),
+                       {number_column({"n"}, se), number_column({"difference"}, se), number_column({"p"}, se)});
+      }
     }
     Table table(columns);
     std::size_t pairs = 0;
@@ -581,25 +624,33 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
       if (c.baseline != baseline) continue;
       Interval success = c.solved.difference;
       for (double* x : {&success.value, &success.lo, &success.hi}) *x *= 100.0;
-      const Paired& v = c.validity_checks;
-      pairs = std::max(pairs, v.less + v.greater + v.equal);
+      const PairedCosts& v = c.validity_checks;
+      pairs = std::max(pairs, v.pairs);
       cross = cross || c.cross;
       ablated = ablated || !c.text.empty();
-      std::vector<std::string> cells = {c.text.empty() ? c.strategy : c.text, interval_text(success, 0, true),
-                                        std::isfinite(c.check_ratio) ? fixed(c.check_ratio, 2) : "-",
-                                        interval_text(v.difference, 0, true), p_text(v.sign_p)};
+      std::vector<std::string> cells = {c.text.empty() ? c.strategy : c.text,
+                                        range_text(success, 0),
+                                        std::to_string(v.solved),
+                                        std::to_string(v.reference_solved),
+                                        std::to_string(v.both_solved),
+                                        ratio_text(v.ratio),
+                                        std::isinf(v.difference.value) ? (v.difference.value > 0.0 ? "inf" : "-inf")
+                                                                       : fixed(v.difference.value, 0, true),
+                                        p_text(v.holm_p)};
       if (measured) {
         for (const Paired* paired : {&c.tree, &c.expansion}) {
           const bool any = !std::isnan(paired->difference.value);
+          cells.push_back(std::to_string(paired->less + paired->greater + paired->equal));
           cells.push_back(interval_text(paired->difference, 2, true));
-          cells.push_back(any ? p_text(paired->sign_p) : "-");
+          cells.push_back(any ? p_text(paired->holm_p) : "-");
         }
       }
       table.add(std::move(cells));
     }
     out +=
-        '\n' + wrap(fmt::format("{} {}, {} paired by seed{}; p: sign test", ablated ? "ablation of" : "compared with",
-                                baseline, plural(pairs, "run"),
+        '\n' + wrap(fmt::format("{} {}, {} paired by seed; unsolved counts as infinite{}; p: sign test, corrected by "
+                                "Holm over the comparisons shown",
+                                ablated ? "ablation of" : "compared with", baseline, plural(pairs, "run"),
                                 measured ? (cross ? "; SE on other seeds' paths" : "; SE on each run's own path") : ""),
                     width, "", "  ");
     out += table.text(width);
@@ -619,8 +670,9 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   std::string out = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "problem"),
                                 plural_y(experiment.strategies.size(), "strateg"), seeds_text(experiment.seeds));
   out += experiment.seeds.size() * experiment.problems.size() > 1
-             ? "Counts and times: medians over the runs; ±: half-width of the 95 % Student interval of the mean over "
-               "the runs."
+             ? "Counts and times of levels: medians of what all runs spent; of strategies: an unsolved run counts as "
+               "infinite. Efficiencies: means over the runs that have a target, as many as `runs` says; ±: half-width "
+               "of their 95 % Student interval, none for fewer than 5 runs."
              : "One run of each strategy: no intervals.";
   out = wrap(out, width);
   if (!experiment.measure) return out;
@@ -645,8 +697,10 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   out +=
       wrap(fmt::format(
                "SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform mixed in, "
-               "nats, lower is better; gain: uniform - SE; D: nothing mixed in, at least -log of the share in "
-               "the target (95 %); along: the part of it along the path. docs/measure.md explains them.",
+               "nats, lower is better. It is the sum of mass, how seldom a sample lies in the target, and spread, how "
+               "unevenly those that do cover it; gain: uniform - SE; oracle: samples of the target itself, perfect "
+               "guidance; uniform: none; D: nothing mixed in, at least -log of the share in "
+               "the target (95 %); along: the divergence of arc length along the path. docs/measure.md explains them.",
                100.0 * defence),
            width);
   out += wrap(fmt::format("Target: {}{}.", target_text(m.target), names.empty() ? "" : "; estimator: " + names), width);
@@ -706,6 +760,7 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
                               wilson_text(summary.success), shares_text(spec)),
                   columns, "", "    ");
       out += strategy_table(summary, measured, columns);
+      if (measured) out += pooled_text(result, problem, name, columns);
     }
     out += summary_section(experiment, result, problem, rows, columns);
   };

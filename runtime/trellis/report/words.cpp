@@ -19,7 +19,8 @@ std::string fixed(double x, int decimals, bool sign) {
 }
 
 std::string count_text(double x) {
-  if (!std::isfinite(x)) return "-";
+  if (std::isinf(x)) return x > 0.0 ? "inf" : "-inf";
+  if (std::isnan(x)) return "-";
   return fixed(x, x < 100 && x != std::floor(x) ? 1 : 0);
 }
 
@@ -36,6 +37,35 @@ std::string interval_text(const Interval& interval, int decimals, bool sign) {
   std::string text = fixed(interval.value, decimals, sign);
   if (std::isfinite(interval.hi)) text += " ±" + fixed(0.5 * (interval.hi - interval.lo), decimals);
   return text;
+}
+
+std::string p_text(double p) { return p < 0.001 ? "<0.001" : fixed(p, 3); }
+
+std::string ratio_text(const Interval& ratio) {
+  const auto number = [](double x) {
+    return std::isinf(x) ? std::string("inf") : x == 0.0 ? std::string("0") : fixed(x, 2);
+  };
+  if (std::isnan(ratio.value)) return "-";
+  if (std::isnan(ratio.lo)) return number(ratio.value);
+  return fmt::format("{} [{}, {}]", number(ratio.value), number(ratio.lo), number(ratio.hi));
+}
+
+std::string range_text(const Interval& interval, int decimals) {
+  if (std::isnan(interval.value)) return "-";
+  const std::string value = fixed(interval.value, decimals, true);
+  if (std::isnan(interval.lo)) return value;
+  return fmt::format("{} [{}, {}]", value, fixed(interval.lo, decimals, true), fixed(interval.hi, decimals, true));
+}
+
+std::string milliseconds_text(double seconds, int decimals) {
+  if (std::isinf(seconds)) return "inf";
+  return std::isnan(seconds) ? "-" : fixed(1000.0 * seconds, decimals);
+}
+
+std::string averaged_text(std::size_t least, std::size_t most, std::size_t runs) {
+  if (least == runs) return plural(runs, "run");
+  const std::string few = least == most ? std::to_string(most) : fmt::format("{}–{}", least, most);
+  return fmt::format("{} of {}", few, plural(runs, "run"));
 }
 
 std::string plural(std::size_t n, const std::string& noun) {
@@ -63,7 +93,7 @@ std::string target_text(const TargetSpec& target) {
   if (const auto* tube = std::get_if<TubeSettings>(&target)) {
     return fmt::format("{} within {:g} m ({}) of the path",
                        tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
-                       tube->distance == "planar" ? "position only" : "full metric");
+                       tube->distance == "planar" ? "position only, all headings" : "full metric");
   }
   if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
     return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);

@@ -15,13 +15,23 @@ namespace trellis {
 
 /// A fixed number of decimals, without "-0.00".
 std::string fixed(double x, int decimals, bool sign = false);
-/// A median of counts: halves happen, and matter only where the count is small.
+/// A median of counts: halves happen, and matter only where the count is small. "inf" where most runs are unsolved.
 std::string count_text(double x);
 /// Decimals of a column of milliseconds, by its largest: small ones should not vanish beside it.
 int decimals_for(double largest);
 std::string percent(double share);
 /// "1.23 ±0.08", "1.23" where there is no interval, "-" where there is no figure.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
+/// "<0.001", "0.040".
+std::string p_text(double p);
+/// "0.37 [0.29, 0.52]", a median of ratios; "-" where there is none, and no brackets without an interval.
+std::string ratio_text(const Interval& ratio);
+/// "20 runs" where all were averaged, "2 of 20 runs", "2–5 of 20 runs".
+std::string averaged_text(std::size_t least, std::size_t most, std::size_t runs);
+/// "+20 [-3, +39]", with signs; "-" where there is no figure.
+std::string range_text(const Interval& interval, int decimals);
+/// Milliseconds; "inf" where most runs are unsolved, "-" where there is no figure.
+std::string milliseconds_text(double seconds, int decimals);
 /// "70–99", a share's interval in per cent.
 std::string wilson_text(const Interval& success);
 std::string plural(std::size_t n, const std::string& noun);
@@ -36,12 +46,14 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-inline constexpr std::array<Note, 6> notes = {{
+inline constexpr std::array<Note, 8> notes = {{
     {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
     {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
     {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
+    {'l', "lower bound", "a lower bound, by mass and arc length: in so many dimensions samples show no more"},
+    {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};
 inline constexpr char median_mark = 'm';

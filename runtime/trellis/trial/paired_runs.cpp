@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <trellis/base/error.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/measure/median_bound.hpp>
 #include <trellis/measure/statistics.hpp>
 #include <trellis/report/words.hpp>
@@ -15,8 +15,6 @@
 namespace trellis::trial {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string number_text(double x, int decimals) {
   if (std::isfinite(x)) return fixed(x, decimals);
@@ -72,8 +70,9 @@ Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& r
   double most = 0.0;
   for (const RunResult& run : runs) {
     const double spent = figure(run);
-    // More than anybody could say; where more is wanted, what it has spent is the least that it would have.
-    const double value = !run.run.solved && from_above ? infinity : spent;
+    // Where more is claimed, what an unsolved run spent is the least that it would have.
+    const CensoredCost cost{spent, run.run.solved};
+    const double value = from_above ? cost.cost() : cost.spent;
     if (std::isnan(value)) continue;
     counted.push_back(value);
     all.push_back(&run);
@@ -106,21 +105,23 @@ Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& r
 Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, const FigureOf& figure,
                     const FigureOf& others, const MedianWords& words) {
   const bool less = criterion.from_above();
-  std::vector<double> ratios;
+  std::vector<double> ratios;     // on the side of caution: what is claimed is bounded by these
+  std::vector<double> unclaimed;  // as reports count
   std::vector<const RunResult*> mine;
   std::vector<const RunResult*> theirs;
   const Pair* worst = nullptr;
   double most = 0.0;
   for (const Pair& pair : pairs) {
-    const double there = less || pair.others->run.solved ? others(*pair.others) : infinity;
-    const double here = !less || pair.mine->run.solved ? figure(*pair.mine) : infinity;
-    if (std::isnan(there) || std::isnan(here)) continue;
-    const double ratio = here == there ? 1.0 : there > 0.0 ? here / there : infinity;
+    const CensoredCost here{figure(*pair.mine), pair.mine->run.solved};
+    const CensoredCost there{others(*pair.others), pair.others->run.solved};
+    const double ratio = cost_ratio(here, there, less ? Claim::less : Claim::more);
+    if (std::isnan(ratio)) continue;
     if (worst == nullptr || (less ? ratio > most : ratio < most)) {
       worst = &pair;
       most = ratio;
     }
     ratios.push_back(ratio);
+    unclaimed.push_back(cost_ratio(here, there));
     mine.push_back(pair.mine);
     theirs.push_back(pair.others);
   }
@@ -137,7 +138,7 @@ Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, 
   constexpr int decimals = 2;
   verdict.finding = fmt::format(
       "{} times as {} at the median, at {} {} times with {:g} % confidence; {} on {} of {}{}{}{}",
-      number_text(median(ratios), decimals), words.decimals == 0 ? "many" : "long", less ? "most" : "least",
+      number_text(median(unclaimed), decimals), words.decimals == 0 ? "many" : "long", less ? "most" : "least",
       number_text(bound, decimals), 100.0 * criterion.confidence(), less ? "less" : "more", as_claimed,
       plural(ratios.size(), "seed"), unsolved(mine) > 0 ? fmt::format("; {} without a path", unsolved(mine)) : "",
       unsolved(theirs) > 0 ? fmt::format("; {} of {}'s without a path", unsolved(theirs), criterion.other()->name())

@@ -36,9 +36,8 @@ struct MedianWords {
 Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& runs, const FigureOf& figure,
                      const MedianWords& words);
 
-/// Against another trial: the bound of the median of the ratios, each run's figure to that of the same seed there. Of
-/// the trial that is to have less, a run without a path counts as infinitely much; one of the other as what it has
-/// spent, or is left out where it has no figure.
+/// Against another trial: the bound of the median of the ratios, each run's figure to that of the same seed there, by
+/// the rule of measure/censored_cost.hpp on the side of what is claimed. A pair without a figure is left out.
 Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, const FigureOf& figure,
                     const FigureOf& others, const MedianWords& words);
 
