@@ -513,11 +513,6 @@ class ProblemScoring {
 
   [[nodiscard]] std::optional<PooledScores> score_pooled(std::size_t strategy) const {
     if (users_ || !crosses() || !gives_paths(strategy)) return std::nullopt;
-    PooledScores result{.problem = runs_.front()->problem,
-                        .strategy = run(strategy, 0).strategy,
-                        .seeds = seeds_ - 1,
-                        .targets = 0,
-                        .scores = {}};
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansions;
     // A path of each of some seeds, by whichever strategy gave one.
@@ -534,9 +529,11 @@ class ProblemScoring {
       expansions.push_back(std::move(found.expansion));
     }
     if (tree.empty()) return std::nullopt;
-    result.targets = tree.size();
-    result.scores = {mean(tree), mean(expansions)};
-    return result;
+    return PooledScores{.problem = runs_.front()->problem,
+                        .strategy = run(strategy, 0).strategy,
+                        .seeds = seeds_ - 1,
+                        .targets = tree.size(),
+                        .scores = {mean(tree), mean(expansions)}};
   }
 
   // Equal numbers ----------------------------------------------------------------------------------------------------
