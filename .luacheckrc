@@ -9,7 +9,7 @@ stds.trellis = {
     "identity", "workspace", "skeleton", "shrink", "joints", "pca", "widen", "lazy", "drop", "aggregate",
     "holonomic", "decomposition", "experience", "learned",
     "tube", "near_optimal", "progress",
-    "knn", "exact", "kde", "histogram", "legacy",
+    "knn", "exact", "arc", "kde", "histogram", "legacy",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
     "world", "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "help", "require", "scenario", "expect", "at_least", "at_most", "below",

@@ -536,6 +536,10 @@
 ---@field blend? boolean true or false; default true: whether the density among the samples in the target is blended in; false: all samples only
 ---@field boundary? boolean true or false; default true: whether balls are cut to the space; false: their whole volume, as textbooks have it
 
+---What `arc` takes.
+---@class trellis.arc.Options
+---@field dimension? integer an integer in [1, 1000] (axes); default 5: spaces of fewer dimensions have no such figure
+
 ---What `kde` takes.
 ---@class trellis.kde.Options
 ---@field [1]? number `bandwidth` without its name
@@ -719,7 +723,7 @@
 ---@field strategies table<string, trellis.Strategy>|(trellis.Strategy|{ [1]: string, [2]: trellis.Strategy })[] a table of strategies: { name = strategy }, reported in the order of the names, or a list of strategies or of pairs {"name", strategy}, reported in its order
 ---@field seeds? integer|integer[] an integer in [1, 1000000], or a list of seeds; default 1: how many consecutive seeds, or which ones
 ---@field measure? trellis.Target|false a target, as tube { delta = 0.5 }, or false; default tube {}: what samples are measured against; false computes no efficiency
----@field estimators? trellis.Estimator|trellis.Estimator[] an estimator or a list of estimators, as { exact(), knn { k = 3 } }; default { exact(), knn() }: the first that has a figure gives the headline, the others stand beside it
+---@field estimators? trellis.Estimator|trellis.Estimator[] an estimator or a list of estimators, as { exact(), knn { k = 3 } }; default { exact(), arc(), knn() }: the first that has a figure gives the headline; of a list that is given, the others stand beside it
 ---@field baseline? string the name of a strategy: what the others are compared with; the first by default
 ---@field groups? table[] a list of groups, as { { "mazes", {p, q}, tuned = true } }: problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are held out
 ---@field published? trellis.Publication published { ... }: figures and sentences of somebody else, to set the results beside
@@ -1515,6 +1519,13 @@ function knn(options) end
 ---@return trellis.Estimator
 function exact() end
 
+---a lower bound that needs no density: the mass in the target, by counting, and the divergence of arc length along the path; the headline where nearest neighbours fail
+---
+---Source: the chain rule
+---@param options? trellis.arc.Options
+---@return trellis.Estimator
+function arc(options) end
+
 ---Gaussian kernels, reflected at walls and wrapped on periodic axes
 ---
 ---Source: Parzen 1962
@@ -1897,11 +1908,11 @@ function spends(criterion) end
 ---@return trellis.Matcher
 function finds_paths(length) end
 
----a matcher: the sampling efficiency of a level, on average over seeds
+---a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better
 ---
----    has_efficiency("root", below(2))
+---    has_efficiency("root", above(0.5))
 ---@param level string|integer a level's name or number: "root", "lazy", "shrink(0.5)", the way to the root as "skeleton >> lazy", or 0, 1, ...
----@param criterion trellis.Criterion a criterion: of nats; below(plain) compares two trials
+---@param criterion trellis.Criterion a criterion: of nats; above(plain) compares two trials
 ---@param options? trellis.has_efficiency.Options
 ---@return trellis.Matcher
 function has_efficiency(level, criterion, options) end

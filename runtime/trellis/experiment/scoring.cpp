@@ -15,7 +15,8 @@ namespace trellis {
 
 namespace {
 
-// A run is scored on several paths of others: with fewer points each, as their errors average out.
+// A run is scored on several paths of others, and at several levels: with fewer points each than on the root's own
+// path.
 constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for who draws it
@@ -120,7 +121,7 @@ class ProblemScoring {
     if (!solved || path.empty()) return {nullptr, "no path of its own"};
     if (const auto* settings = std::get_if<TubeSettings>(&measure_.target)) {
       TubeSettings tube = *settings;
-      if (cross) {
+      if (cross || !root) {
         tube.points = std::min(tube.points, cross_points);
         tube.pool = std::min(tube.pool, cross_pool);
       }
@@ -286,7 +287,7 @@ class ProblemScoring {
                        .brief = brief,
                        .headline_only = headline_only_,
                        .density = density,
-                       .points = 0,
+                       .points = brief ? static_cast<std::size_t>(cross_points) : 0,
                        .kernel_points = kernel_points});
   }
 
