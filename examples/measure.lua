@@ -6,7 +6,7 @@
 --   trellis help tube      trellis help target      trellis help knn      trellis help experiment
 --
 -- The sampling efficiency is the divergence, in nats, of the samples from a target distribution T that says where
--- samples are of use. Lower is better; `gain` says how much better than uniform samples they are.
+-- samples are of use. Reports print nats above uniform sampling: by how much less that divergence is; more is better.
 
 local targets = {
   -- T uniform within 0.5 m of the path that the run found. The default.

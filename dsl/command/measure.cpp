@@ -278,13 +278,13 @@ std::string table(const Case& c, const Measured& m) {
   }
   for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
   text += fmt::format("estimator: {}\n\n", e.estimator);
-  text += row("D_eps0.05", figures.value,
-              "nats, lower is better: divergence of the samples with 5 % uniform ones mixed in");
+  text +=
+      row("D_eps0.05", figures.value, "nats, less is better: divergence of the samples with 5 % uniform ones mixed in");
   text += row("  mass", figures.parts.mass, "of it: how seldom a sample lies in the target");
   text += row("  spread", figures.parts.spread, "of it: how unevenly those that do cover the target");
   text += row("    along", figures.parts.along, "of the spread: along the path");
   text += row("    across", figures.parts.across, "of the spread: across it; none from 5 dimensions");
-  text += row("gain_eps0.05", figures.gain, "nats won over uniform sampling: D_uniform - D_eps0.05");
+  text += row("gain_eps0.05", figures.gain, "nats above uniform sampling, more is better: D_uniform - D_eps0.05");
   text += row("D_uniform", e.uniform, "D_eps0.05 of uniform sampling");
   text += row("D_perfect", e.perfect, "D_eps0.05 of perfect guidance, samples of the target itself");
   text += row("D_eps0.01", figures.light_value, "with 1 % uniform samples mixed in");

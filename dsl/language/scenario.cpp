@@ -262,7 +262,7 @@ int make_finds_paths(Stack& call) {
 }
 
 int make_has_efficiency(Stack& call) {
-  constexpr const char* usage = R"(has_efficiency("root", below(2)))";
+  constexpr const char* usage = R"(has_efficiency("root", above(0.5)))";
   std::string name = call[1].string().value_or("");
   if (const auto number = call[1].integer()) name = std::to_string(*number);
   if (name.empty()) {
@@ -338,11 +338,11 @@ const std::vector<Function>& plain_functions() {
          make_finds_paths});
     all.push_back(
         {function_construct(
-             "has_efficiency", R"(has_efficiency("root", below(2)))",
-             "a matcher: the sampling efficiency of a level, on average over seeds",
+             "has_efficiency", R"(has_efficiency("root", above(0.5)))",
+             "a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better",
              {{"level", "string|integer", "a level's name or number",
                "\"root\", \"lazy\", \"shrink(0.5)\", the way to the root as \"skeleton >> lazy\", or 0, 1, ...", true},
-              {"criterion", criterion_type, "a criterion", "of nats; below(plain) compares two trials", true}},
+              {"criterion", criterion_type, "a criterion", "of nats; above(plain) compares two trials", true}},
              matcher_type),
          make_has_efficiency});
     all.back().construct.options = efficiency_settings().component();

@@ -1908,11 +1908,11 @@ function spends(criterion) end
 ---@return trellis.Matcher
 function finds_paths(length) end
 
----a matcher: the sampling efficiency of a level, on average over seeds
+---a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better
 ---
----    has_efficiency("root", below(2))
+---    has_efficiency("root", above(0.5))
 ---@param level string|integer a level's name or number: "root", "lazy", "shrink(0.5)", the way to the root as "skeleton >> lazy", or 0, 1, ...
----@param criterion trellis.Criterion a criterion: of nats; below(plain) compares two trials
+---@param criterion trellis.Criterion a criterion: of nats; above(plain) compares two trials
 ---@param options? trellis.has_efficiency.Options
 ---@return trellis.Matcher
 function has_efficiency(level, criterion, options) end

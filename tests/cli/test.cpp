@@ -67,7 +67,7 @@ TEST_CASE("a scenario that holds says so, in figures") {
   place.script("pair.lua", pair_script);
   place.script("it_test.lua", scenario("the plain one gets there", two_trials() + R"(
     expect(plain, solves(at_least(1)))
-    expect(plain, has_efficiency("root", below(50)))
+    expect(plain, has_efficiency("root", above(-50)))
     expect(plain, finds_paths(at_most(100)))
     expect(plain, is_deterministic())
     expect(hopeless, spends(exactly(20).proposals())))"));
@@ -78,7 +78,7 @@ TEST_CASE("a scenario that holds says so, in figures") {
                                      "  given the problem 'cup' of pair.lua\n"
                                      "  when  plain, hopeless on 6 seeds (1–6)\n"
                                      "  ok    plain solves at least 100 % of the seeds: 6 of 6 (100 %)\n"
-                                     "  ok    plain has at the root an efficiency below 50 nats: "));
+                                     "  ok    plain has at the root an efficiency above -50 nats: +"));
   CHECK_THAT(outcome.out, EndsWith("\npassed: 1 scenario, 5 expectations\n"));
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("each matcher can fail, and tells what helps") {
     expect(plain, spends(fewer_than(hopeless).validity_checks()))
     expect(plain, spends(at_most(10).nodes().with_confidence(0.9)))
     expect(plain, finds_paths(below(1)))
-    expect(plain, has_efficiency("root", below(0.01)))
+    expect(plain, has_efficiency("root", above(20)))
     expect(plain, has_efficiency("root", above(50), { role = "expansion", target = "root" }))
   )") + scenario("time is no budget that reproduces", R"(
     local walls = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }
@@ -161,7 +161,7 @@ TEST_CASE("an error in a scenario fails that one, and the next ones still run") 
       scenario("a misspelt strategy",
                "local it = given { script = \"pair.lua\", problem = \"cup\" }\n"
                "when { it.plane }") +
-          scenario("a level that there is not", two_trials("5") + "expect(plain, has_efficiency(\"lazy\", below(1)))") +
+          scenario("a level that there is not", two_trials("5") + "expect(plain, has_efficiency(\"lazy\", above(1)))") +
           scenario("a fault of its own", "local x = nil + 1") + scenario("nothing expected", two_trials()) +
           scenario("all is well", two_trials() + "expect(plain, solves(at_least(1)))"));
   const auto outcome = place.run({"test", "it_test.lua"});
@@ -235,8 +235,8 @@ TEST_CASE("what scenarios are given is checked") {
   CHECK(says("spends(at_most(5).validity_check())").find("(did you mean 'validity_checks'?)") != std::string::npos);
   CHECK(says("fewer_than(5)").find("a number goes with below(x) or at_most(x)") != std::string::npos);
   CHECK(says("at_least \"much\"") == "at_least: takes a number, got \"much\"");
-  CHECK(says("has_efficiency(below(2))").starts_with("has_efficiency: a level belongs first"));
-  CHECK(says("has_efficiency(\"root\", below(2), { role = \"three\" })").find("tree") != std::string::npos);
+  CHECK(says("has_efficiency(above(2))").starts_with("has_efficiency: a level belongs first"));
+  CHECK(says("has_efficiency(\"root\", above(2), { role = \"three\" })").find("tree") != std::string::npos);
   CHECK(says("local it = given { problem = scenes.cup(), strategies = { a = rrt {} } } "
              "while true do when { it.a, it.a, seeds = 300000 } end") ==
         "when: a scenario has at most 10000 trials with 1000000 runs in all, got 4 with 1200000");
@@ -273,7 +273,7 @@ TEST_CASE("the same test prints the same on any number of threads") {
   const Place place;
   place.script("pair.lua", pair_script);
   place.script("it_test.lua",
-               scenario("it", two_trials() + "expect(plain, has_efficiency(\"root\", below(50)))\n"
+               scenario("it", two_trials() + "expect(plain, has_efficiency(\"root\", above(-50)))\n"
                                              "expect(plain, spends(at_most(100000).validity_checks()))"));
   const auto one = place.run({"test", "it_test.lua", "--jobs", "1"});
   const auto several = place.run({"test", "it_test.lua", "--jobs", "5"});

@@ -125,7 +125,7 @@ SCENARIO("nesting pays on the simple passage", "[examples]") {
         CHECK_THAT(nested, Spends(exactly(0).proposals().in_level("skeleton >> shrink >> lazy")));
         CHECK_THAT(nested, !Spends(exactly(0).validity_checks().in_level("shrink(0.5)")));
       }
-      THEN("the nested strategy samples more efficiently") { CHECK_THAT(nested, HasEfficiency("root", below(plain))); }
+      THEN("the nested strategy samples more efficiently") { CHECK_THAT(nested, HasEfficiency("root", above(plain))); }
       THEN("the same seed gives the same run") { CHECK_THAT(nested, IsDeterministic()); }
     }
   }
@@ -181,8 +181,8 @@ SCENARIO("a strategy that was built in C++ is tried as one of a script", "[testi
         CHECK_THAT(regions, Spends(fewer_than(plain).validity_checks().by(0.33)));
       }
       THEN("its tree says more than its proposals, of which a part is uniform") {
-        CHECK_THAT(regions, HasEfficiency(level("root"), below(3.0)));
-        CHECK_THAT(regions, HasEfficiency(level("skeleton").lifted(), below(5.0)));
+        CHECK_THAT(regions, HasEfficiency(level("root"), above(-0.6)));
+        CHECK_THAT(regions, HasEfficiency(level("skeleton").lifted(), above(-2.6)));
       }
     }
   }

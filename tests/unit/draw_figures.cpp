@@ -20,9 +20,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 WaterfallPanel passage() {
   return {.title = "tree",
-          .uniform = {"uniform", 2.69, 2.6, 2.78},
           .levels = {{"skeleton()", 0.8, 0.6, 1.0}, {"shrink(0.5)", 0.5, 0.2, 0.8}, {"lazy()", -0.1, -0.3, 0.1}},
-          .root = {"root", 1.49, 1.3, 1.7}};
+          .root = {"root", 1.2, 1.0, 1.4}};
 }
 
 ProfilePanel thirds() {
@@ -37,20 +36,22 @@ ProfilePanel thirds() {
 
 TEST_CASE("a waterfall's bars add up", "[draw]") {
   const auto bars = waterfall_bars(passage());
-  REQUIRE(bars.size() == 5);
-  CHECK(bars[0].kind == Kind::total);
+  REQUIRE(bars.size() == 4);
+  CHECK(bars[0].kind == Kind::gain);
   CHECK(bars[0].from == 0.0);
-  CHECK(bars[0].to == 2.69);
-  CHECK(bars[0].text == "2.69");
-  CHECK(bars[1].kind == Kind::gain);
-  CHECK(bars[1].text == "−0.80");
-  CHECK(bars[1].lo == Approx(1.69));
-  CHECK(bars[1].hi == Approx(2.09));
-  CHECK(bars[3].kind == Kind::loss);
-  CHECK(bars[3].text == "+0.10");
-  CHECK(bars[3].to == Approx(1.49));
-  CHECK(bars[4].kind == Kind::total);
-  CHECK(bars[4].to == 1.49);
+  CHECK(bars[0].to == Approx(0.8));
+  CHECK(bars[0].text == "+0.80");
+  CHECK(bars[0].lo == Approx(0.6));
+  CHECK(bars[0].hi == Approx(1.0));
+  CHECK(bars[1].from == Approx(0.8));
+  CHECK(bars[1].lo == Approx(1.0));
+  CHECK(bars[2].kind == Kind::loss);
+  CHECK(bars[2].text == "−0.10");
+  CHECK(bars[2].to == Approx(1.2));
+  CHECK(bars[3].kind == Kind::total);
+  CHECK(bars[3].from == 0.0);
+  CHECK(bars[3].to == 1.2);
+  CHECK(bars[3].text == "+1.20");
 }
 
 TEST_CASE("a waterfall of any numbers hangs together", "[draw]") {
@@ -58,22 +59,21 @@ TEST_CASE("a waterfall of any numbers hangs together", "[draw]") {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int trial = 0; trial < 500; ++trial) {
     WaterfallPanel panel;
-    panel.uniform.value = 4.0 + unit(random);
     double change = 0.0;
     for (std::size_t i = 0; i < random() % 9; ++i) {
       const auto odd = random() % 12;
       const double value = odd == 0 ? not_a_number : odd == 1 ? infinity : odd == 2 ? -infinity : unit(random);
       panel.levels.push_back({"level", value, value - 0.1, value + 0.1});
-      if (std::isfinite(value)) change -= value;
+      if (std::isfinite(value)) change += value;
     }
-    panel.root.value = panel.uniform.value + change + (trial % 2 == 0 ? unit(random) : 0.0);
+    panel.root.value = change + (trial % 2 == 0 ? unit(random) : 0.0);
     const auto bars = waterfall_bars(panel);
-    REQUIRE(bars.size() >= panel.levels.size() + 2);
-    double running = panel.uniform.value;
-    double sum = panel.uniform.value;
-    for (std::size_t i = 1; i + 1 < bars.size(); ++i) {
+    REQUIRE(bars.size() >= panel.levels.size() + 1);
+    double running = 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < bars.size(); ++i) {
       CHECK(bars[i].from == running);
-      CHECK((bars[i].kind == Kind::gain) == (bars[i].to < bars[i].from && bars[i].kind != Kind::rest));
+      CHECK((bars[i].kind == Kind::gain) == (bars[i].to > bars[i].from && bars[i].kind != Kind::rest));
       if (!std::isfinite(bars[i].to)) continue;
       if (std::isfinite(bars[i].lo)) {
         CHECK(bars[i].lo <= bars[i].to);
@@ -86,7 +86,7 @@ TEST_CASE("a waterfall of any numbers hangs together", "[draw]") {
     CHECK(running == Approx(panel.root.value).margin(0.005));
     CHECK(sum == Approx(panel.root.value).margin(0.006));
     CHECK(bars.back().to == panel.root.value);
-    if (trial % 2 == 1) CHECK(bars.size() == panel.levels.size() + 2);
+    if (trial % 2 == 1) CHECK(bars.size() == panel.levels.size() + 1);
   }
 }
 
@@ -95,17 +95,17 @@ TEST_CASE("a waterfall says what has no value", "[draw]") {
   panel.levels[1].value = not_a_number;
   panel.root.value = infinity;
   const auto bars = waterfall_bars(panel);
-  REQUIRE(bars.size() == 5);
-  CHECK(bars[2].kind == Kind::missing);
-  CHECK(bars[2].text == "n/a");
-  CHECK(bars[2].from == bars[2].to);
-  CHECK(bars[3].from == bars[1].to);
-  CHECK(bars[4].text == "∞");
-  panel.uniform.value = not_a_number;
-  CHECK(waterfall_bars(panel)[0].kind == Kind::missing);
+  REQUIRE(bars.size() == 4);
+  CHECK(bars[1].kind == Kind::missing);
+  CHECK(bars[1].text == "n/a");
+  CHECK(bars[1].from == bars[1].to);
+  CHECK(bars[2].from == bars[0].to);
+  CHECK(bars[3].text == "+∞");
+  panel.root.value = not_a_number;
+  CHECK(waterfall_bars(panel).back().kind == Kind::missing);
   const auto none = waterfall_bars(WaterfallPanel());
-  REQUIRE(none.size() == 2);
-  CHECK(none[1].text == "n/a");
+  REQUIRE(none.size() == 1);
+  CHECK(none[0].text == "n/a");
 }
 
 TEST_CASE("waterfalls are drawn", "[draw]") {

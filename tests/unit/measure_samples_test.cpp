@@ -52,7 +52,12 @@ Configurations cloud(std::size_t n, std::uint64_t seed) {
 
 std::vector<EstimatorSpec> all_kinds() {
   std::vector<EstimatorSpec> all;
-  for (const auto& kind : measure::estimator_kinds()) all.push_back(EstimatorSpec::make(kind.component->name));
+  for (const auto& kind : measure::estimator_kinds()) {
+    // By default it is asked from five dimensions on.
+    const bool arc = kind.component->name == "arc";
+    all.push_back(arc ? EstimatorSpec::make("arc", {{"dimension", std::int64_t{1}}})
+                      : EstimatorSpec::make(kind.component->name));
+  }
   all.push_back(EstimatorSpec::make("kde", {{"rule", std::string("scott")}}));
   all.push_back(EstimatorSpec::make("histogram", {{"smoothing", std::string("floor")}}));
   return all;

@@ -99,29 +99,27 @@ TEST_CASE("a waterfall goes from uniform sampling to the root under the strategy
   }
   REQUIRE(tree.size() == 14);
   draw::Waterfall picture;
-  picture.title = "rrt on simple_passage: what each level took off the divergence";
+  picture.title = "rrt on simple_passage: what each level adds above uniform";
   picture.caption =
-      "Lifted to the root's space, against the root's own path; whiskers: 95 % Student interval over 15 "
-      "seeds.";
+      "Lifted to the root's space, against the root's own path; means over 14 of 15 runs; whiskers: 95 % Student "
+      "interval.";
   const auto panel = [](const std::string& role, const std::vector<double>& values) {
     std::vector<double> gains;
     for (const double value : values) gains.push_back(2.41 - value);
-    const std::vector<double> uniform(values.size(), 2.41);
     const auto step = [](const std::string& label, const Interval& i) {
       return draw::WaterfallStep{label, i.value, i.lo, i.hi};
     };
     draw::WaterfallPanel p;
     p.title = role;
-    p.uniform = step("uniform", student_interval(uniform));
     p.levels = {step("root", student_interval(gains))};
-    p.root = step("SE of the root", student_interval(values));
+    p.root = step("above uniform", student_interval(gains));
     return p;
   };
   picture.panels = {panel("tree", tree), panel("expansion", expansion)};
   const std::string expected = draw::plot(draw::waterfall(picture)).render(draw::Format::svg);
   const bool same = read(folder.path() / "simple_passage/rrt/waterfall.svg") == expected;
   CHECK(same);
-  picture.title = "nested on simple_passage: what each level took off the divergence";
+  picture.title = "nested on simple_passage: what each level adds above uniform";
   const bool other = draw::plot(draw::waterfall(picture)).render(draw::Format::svg) == expected;
   CHECK_FALSE(other);
 }

@@ -148,7 +148,10 @@ inline RunResult nested_run(const std::string& problem_name, std::uint64_t seed,
   shrink.own = Scores{efficiency(2.44, 1.2 - wobble, nodes), efficiency(2.44, 1.25 + wobble, 2 * nodes)};
   skeleton.own = Scores{efficiency(2.39, 1.5 + wobble, 25), no_figure(2.39)};
   if (seed <= 2) shrink.own->tree.flags = {"underpowered", "partial"};
-  if (seed == 1) lazy.own->expansion.value = std::numeric_limits<double>::infinity();
+  if (seed == 1) {
+    lazy.own->expansion.value = std::numeric_limits<double>::infinity();
+    lazy.own->expansion.gain = -std::numeric_limits<double>::infinity();
+  }
   if (solved) {
     root.root = Scores{efficiency(2.41, 1.02 + wobble, nodes), efficiency(2.41, 1.11 - wobble, 2 * nodes)};
     root.own = root.root;

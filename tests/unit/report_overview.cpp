@@ -238,7 +238,7 @@ TEST_CASE("a guide that does worse than none is said", "[report]") {
   }
   experiment.baseline = "rrt";
   const std::string text = overview(experiment, result);
-  CHECK(has(text, "warning: nested does worse than no guide"));
+  CHECK(has(text, "warning: nested costs more validity checks than rrt, which has no guide"));
   auto [same, unchanged] = fixture::passage();
   same.baseline = "rrt";
   CHECK(!has(overview(same, unchanged), "warning"));

@@ -82,7 +82,7 @@ TEST_CASE("without a measure the report has no efficiency", "[report]") {
   CHECK(text.find("proposals") != std::string::npos);
 }
 
-TEST_CASE("a strategy that never succeeds has dashes, not zeros", "[report]") {
+TEST_CASE("a strategy that never succeeds costs infinitely much, and has dashes for what it lacks", "[report]") {
   Experiment experiment;
   experiment.problems = {fixture::problem("wall")};
   experiment.strategies = {{"rrt", fixture::plain()}};
@@ -92,15 +92,13 @@ TEST_CASE("a strategy that never succeeds has dashes, not zeros", "[report]") {
   const std::string text = report_text(experiment, result);
   CHECK(text.find("solved 0/2") != std::string::npos);
   CHECK(text.find("nan") == std::string::npos);
-  CHECK(text.find("inf") == std::string::npos);
   const std::string summary = text.substr(text.find("summary of wall"));
   const std::string last = summary.substr(summary.rfind("rrt "));
   std::istringstream cells(last);
   std::vector<std::string> words;
   for (std::string word; cells >> word;) words.push_back(word);
-  REQUIRE(words.size() >= 6);
-  // path length, then uniform, tree, expansion and two gains
-  for (std::size_t i = words.size() - 6; i < words.size(); ++i) CHECK(words[i] == "-");
+  // No interval of two runs; three medians of costs, path length, the runs that were scored, tree, expansion.
+  CHECK(words == std::vector<std::string>{"rrt", "0/2", "-", "inf", "inf", "inf", "-", "0", "-", "-"});
 }
 
 TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") {
@@ -149,4 +147,27 @@ TEST_CASE("text wraps at spaces", "[report]") {
   CHECK(wrap("a-very-long-word short", 6, "> ", "  ") == "> a-very-long-word\n  short\n");
   CHECK(wrap(std::string("a") + no_break + "b c", 3) == "a b\nc\n");
   CHECK(display_width("±0.1 └ é") == 8);
+}
+
+TEST_CASE("the report warns of a guide that does worse than none, and of no other", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  experiment.baseline = "rrt";
+  CHECK(guide_warnings(experiment, result, "simple_passage").empty());
+  CHECK(report_text(experiment, result).find("warning") == std::string::npos);
+  for (RunResult& run : result.runs) {
+    if (run.strategy == "nested") run.run.validity_checks *= 100;
+  }
+  const auto costly = guide_warnings(experiment, result, "simple_passage");
+  REQUIRE(costly.size() == 1);
+  CHECK(costly.front().starts_with("nested costs more validity checks than rrt, which has no guide: "));
+  CHECK(report_text(experiment, result).find("\nwarning: nested costs more") != std::string::npos);
+  // Guides that leave most runs unsolved cost more, however early they gave up.
+  for (RunResult& run : result.runs) {
+    if (run.strategy != "nested") continue;
+    run.run.validity_checks = 1;
+    run.run.solved = run.seed <= 2;
+  }
+  const auto failing = guide_warnings(experiment, result, "simple_passage");
+  REQUIRE_FALSE(failing.empty());
+  CHECK(failing.front() == "nested solves fewer runs than rrt, which has no guide: 2 of 15 against 14");
 }

@@ -233,28 +233,27 @@ TEST_CASE("finds_paths: valid, and no longer than asked for") {
              StartsWith("plain finds valid paths longer than those of guided: "));
 }
 
-TEST_CASE("has_efficiency: the end of the interval of the mean") {
-  const Said said = judge(plain(), has_efficiency("root", below(100)));
+TEST_CASE("has_efficiency: the lower end of the interval of the mean, in nats above uniform") {
+  const Said said = judge(plain(), has_efficiency("root", above(-100)));
   CHECK(said.holds);
-  CHECK_THAT(said.text, StartsWith("plain has at the root an efficiency below 100 nats: "));
-  CHECK_THAT(said.text, Contains(" nats on average of 12 runs, at most "));
-  const Said low = judge(plain(), has_efficiency("root", below(0.01)));
+  CHECK_THAT(said.text, StartsWith("plain has at the root an efficiency above -100 nats: "));
+  CHECK_THAT(said.text, Contains(" nats above uniform on average of 12 runs, at least "));
+  const Said low = judge(plain(), has_efficiency("root", above(20)));
   CHECK_FALSE(low.holds);
   CHECK_THAT(low.help, Contains("own space, own path"));
 
-  CHECK(judge(guided(), has_efficiency("root", below(plain()))).holds);
-  CHECK_FALSE(judge(plain(), has_efficiency("root", below(guided()))).holds);
-  CHECK_FALSE(judge(guided(), has_efficiency("root", below(plain()).by(50))).holds);
-  const Said worse = judge(plain(), has_efficiency("root", above(guided())));
-  CHECK(worse.holds);
-  CHECK_THAT(worse.text, StartsWith("plain has at the root an efficiency above that of guided: a difference of +") &&
-                             Contains(", at least +"));
-  CHECK_FALSE(judge(guided(), has_efficiency("root", above(plain()))).holds);
+  const Said better = judge(guided(), has_efficiency("root", above(plain())));
+  CHECK(better.holds);
+  CHECK_THAT(better.text, StartsWith("guided has at the root an efficiency above that of plain: a difference of +") &&
+                              Contains(", at least +"));
+  CHECK_FALSE(judge(plain(), has_efficiency("root", above(guided()))).holds);
+  CHECK_FALSE(judge(guided(), has_efficiency("root", above(plain()).by(50))).holds);
+  CHECK_FALSE(judge(plain(), has_efficiency("root", above(plain()))).holds);
   const Level lifted = Level("skeleton").lifted();
-  CHECK_THAT(judge(guided(), has_efficiency(lifted, below(100))).text,
+  CHECK_THAT(judge(guided(), has_efficiency(lifted, above(-100))).text,
              Contains("has at level skeleton (lifted) an efficiency"));
 
-  const Said none = judge(hopeless(), has_efficiency("root", below(100)));
+  const Said none = judge(hopeless(), has_efficiency("root", above(-100)));
   CHECK_FALSE(none.holds);
   CHECK_THAT(none.text, Contains("no run was scored: "));
 }
@@ -283,7 +282,10 @@ TEST_CASE("criteria that mean nothing for a matcher are refused") {
   CHECK_THROWS_WITH(at_most(5).by(0.1), "by: 'at most 5' compares with no other trial");
   CHECK_THROWS_WITH(at_most(5).with_confidence(95), StartsWith("with_confidence: a confidence is a number"));
   CHECK_THROWS_WITH(has_efficiency("root", exactly(2)), StartsWith("has_efficiency: an estimate is nothing exactly"));
-  CHECK_THROWS_WITH(has_efficiency("root", below(2).nodes()), StartsWith("has_efficiency: takes nats"));
+  CHECK_THROWS_WITH(has_efficiency("root", above(2).nodes()), StartsWith("has_efficiency: takes nats"));
+  for (const Criterion& least : {below(2), at_most(2), below(plain())}) {
+    CHECK_THROWS_WITH(has_efficiency("root", least), Contains("nats above uniform, of which more is better"));
+  }
   CHECK_THROWS_WITH(finds_paths(exactly(2)), StartsWith("finds_paths: no two paths"));
 }
 

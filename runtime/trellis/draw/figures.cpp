@@ -27,7 +27,7 @@ WaterfallBar total(const WaterfallStep& step) {
           std::isnan(step.value) ? 0.0 : step.value,
           step.lo,
           step.hi,
-          number_text(step.value, decimals)};
+          signed_text(step.value, decimals)};
 }
 
 /// The bars of one kind, as a series of the chart.
@@ -63,22 +63,21 @@ std::vector<std::pair<double, double>> stretches(const std::vector<double>& edge
 }  // namespace
 
 std::vector<WaterfallBar> waterfall_bars(const WaterfallPanel& panel) {
-  std::vector<WaterfallBar> bars = {total(panel.uniform)};
-  const auto settled = [](double v) { return std::isfinite(v) ? v : 0.0; };
-  double running = settled(panel.uniform.value);
+  std::vector<WaterfallBar> bars;
+  double running = 0.0;
   for (const auto& level : panel.levels) {
-    const double change = -level.value;
+    const double change = level.value;
     if (std::isnan(change)) {
       bars.push_back(
           {level.label, Kind::missing, running, running, not_a_number, not_a_number, number_text(change, decimals)});
       continue;
     }
     const double to = running + change;
-    bars.push_back({level.label, change > 0.0 ? Kind::loss : Kind::gain, running, to, running - level.hi,
-                    running - level.lo, signed_text(change, decimals)});
+    bars.push_back({level.label, change < 0.0 ? Kind::loss : Kind::gain, running, to, running + level.lo,
+                    running + level.hi, signed_text(change, decimals)});
     if (std::isfinite(to)) running = to;
   }
-  if (std::isfinite(panel.root.value) && std::isfinite(panel.uniform.value)) {
+  if (std::isfinite(panel.root.value)) {
     const double change = panel.root.value - running;
     if (std::abs(change) >= vanishing) {
       bars.push_back(
@@ -96,11 +95,10 @@ Figure waterfall(const Waterfall& waterfall) {
     const auto bars = waterfall_bars(source);
     most = std::max(most, bars.size());
     Panel panel{.title = source.title};
-    panel.y.label = "divergence of the target from the samples (nats, lower is better)";
+    panel.y.label = "above uniform sampling (nats, more is better)";
     for (const auto& bar : bars) panel.x.categories.push_back(bar.label);
-    panel.series = {bars_of(bars, Kind::total, "divergence", palette::total),
-                    bars_of(bars, Kind::gain, "gain: nats won", palette::gain),
-                    bars_of(bars, Kind::loss, "loss: nats lost", palette::loss),
+    panel.series = {bars_of(bars, Kind::total, "above uniform", palette::total),
+                    bars_of(bars, Kind::gain, "added", palette::gain), bars_of(bars, Kind::loss, "lost", palette::loss),
                     bars_of(bars, Kind::rest, "not explained by the levels", palette::rest),
                     bars_of(bars, Kind::missing, "", palette::muted)};
     // A kind without a bar has no place in the legend.

@@ -18,13 +18,11 @@ struct WaterfallStep {
   double hi = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// From blind sampling to the sampling efficiency of the root, level by level.
+/// From uniform sampling, at 0, to what the root's samples are above it, level by level.
 struct WaterfallPanel {
-  std::string title{};                        ///< "tree", "expansion"
-  WaterfallStep uniform{.label = "uniform"};  ///< the divergence of uniform sampling
-  std::vector<WaterfallStep>
-      levels{};  ///< nats won by each, as `gain` is signed: a positive value lowers the divergence
-  WaterfallStep root{.label = "root"};  ///< the sampling efficiency of the root
+  std::string title{};                  ///< "tree", "expansion"
+  std::vector<WaterfallStep> levels{};  ///< nats that each adds; more is better
+  WaterfallStep root{.label = "root"};  ///< nats of the root above uniform
 };
 
 struct Waterfall {
@@ -33,10 +31,10 @@ struct Waterfall {
   std::vector<WaterfallPanel> panels{};
 };
 
-/// One bar of a waterfall, from one running total to the next, in nats of divergence.
+/// One bar of a waterfall, from one running total to the next, in nats above uniform.
 struct WaterfallBar {
-  /// `rest`: what the levels leave unexplained between uniform and root. `missing`: a level without a value, which
-  /// leaves the running total where it is.
+  /// `rest`: what the levels leave unexplained below the root. `missing`: a level without a value, which leaves the
+  /// running total where it is.
   enum class Kind : std::uint8_t { total, gain, loss, rest, missing };
 
   std::string label{};
@@ -45,11 +43,11 @@ struct WaterfallBar {
   double to = 0.0;
   double lo = std::numeric_limits<double>::quiet_NaN();  ///< the interval, around `to`
   double hi = std::numeric_limits<double>::quiet_NaN();
-  std::string text{};  ///< its value as printed: of totals as it is, else the signed change
+  std::string text{};  ///< its value as printed, with its sign
 };
 
-/// The bars: uniform, the levels, the rest where it does not vanish in print, the root. Each begins at the running
-/// total that the ones before it leave; after an infinite value it stays where it was.
+/// The bars: the levels, the rest where it does not vanish in print, the root. The first begins at 0, uniform sampling,
+/// each other one at the running total that the ones before it leave; after an infinite value it stays where it was.
 std::vector<WaterfallBar> waterfall_bars(const WaterfallPanel& panel);
 
 /// Panels side by side, or below each other where they have many bars.

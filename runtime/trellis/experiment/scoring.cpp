@@ -15,7 +15,8 @@ namespace trellis {
 
 namespace {
 
-// A run is scored on several paths of others: with fewer points each, as their errors average out.
+// A run is scored on several paths of others, and at several levels: with fewer points each than on the root's own
+// path.
 constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for who draws it
@@ -120,7 +121,7 @@ class ProblemScoring {
     if (!solved || path.empty()) return {nullptr, "no path of its own"};
     if (const auto* settings = std::get_if<TubeSettings>(&measure_.target)) {
       TubeSettings tube = *settings;
-      if (cross) {
+      if (cross || !root) {
         tube.points = std::min(tube.points, cross_points);
         tube.pool = std::min(tube.pool, cross_pool);
       }
@@ -286,7 +287,7 @@ class ProblemScoring {
                        .brief = brief,
                        .headline_only = headline_only_,
                        .density = density,
-                       .points = 0,
+                       .points = brief ? static_cast<std::size_t>(cross_points) : 0,
                        .kernel_points = kernel_points});
   }
 
@@ -513,11 +514,6 @@ class ProblemScoring {
 
   [[nodiscard]] std::optional<PooledScores> score_pooled(std::size_t strategy) const {
     if (users_ || !crosses() || !gives_paths(strategy)) return std::nullopt;
-    PooledScores result{.problem = runs_.front()->problem,
-                        .strategy = run(strategy, 0).strategy,
-                        .seeds = seeds_ - 1,
-                        .targets = 0,
-                        .scores = {}};
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansions;
     // A path of each of some seeds, by whichever strategy gave one.
@@ -534,9 +530,11 @@ class ProblemScoring {
       expansions.push_back(std::move(found.expansion));
     }
     if (tree.empty()) return std::nullopt;
-    result.targets = tree.size();
-    result.scores = {mean(tree), mean(expansions)};
-    return result;
+    return PooledScores{.problem = runs_.front()->problem,
+                        .strategy = run(strategy, 0).strategy,
+                        .seeds = seeds_ - 1,
+                        .targets = tree.size(),
+                        .scores = {mean(tree), mean(expansions)}};
   }
 
   // Equal numbers ----------------------------------------------------------------------------------------------------

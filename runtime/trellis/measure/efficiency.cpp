@@ -47,6 +47,9 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
     if (across) parts.across = parts.spread - parts.along;
   };
   ChainRule& plain = estimate.undefended_parts;
+  // The recorded density's own mass is that of Q as far as counting agrees. Where it does not, h proposes points of a
+  // path themselves: mass without a density, which counting sees. What is lost by its having none is spread.
+  if (plain.mass > whole.mass_hi) plain.mass = whole.mass;
   if (std::isnan(plain.mass)) plain.mass = whole.mass;
   complete(plain, estimate.undefended, whole.along.corrected);
   if (!target.is_uniform()) return;

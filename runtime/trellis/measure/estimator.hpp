@@ -45,14 +45,14 @@ struct Estimate {
   double light_value = std::numeric_limits<double>::quiet_NaN();
   /// D(T || Q), undefended; +inf where Q has no density on a part of T, and where no sample lies in A.
   double undefended = std::numeric_limits<double>::quiet_NaN();
-  /// uniform - value: nats won over blind sampling.
+  /// Nats above uniform, uniform - value: what reports print. More is better; 0 is uniform sampling.
   double gain = std::numeric_limits<double>::quiet_NaN();
   /// Jensen-Shannon divergence of T and Q, in [0, log 2].
   double js = std::numeric_limits<double>::quiet_NaN();
   /// The parts of `value`; none where T is not uniform.
-  ChainRule parts;
+  ChainRule parts = {};
   /// The parts of `undefended`.
-  ChainRule undefended_parts;
+  ChainRule undefended_parts = {};
 };
 
 /// An estimator with its validated options.

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
+#include <span>
 
 #include <trellis/measure/evaluation.hpp>
 
@@ -29,18 +29,23 @@ const Settings<ArcSettings>& arc_settings() {
 Estimate estimate(const Options&, const Evaluation& evaluation) {
   const Target& target = evaluation.target;
   const auto total = static_cast<double>(evaluation.samples.total());
-  const double inside = static_cast<double>(evaluation.in_target.count);
-  const double mass = inside > 0.0 ? -std::log(inside / total) : mass_without_hit(evaluation.samples.total());
+  // Samples that occur more than once have no density, so that they lower no divergence: only the others count, whose
+  // arcs come first.
+  const std::size_t once = evaluation.in_target.inside.size() / evaluation.frame().dimension();
+  const double share = static_cast<double>(once) / total;
+  const double mass = once > 0 ? -std::log(share) : mass_without_hit(evaluation.samples.total());
+  const Along along =
+      along_path(target, std::span(evaluation.in_target.arcs).first(once), evaluation.points, share);
   // Too few samples in the target say nothing of where along it they lie.
   const auto or_nothing = [](double divergence) { return std::isnan(divergence) ? 0.0 : divergence; };
-  const auto defended = [&](double share, double along) {
-    const double mixed = share * std::exp(-target.uniform());
-    return -std::log((1.0 - share) * std::exp(-mass) + mixed) + along;
+  const auto defended = [&](double uniform_share) {
+    const double mixed = uniform_share * std::exp(-target.uniform());
+    return -std::log((1.0 - uniform_share) * std::exp(-mass) + mixed) + or_nothing(along.defended);
   };
   Estimate result;
-  result.undefended = mass + or_nothing(evaluation.along.corrected);
-  result.value = defended(defence, or_nothing(evaluation.along.defended));
-  result.light_value = defended(light_defence, or_nothing(evaluation.along.defended));
+  result.undefended = mass + or_nothing(along.corrected);
+  result.value = defended(defence);
+  result.light_value = defended(light_defence);
   result.gain = target.uniform() - result.value;
   return result;
 }

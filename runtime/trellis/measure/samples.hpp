@@ -58,7 +58,8 @@ namespace measure {
 struct InTarget {
   std::size_t count = 0;       ///< n, copies counted
   std::vector<double> inside;  ///< samples in A that occur once, row by row in metric coordinates
-  std::vector<double> arcs;    ///< of a target with a path: where along it the samples in A lie, copies counted
+  /// Of a target with a path: where along it the samples in A lie, copies counted; first those that occur once.
+  std::vector<double> arcs;
 };
 InTarget in_target(const Target& target, const PreparedSamples& samples);
 

@@ -75,11 +75,10 @@ void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Fi
     panel.title = ways.size() == 1 ? role : fmt::format("{}, by {}", role, [&] {
       return summary.levels[static_cast<std::size_t>(ways[w].front()->level)].name;
     }());
-    panel.uniform = step("uniform", waterfall.uniform);
     for (const WaterfallStep* s : ways[w]) {
       panel.levels.push_back(step(summary.levels[static_cast<std::size_t>(s->level)].name, s->added));
     }
-    panel.root = step("SE of the root", root.value);
+    panel.root = step("above uniform", root.gain);
     picture.panels.push_back(std::move(panel));
   }
 }
@@ -111,7 +110,7 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
   const std::string heading = fmt::format("{} on {}", strategy, problem);
 
   draw::Waterfall waterfall;
-  waterfall.title = heading + ": what each level took off the divergence";
+  waterfall.title = heading + ": what each level adds above uniform";
   const FigurePair& root = summary.levels.front().root;
   Averaged in_waterfall;
   for (const Waterfall* shown : {&summary.tree_waterfall, &summary.expansion_waterfall}) {

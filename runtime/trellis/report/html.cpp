@@ -88,7 +88,7 @@ class Marks {
 };
 
 std::string figure_cell(const Figure& figure, Marks& marks) {
-  return fmt::format(R"(<td class="figure">{}{}</td>)", interval_html(figure.value), marks.of(figure));
+  return fmt::format(R"(<td class="figure">{}{}</td>)", interval_html(figure.gain, 2, true), marks.of(figure));
 }
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
@@ -131,8 +131,8 @@ using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and stra
 
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
                         bool crossed, Marks& marks) {
-  std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{} %</span></td>)",
-                                attributes, head, s.solved, s.runs, wilson_text(s.success));
+  std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
+                                head, s.solved, s.runs, wilson_text(s.success));
   if (measured) {
     const LevelSummary& root = root_of(s);
     const FigurePair& own = root.root;
@@ -141,8 +141,6 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
     if (crossed) out += figure_cell(cross.tree, marks);
     out += figure_cell(own.expansion, marks);
     if (crossed) out += figure_cell(cross.expansion, marks);
-    const FigurePair& ranked = crossed ? cross : own;
-    out += cell(interval_html(ranked.tree.gain, 2, true)) + cell(interval_html(ranked.expansion.gain, 2, true));
   }
   return out + cell(count_text(s.validity_checks.value)) + cell(milliseconds(s.seconds.value)) +
          cell(interval_html(s.length)) + "</tr>\n";
@@ -158,9 +156,8 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
   if (measured) {
     const std::vector<std::string> paths =
         crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
-    columns.push_back({"SE of the tree, nats", paths});
-    columns.push_back({"SE of the expansion", paths});
-    columns.push_back({crossed ? "gain, other seeds’" : "gain, own path", {"tree", "expansion"}});
+    columns.push_back({"above uniform, tree", paths});
+    columns.push_back({"above uniform, expansion", paths});
   }
   columns.push_back({"medians", {"checks", "time, ms"}});
   columns.push_back({"", {"path, m"}});
@@ -205,8 +202,8 @@ std::string level_table(const RunsSummary& summary, bool measured) {
   if (measured) {
     const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
                                                    : std::vector<std::string>{"own space", "lifted"};
-    columns.push_back({"SE of the tree, nats", paths});
-    columns.push_back({"SE of the expansion", paths});
+    columns.push_back({"above uniform, tree", paths});
+    columns.push_back({"above uniform, expansion", paths});
   }
   Marks marks;
   std::string body;
@@ -458,8 +455,8 @@ std::string about(const Experiment& experiment) {
                                  plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
   if (experiment.measure) {
     text += fmt::format(
-        "SE: sampling efficiency, the divergence of the target from the samples, nats, lower is better; gain: nats won "
-        "over uniform sampling. Target: {}. ",
+        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
+        "Target: {}. ",
         target_text(experiment.measure->target));
   }
   text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "

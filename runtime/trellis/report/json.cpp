@@ -430,6 +430,8 @@ Json comparison_json(const Comparison& c) {
           {"validity_checks", paired_json(c.validity_checks)},
           {"check_ratio_median", number_or_inf(c.validity_checks.ratio.value)},
           {"paths", c.cross ? "cross" : "self"},
+          {"tree_above_uniform", paired_json(c.tree_above)},
+          {"expansion_above_uniform", paired_json(c.expansion_above)},
           {"tree_D_eps", paired_json(c.tree)},
           {"expansion_D_eps", paired_json(c.expansion)}};
 }

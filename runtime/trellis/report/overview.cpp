@@ -27,9 +27,8 @@ namespace {
 constexpr std::size_t most_single_problems = 6;
 /// Above so many tables of levels the report would not fit a screen: they are left to --report levels.
 constexpr std::size_t most_level_tables = 4;
-constexpr double significant = 0.05;
 /// Names of levels are cut to so many columns, so that a row fits a line; the heading has them whole.
-constexpr std::size_t longest_label = 32;
+constexpr std::size_t longest_label = 24;
 
 Table::Column number_column(std::vector<std::string> heading, std::string group = "") {
   return {std::move(heading), std::move(group), false};
@@ -236,23 +235,17 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
   return out;
 }
 
-/// Strategies whose guides do worse than none, and runs without a path, with the reasons.
-std::string warnings(const Section& section, std::size_t width) {
+/// Runs without a path, with the reasons, and strategies whose guides do worse than none.
+std::string warnings(const Experiment& experiment, const ExperimentResult& result, const Section& section,
+                     std::size_t width) {
   std::string out;
   for (const Row& row : section.rows) {
     if (const std::string why = unsolved_text(row.runs, *row.spec); !why.empty()) {
       out += wrap(fmt::format("{}: {}", row.name, why), width, "", "  ");
     }
-    const Comparison* c = comparison_of(section, row.name);
-    const auto baseline = std::find_if(section.rows.begin(), section.rows.end(),
-                                       [&](const Row& other) { return other.name == section.baseline; });
-    if (c == nullptr || baseline == section.rows.end()) continue;
-    if (row.spec->guide() == nullptr || baseline->spec->guide() != nullptr) continue;
-    const PairedCosts& costs = c->validity_checks;
-    if (costs.holm_p >= significant || costs.greater <= costs.less) continue;
-    out += wrap(fmt::format("warning: {} does worse than no guide: it costs more than {} in {} of {} runs", row.name,
-                            section.baseline, costs.greater, costs.pairs),
-                width, "", "  ");
+  }
+  for (const std::string& sentence : guide_warnings(experiment, result, section.problem)) {
+    out += wrap("warning: " + sentence, width, "", "  ");
   }
   return out;
 }
@@ -379,7 +372,7 @@ std::string levels_report_text(const Experiment& experiment, const ExperimentRes
                   width, "", "  ");
       out += search_table(row.summary, width) + rejections_text(experiment, row, width);
     }
-    out += warnings(section, width);
+    out += warnings(experiment, result, section, width);
   }
   return out;
 }
@@ -393,7 +386,7 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
   std::string out;
   for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
-    out += warnings(section, width);
+    out += warnings(experiment, result, section, width);
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {
       if (const std::string table = levels_table(experiment, row, width); !table.empty()) {

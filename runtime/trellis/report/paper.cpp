@@ -197,7 +197,7 @@ class Tables {
         {"N", "N", [](const Efficiency& e) { return static_cast<double>(e.samples); }},
         {"n", "in target", [](const Efficiency& e) { return static_cast<double>(e.in_target); }},
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
-        {"gain", "gain", [](const Efficiency& e) { return e.gain; }},
+        {"gain", "above uniform", [](const Efficiency& e) { return e.gain; }},
         {"D", "D", [](const Efficiency& e) { return e.undefended; }},
         {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }},
         {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }},

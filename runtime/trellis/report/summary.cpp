@@ -10,6 +10,8 @@
 #include <map>
 #include <optional>
 
+#include <trellis/report/words.hpp>
+
 namespace trellis {
 
 namespace {
@@ -82,6 +84,8 @@ void at_least(Interval& interval, double bound) {
 
 /// \param least  what D_eps is at least, the mean over the runs
 void bound_below(Figure& figure, double least) {
+  constexpr double visible = 0.005;  // half of the last digit in print
+  if (figure.value.value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
   at_least(figure.undefended, figure.mass_lower95.value);
   at_least(figure.value, least);
   const double most_gain = figure.uniform.value - least;
@@ -449,15 +453,17 @@ std::vector<Comparison> compare_on(const Experiment& experiment, const Experimen
         newcombe_interval({c.validity_checks.solved, mine.size()}, {c.validity_checks.reference_solved, theirs.size()});
     const auto crossed = [](const RunResult* r) { return !r->levels.empty() && r->levels.front().root_cross; };
     c.cross = std::any_of(mine.begin(), mine.end(), crossed) && std::any_of(theirs.begin(), theirs.end(), crossed);
-    const auto efficiency = [&](Role role) {
+    const auto efficiency = [&](Role role, double Estimate::*quantity) {
       return both([&](const RunResult& r) {
         if (r.levels.empty()) return nan;
         const Efficiency* e = find(r.levels.front(), c.cross ? &LevelResult::root_cross : &LevelResult::root, role);
-        return e != nullptr ? e->value : nan;
+        return e != nullptr ? e->*quantity : nan;
       });
     };
-    c.tree = efficiency(&Scores::tree);
-    c.expansion = efficiency(&Scores::expansion);
+    c.tree_above = efficiency(&Scores::tree, &Estimate::gain);
+    c.expansion_above = efficiency(&Scores::expansion, &Estimate::gain);
+    c.tree = efficiency(&Scores::tree, &Estimate::value);
+    c.expansion = efficiency(&Scores::expansion, &Estimate::value);
     comparisons.push_back(std::move(c));
   }
   return comparisons;
@@ -494,10 +500,11 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
       [](const PairedCosts& p) { return p.pairs > 0; });
   correct(
       shown, [](Comparison& c) -> Paired& { return c.solved; }, has_pairs);
-  correct(
-      shown, [](Comparison& c) -> Paired& { return c.tree; }, has_pairs);
-  correct(
-      shown, [](Comparison& c) -> Paired& { return c.expansion; }, has_pairs);
+  for (Paired Comparison::*quantity :
+       {&Comparison::tree_above, &Comparison::expansion_above, &Comparison::tree, &Comparison::expansion}) {
+    correct(
+        shown, [quantity](Comparison& c) -> Paired& { return c.*quantity; }, has_pairs);
+  }
   if (!problem.empty()) std::erase_if(shown, [&](const Comparison& c) { return c.problem != problem; });
   return shown;
 }
@@ -520,6 +527,45 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
     labels.push_back(fmt::format("{:>{}} {}{}", i, digits, branches, levels[i].name));
   }
   return labels;
+}
+
+std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
+                                        const std::string& problem) {
+  const auto guided = [&](const std::string& name) {
+    const auto it = std::find_if(experiment.strategies.begin(), experiment.strategies.end(),
+                                 [&](const auto& entry) { return entry.first == name; });
+    return it != experiment.strategies.end() && it->second.guide() != nullptr;
+  };
+  std::vector<std::string> warnings;
+  for (const Comparison& c : compare(experiment, result, problem)) {
+    // Ablations take out a guide of several: their tables say what each is worth.
+    if (!c.text.empty() || !guided(c.strategy) || guided(c.baseline)) continue;
+    const PairedCosts& checks = c.validity_checks;
+    if (c.solved.difference.n >= least_for_interval && c.solved.difference.hi < 0.0) {
+      warnings.push_back(fmt::format("{} solves fewer runs than {}, which has no guide: {} of {} against {}",
+                                     c.strategy, c.baseline, checks.solved, checks.pairs, checks.reference_solved));
+    }
+    if (checks.ratio.lo > 1.0) {
+      warnings.push_back(fmt::format("{} costs more validity checks than {}, which has no guide: {} times as many",
+                                     c.strategy, c.baseline, ratio_text(checks.ratio)));
+    }
+  }
+  for (const auto& [name, spec] : experiment.strategies) {
+    const bool ablated = std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
+                                     [&, &strategy = name](const AblationLink& l) { return l.strategy == strategy; });
+    if (ablated || spec.guide() == nullptr) continue;
+    const RunsSummary summary = summarise(select_runs(result, problem, name));
+    if (summary.levels.empty()) continue;
+    const LevelSummary& root = summary.levels.front();
+    const FigurePair& pair = root.root_cross.tree.scored > 0 ? root.root_cross : root.root;
+    // Proposals in a thin tube lie below uniform ones in spread and may save most checks all the same: nodes count.
+    if (pair.tree.gain.hi < 0.0) {
+      warnings.push_back(
+          fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,
+                      interval_text(pair.tree.gain, 2, true)));
+    }
+  }
+  return warnings;
 }
 
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

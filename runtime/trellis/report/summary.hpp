@@ -22,7 +22,7 @@ struct Figure {
   Interval value;                                               ///< D_eps, the headline: SE, defended, nats
   Interval light_value;                                         ///< the same with 1 % uniform
   Interval undefended;                                          ///< D
-  Interval gain;                                                ///< uniform - SE
+  Interval gain;                                                ///< nats above uniform: uniform - SE
   Interval uniform;                                             ///< the divergence of uniform sampling
   Interval perfect;                                             ///< D_eps of samples of T itself
   Interval mass;                                                ///< -log Q(A)
@@ -145,7 +145,9 @@ struct Comparison {
   Paired solved;     ///< 1 or 0; the difference of the shares has Newcombe's interval
   PairedCosts validity_checks;
   bool cross = false;  ///< efficiency on the paths of other seeds, else on each run's own
-  Paired tree;         ///< SE of the root's nodes
+  Paired tree_above;   ///< nats above uniform, of the root's nodes; more is better
+  Paired expansion_above;
+  Paired tree;  ///< SE of the root's nodes; less is better
   Paired expansion;
 };
 
@@ -162,6 +164,12 @@ std::vector<Comparison> compare(const Experiment& experiment, const ExperimentRe
 
 /// What levels are called in tables, as a tree: "0 root", "1 └ lazy()", "2   └ shrink(0.5)".
 std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
+
+/// A sentence for each strategy whose guide does worse than none on a problem (or, "", on all), with what shows it: it
+/// solves fewer runs or costs more validity checks than an unguided baseline, or its root's nodes lie below uniform
+/// samples, beyond the interval in each case. Strategies with too few runs for an interval have none.
+std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
+                                        const std::string& problem);
 
 /// The runs of a strategy on a problem, in the order of the result; an empty `problem`: on all of them.
 std::vector<const RunResult*> select_runs(const ExperimentResult& result, const std::string& problem,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <set>
 
 #include <trellis/base/error.hpp>
 #include <trellis/report/overview.hpp>
@@ -79,17 +80,20 @@ class Notes {
   Places infinite_;
 };
 
-/// A column of figures: means, half-widths and marks below each other.
+/// A column of nats above uniform: means, half-widths and marks below each other. Where there is no more than a bound
+/// (in every run no sample in the target, or a lower bound of the divergence; or an estimate beyond what is possible)
+/// it says "at most".
 class FigureColumn {
  public:
   void add(const Figure& figure, const Place& where, Notes& told) {
     Cell cell;
-    const Interval& value = figure.value;
+    const Interval& value = figure.gain;
     if (std::isnan(value.value)) {
       cell.mean = "-";
     } else {
-      cell.mean = std::isinf(value.value) ? "inf" : fixed(value.value, 2);
-      if (std::isfinite(value.hi)) cell.half = "±" + fixed(0.5 * (value.hi - value.lo), 2);
+      cell.mean = std::isinf(value.value) ? (value.value > 0.0 ? "inf" : "-inf") : fixed(value.value, 2, true);
+      if (is_bound(figure)) cell.mean.insert(0, "≤");
+      if (std::isfinite(value.hi) && !is_bound(figure)) cell.half = "±" + fixed(0.5 * (value.hi - value.lo), 2);
       if (value.infinite > 0) {
         cell.marks += median_mark;
         told.add_infinite(where, value.infinite, value.n + value.infinite);
@@ -118,6 +122,12 @@ class FigureColumn {
   }
 
  private:
+  static bool is_bound(const Figure& figure) {
+    return std::any_of(figure.flags.begin(), figure.flags.end(), [&](const auto& flag) {
+      return flag.first == "at its bound" ||
+             ((flag.first == "censored" || flag.first == "lower bound") && flag.second == figure.scored);
+    });
+  }
   struct Cell {
     std::string mean;
     std::string half;
@@ -192,8 +202,7 @@ bool any_figure(const std::vector<LevelSummary>& levels) {
   });
 }
 
-/// "uniform 2.41 → skeleton() -0.54 ±0.04 → root -0.38 ±0.03 → 1.49": what each level took off the divergence, or
-/// added.
+/// "uniform 0 → skeleton() +0.54 ±0.04 → root +0.38 ±0.03": the nats above uniform that each level adds.
 std::string waterfall_text(const std::string& label, const Waterfall& waterfall,
                            const std::vector<LevelSummary>& levels, std::size_t width) {
   if (waterfall.steps.empty() || !std::isfinite(waterfall.uniform.value)) return "";
@@ -202,14 +211,11 @@ std::string waterfall_text(const std::string& label, const Waterfall& waterfall,
     const auto same = [&](const WaterfallStep& other) { return other.level == step.level || other.from == step.from; };
     return std::count_if(waterfall.steps.begin(), waterfall.steps.end(), same) == 1;
   });
-  std::string line = fmt::format("uniform {}", fixed(waterfall.uniform.value, 2));
+  std::string line = "uniform 0";
   for (const WaterfallStep& step : waterfall.steps) {
-    // Nats that samples lie nearer to the target are taken off the divergence.
-    Interval taken = step.added;
-    taken.value = -taken.value;
     std::string item = name(step.level);
     if (!chain) item += " from " + (step.from < 0 ? std::string("uniform") : name(step.from));
-    item += ' ' + interval_text(taken, 2, true);
+    item += ' ' + interval_text(step.added, 2, true);
     std::replace(item.begin(), item.end(), ' ', no_break);
     line += fmt::format(" {} {}", chain ? "→" : "·", item);
   }
@@ -299,17 +305,17 @@ std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t wi
 /// The measure of every level and role: in its own space on its own path, and lifted to the root.
 std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t width) {
   const std::string own = "own space, own path";
-  const std::string root = "root space: SE on";
+  const std::string root = "root space: above uniform on";
   std::vector<Table::Column> columns = {text_column("level"),
                                         text_column("samples"),
                                         number_column({"runs"}),
                                         number_column({"N"}),
                                         number_column({"in", "target"}),
                                         number_column({"uniform", "nats"}, own),
-                                        number_column({"SE", "nats"}, own),
+                                        number_column({"above", "uniform"}, own),
+                                        number_column({"divergence", "SE"}, own),
                                         number_column({"mass", "nats"}, own),
                                         number_column({"spread", "nats"}, own),
-                                        number_column({"gain", "nats"}, own),
                                         number_column({"D", "nats"}, own),
                                         number_column({"D at", "least"}, own),
                                         number_column({"along", "nats"}, own),
@@ -319,9 +325,9 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
                                         number_column({"own", "path"}, root),
                                         number_column({"other", "seeds'"}, root)};
   Notes told;
-  FigureColumn own_se;
-  FigureColumn root_se;
-  FigureColumn cross_se;
+  FigureColumn own_above;
+  FigureColumn root_above;
+  FigureColumn cross_above;
   struct Line {
     std::string label;
     const char* role;
@@ -335,9 +341,9 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
     Notes unread;
     for (const auto& [role, figure] : {std::pair{"tree", &pair.tree}, std::pair{"expansion", &pair.expansion}}) {
       if (figure->scored == 0) continue;
-      own_se.add(*figure, {name, role}, unread);
-      root_se.add(*figure, {name, role}, unread);
-      cross_se.add(nothing, {name, role}, unread);
+      own_above.add(*figure, {name, role}, unread);
+      root_above.add(*figure, {name, role}, unread);
+      cross_above.add(nothing, {name, role}, unread);
       lines.push_back({name, role, figure});
     }
   };
@@ -349,18 +355,18 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
       if (!any_sample(level.own, level.root, role) && !any_sample(level.own_cross, level.root_cross, role)) continue;
       const char* name = tree ? "tree" : "expansion";
       const std::string row = fmt::format("level {} {}", i, name);
-      own_se.add(level.own.*role, {row, "own"}, told);
+      own_above.add(level.own.*role, {row, "own"}, told);
       // The root's own target is the root's target: said once.
       Notes heard_already;
-      root_se.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
-      cross_se.add(level.root_cross.*role, {row, "other seeds'"}, told);
+      root_above.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
+      cross_above.add(level.root_cross.*role, {row, "other seeds'"}, told);
       lines.push_back({labels[i], name, &(level.own.*role)});
     }
   }
   if (!levels.empty()) add_reference("uniform", levels.front().uniform);
-  const auto own_text = own_se.text();
-  const auto root_text = root_se.text();
-  const auto cross_text = cross_se.text();
+  const auto own_text = own_above.text();
+  const auto root_text = root_above.text();
+  const auto cross_text = cross_above.text();
   Table table(columns);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const Figure& f = *lines[k].own;
@@ -369,7 +375,7 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
         f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
     table.add({first ? lines[k].label : "", lines[k].role, std::to_string(f.scored), count_text(f.samples),
                count_text(f.in_target), std::isfinite(f.uniform.value) ? fixed(f.uniform.value, 2) : "-", own_text[k],
-               interval_text(f.mass_part), interval_text(f.spread_part), interval_text(f.gain, 2, true),
+               interval_text(f.value), interval_text(f.mass_part), interval_text(f.spread_part),
                std::isnan(f.undefended.value)   ? "-"
                : std::isinf(f.undefended.value) ? "inf"
                                                 : fixed(f.undefended.value, 2),
@@ -444,15 +450,16 @@ std::string efficiency_tables(const RunsSummary& summary, std::size_t width) {
   if (!any_figure(levels)) return "no path, so no target to score against\n";
   std::string out = measure_table(levels, width);
   if (levels.size() > 1) {
-    out += waterfall_text("what each level took off, tree:       ", summary.tree_waterfall, levels, width);
-    out += waterfall_text("what each level took off, expansion:  ", summary.expansion_waterfall, levels, width);
+    out += waterfall_text("what each level adds, tree:       ", summary.tree_waterfall, levels, width);
+    out += waterfall_text("what each level adds, expansion:  ", summary.expansion_waterfall, levels, width);
   }
   return out + check_text(levels, width);
 }
 
 namespace {
 
-/// "all 14 other seeds together, on 4 paths: tree SE 0.43 (mass 0.31, spread 0.12); expansion ...".
+/// "samples of 14 seeds taken together, on 4 paths of a seed left out: tree +1.43 nats above uniform (mass 0.31, spread
+/// 0.12) expansion ...".
 std::string pooled_text(const ExperimentResult& result, const std::string& problem, const std::string& strategy,
                         std::size_t width) {
   for (const PooledScores& pooled : result.pooled) {
@@ -463,8 +470,8 @@ std::string pooled_text(const ExperimentResult& result, const std::string& probl
     const auto add = [&](const char* name, const Efficiency& estimated) {
       if (std::isnan(estimated.value)) return;
       const Efficiency e = shown(estimated);
-      text += fmt::format(" {} SE {} (mass {}, spread {})", name, fixed(e.value, 2), fixed(e.parts.mass, 2),
-                          fixed(e.parts.spread, 2));
+      text += fmt::format(" {} {} nats above uniform (mass {}, spread {})", name, fixed(e.gain, 2, true),
+                          fixed(e.parts.mass, 2), fixed(e.parts.spread, 2));
     };
     add("tree", pooled.scores.tree);
     add("expansion", pooled.scores.expansion);
@@ -491,6 +498,13 @@ struct Row {
   RunsSummary summary;
 };
 
+/// How many runs a pair of figures is a mean over: "14", or "14, 12" where tree and expansion differ.
+std::string scored_text(const FigurePair& pair) {
+  if (pair.tree.scored == pair.expansion.scored || pair.expansion.scored == 0) return std::to_string(pair.tree.scored);
+  if (pair.tree.scored == 0) return std::to_string(pair.expansion.scored);
+  return fmt::format("{}, {}", pair.tree.scored, pair.expansion.scored);
+}
+
 std::string summary_table(const std::vector<Row>& rows, bool measured, std::size_t width) {
   std::vector<Table::Column> columns = {text_column("strategy"),
                                         number_column({"solved"}, "success"),
@@ -508,12 +522,13 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     return pair.tree.scored + pair.expansion.scored > 0;
   });
   if (measured) {
-    const std::string own = "SE of the root, own path";
-    columns.push_back(number_column({"uniform"}, own));
+    const std::string own = "above uniform, own path";
+    columns.push_back(number_column({"n"}, own));
     columns.push_back(number_column({"tree"}, own));
     columns.push_back(number_column({"expansion"}, own));
     if (crossed) {
-      const std::string cross = "SE on other seeds' paths";
+      const std::string cross = "above uniform, other seeds' paths";
+      columns.push_back(number_column({"n"}, cross));
       columns.push_back(number_column({"tree"}, cross));
       columns.push_back(number_column({"expansion"}, cross));
     }
@@ -522,9 +537,6 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
       columns.push_back(number_column({"tree"}, number));
       columns.push_back(number_column({"expansion"}, number));
     }
-    const std::string gain = crossed ? "gain, other seeds' paths" : "gain, own path";
-    columns.push_back(number_column({"tree"}, gain));
-    columns.push_back(number_column({"expansion"}, gain));
   }
   Notes told;
   FigureColumn tree;
@@ -554,29 +566,26 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     const RunsSummary& s = rows[i].summary;
     std::vector<std::string> cells = {rows[i].strategy,
                                       fmt::format("{}/{}", s.solved, s.runs),
-                                      wilson_text(s.success) + " %",
+                                      wilson_text(s.success),
                                       count_text(s.validity_checks.value),
                                       count_text(s.motion_checks.value),
                                       milliseconds_text(s.seconds.value, decimals_for(slowest)),
                                       interval_text(s.length)};
     if (measured) {
       const FigurePair& pair = root(rows[i]).root;
-      cells.push_back(interval_text(pair.tree.uniform));
+      cells.push_back(scored_text(pair));
       cells.push_back(tree_text[i]);
       cells.push_back(expansion_text[i]);
-      const FigurePair& cross = root(rows[i]).root_cross;
       if (crossed) {
+        cells.push_back(scored_text(root(rows[i]).root_cross));
         cells.push_back(cross_tree_text[i]);
         cells.push_back(cross_expansion_text[i]);
       }
       if (equal) {
         const FigurePair& thinned = root(rows[i]).equal;
-        cells.push_back(interval_text(thinned.tree.value));
-        cells.push_back(interval_text(thinned.expansion.value));
+        cells.push_back(interval_text(thinned.tree.gain, 2, true));
+        cells.push_back(interval_text(thinned.expansion.gain, 2, true));
       }
-      const FigurePair& ranked = crossed ? cross : pair;
-      cells.push_back(interval_text(ranked.tree.gain, 2, true));
-      cells.push_back(interval_text(ranked.expansion.gain, 2, true));
     }
     table.add(std::move(cells));
   }
@@ -593,8 +602,8 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
   for (const std::string& baseline : baselines) {
     const std::string solved = "solved";
     const std::string checks = "validity checks";
-    const std::string tree = "SE of the tree, nats";
-    const std::string expansion = "SE of the expansion, nats";
+    const std::string tree = "above uniform, tree";
+    const std::string expansion = "above uniform, expansion";
     std::vector<Table::Column> columns = {text_column("strategy"),
                                           number_column({"difference", "%"}, solved),
                                           number_column({"here"}, solved),
@@ -604,9 +613,9 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
                                           number_column({"difference,", "median"}, checks),
                                           number_column({"p"}, checks)};
     if (measured) {
-      for (const std::string& se : {tree, expansion}) {
+      for (const std::string& role : {tree, expansion}) {
         columns.insert(columns.end(),
-                       {number_column({"n"}, se), number_column({"difference"}, se), number_column({"p"}, se)});
+                       {number_column({"n"}, role), number_column({"difference"}, role), number_column({"p"}, role)});
       }
     }
     Table table(columns);
@@ -631,7 +640,7 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
                                                                        : fixed(v.difference.value, 0, true),
                                         p_text(v.holm_p)};
       if (measured) {
-        for (const Paired* paired : {&c.tree, &c.expansion}) {
+        for (const Paired* paired : {&c.tree_above, &c.expansion_above}) {
           const bool any = !std::isnan(paired->difference.value);
           cells.push_back(std::to_string(paired->less + paired->greater + paired->equal));
           cells.push_back(interval_text(paired->difference, 2, true));
@@ -644,11 +653,22 @@ std::string comparison_tables(const std::vector<Comparison>& comparisons, bool m
         '\n' + wrap(fmt::format("{} {}, {} paired by seed; unsolved counts as infinite{}; p: sign test, corrected by "
                                 "Holm over the comparisons shown",
                                 ablated ? "ablation of" : "compared with", baseline, plural(pairs, "run"),
-                                measured ? (cross ? "; SE on other seeds' paths" : "; SE on each run's own path") : ""),
+                                measured ? (cross ? "; nats above uniform on other seeds' paths"
+                                                  : "; nats above uniform on each run's own path")
+                                         : ""),
                     width, "", "  ");
     out += table.text(width);
   }
   return out;
+}
+
+std::string warnings_text(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                          std::size_t width) {
+  std::string out;
+  for (const std::string& warning : guide_warnings(experiment, result, problem)) {
+    out += wrap("warning: " + warning, width, "", "  ");
+  }
+  return out.empty() ? out : '\n' + out;
 }
 
 // The whole ----------------------------------------------------------------------------------------------------------
@@ -657,6 +677,42 @@ std::string title(const std::string& text, std::size_t width) {
   std::string line = "━━ " + text + ' ';
   for (std::size_t shown = display_width(line); shown < width; ++shown) line += "━";
   return line + '\n';
+}
+
+/// The radii of the tubes that guides propose in, 0 for the default.
+void collect_radii(const GuideSpec& guide, std::set<double>& radii) {
+  if (guide.kind() != GuideSpec::Kind::component) {
+    for (const auto& term : guide.terms()) collect_radii(term.guide, radii);
+    return;
+  }
+  if (guide.custom()) return;
+  for (const auto& [option, value] : guide.options().entries()) {
+    const auto* radius = std::get_if<double>(&value);
+    if (option == "radius" && radius != nullptr) radii.insert(*radius);
+  }
+}
+
+/// How the set that the root's guides propose in lies to the target. "" where one of them is no tube.
+std::string tubes_text(const Experiment& experiment) {
+  const auto* target = std::get_if<TubeSettings>(&experiment.measure->target);
+  std::set<double> radii;
+  for (const auto& [name, spec] : experiment.strategies) {
+    if (spec.guide() != nullptr) collect_radii(*spec.guide(), radii);
+  }
+  if (target == nullptr || radii.empty()) return "";
+  const bool full = target->distance == "full";
+  if (full && radii == std::set{target->delta}) return "Guides propose in the same set, their tubes.";
+  std::string text;
+  for (const double radius : radii) {
+    text += (text.empty() ? "" : ", ") +
+            (radius > 0.0 ? fmt::format("{:g} m", radius) : std::string("half the robot's bounding radius"));
+  }
+  return fmt::format(
+      "Guides with a tube propose within {} of their path, headings included: another set than the target, and what of "
+      "the target lies outside of it counts as spread; tube {{ delta = r, distance = \"full\" }} with the guide's "
+      "radius "
+      "= r makes them one.",
+      text);
 }
 
 std::string legend(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
@@ -687,16 +743,19 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
   }
   std::string names;
   for (const auto& name : estimators) names += (names.empty() ? "" : ", ") + name;
-  out +=
-      wrap(fmt::format(
-               "SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform mixed in, "
-               "nats, lower is better. It is the sum of mass, how seldom a sample lies in the target, and spread, how "
-               "unevenly those that do cover it; gain: uniform - SE; oracle: samples of the target itself, perfect "
-               "guidance; uniform: none; D: nothing mixed in, at least -log of the share in "
-               "the target (95 %); along: the divergence of arc length along the path. docs/measure.md explains them.",
-               100.0 * defence),
-           width);
-  out += wrap(fmt::format("Target: {}{}.", target_text(m.target), names.empty() ? "" : "; estimator: " + names), width);
+  out += wrap(
+      fmt::format(
+          "Above uniform: nats by which samples are nearer to the target than uniform ones, more is better; it is "
+          "uniform - SE. SE: sampling efficiency, the divergence of the target from the samples with {:g} % uniform "
+          "mixed in, the sum of mass, how seldom a sample lies in the target, and spread, how unevenly those that "
+          "do cover it; oracle: samples of the target itself, perfect guidance; uniform: no guidance; D: the "
+          "divergence with nothing mixed in, at least -log of the share in the target (95 %); along: the divergence "
+          "of arc length along the path. docs/measure.md explains them.",
+          100.0 * defence),
+      width);
+  out += wrap(fmt::format("Target: {}{}.{}{}", target_text(m.target), names.empty() ? "" : "; estimator: " + names,
+                          tubes_text(experiment).empty() ? "" : " ", tubes_text(experiment)),
+              width);
   return out;
 }
 
@@ -707,7 +766,8 @@ std::string summary_section(const Experiment& experiment, const ExperimentResult
   const bool measured = experiment.measure.has_value();
   return "\nsummary of " + (problem.empty() ? "all problems" : problem) + '\n' +
          summary_table(rows, measured, columns) +
-         comparison_tables(compare(experiment, result, problem), measured, columns);
+         comparison_tables(compare(experiment, result, problem), measured, columns) +
+         warnings_text(experiment, result, problem, columns);
 }
 
 RunsSummary summary_of(const RunResult& run) {
@@ -756,8 +816,11 @@ std::string report_text(const Experiment& experiment, const ExperimentResult& re
       const RunsSummary& summary = rows.back().summary;
       const std::string text = spec.text();
       out += '\n' + wrap(name == text ? name : fmt::format("{} = {}", name, text), columns, "", "    ");
-      out += wrap(fmt::format("solved {}/{} runs ({} %, 95 % Wilson) · {}", summary.solved, summary.runs,
-                              wilson_text(summary.success), shares_text(spec)),
+      out += wrap(fmt::format("solved {}/{} runs{} · {}", summary.solved, summary.runs,
+                              summary.runs >= least_for_interval
+                                  ? fmt::format(" ({}, 95 % Wilson)", wilson_text(summary.success))
+                                  : std::string(),
+                              shares_text(spec)),
                   columns, "", "    ");
       out += strategy_table(summary, measured, kind == ReportKind::full, columns);
       if (measured) out += pooled_text(result, problem, name, columns);

@@ -77,7 +77,8 @@ std::string plural_y(std::size_t n, const std::string& stem) {
 }
 
 std::string wilson_text(const Interval& success) {
-  return std::isfinite(success.lo) ? fmt::format("{}–{}", percent(success.lo), percent(success.hi)) : "-";
+  const bool known = std::isfinite(success.lo) && success.n >= least_for_interval;
+  return known ? fmt::format("{}–{} %", percent(success.lo), percent(success.hi)) : "-";
 }
 
 std::string seeds_text(const std::vector<std::uint64_t>& seeds) {

@@ -19,30 +19,35 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int decimals = 2;
 
-/// "1.73 on average of 30 runs, at most 1.81 with 95 % confidence".
-std::string figure_text(const Interval& interval, bool from_above, double confidence, bool sign) {
-  const double end = from_above ? interval.hi : interval.lo;
+/// "+1.73 nats above uniform on average of 30 runs, at least +1.61 with 95 % confidence".
+std::string figure_text(const Interval& interval, double confidence) {
   if (interval.infinite > 0) {
-    return fmt::format("infinite in {}, {} nats at the median", plural(interval.infinite, "run"),
-                       interval_text(interval, decimals, sign));
+    return fmt::format("infinite in {}, {} nats above uniform at the median", plural(interval.infinite, "run"),
+                       interval_text(interval, decimals, true));
   }
-  const std::string bound = std::isfinite(end)
-                                ? fmt::format(", {} {} with {:g} % confidence", from_above ? "at most" : "at least",
-                                              fixed(end, decimals, sign), 100.0 * confidence)
-                                : std::string(", too few to say how sure that is");
-  return fmt::format("{} nats on average of {}{}", fixed(interval.value, decimals, sign), plural(interval.n, "run"),
-                     bound);
+  const std::string bound =
+      std::isfinite(interval.lo)
+          ? fmt::format(", at least {} with {:g} % confidence", fixed(interval.lo, decimals, true), 100.0 * confidence)
+          : std::string(", too few to say how sure that is");
+  return fmt::format("{} nats above uniform on average of {}{}", fixed(interval.value, decimals, true),
+                     plural(interval.n, "run"), bound);
 }
 
 class HasEfficiency final : public Matcher {
  public:
   HasEfficiency(Level level, Criterion nats) : level_(std::move(level)), nats_(std::move(nats)) {
     if (nats_.quantity() != Quantity::none) {
-      throw Error(fmt::format("has_efficiency: takes nats, as has_efficiency(\"root\", below(2)), got a number of {}",
+      throw Error(fmt::format("has_efficiency: takes nats, as has_efficiency(\"root\", above(0.5)), got a number of {}",
                               to_string(nats_.quantity())));
     }
     if (nats_.kind() == Criterion::Kind::exactly) {
-      throw Error("has_efficiency: an estimate is nothing exactly; give a bound, as below(2)");
+      throw Error("has_efficiency: an estimate is nothing exactly; give a bound, as above(0.5)");
+    }
+    // It took divergences once, of which less is better: a script of that time must not hold for the wrong reason.
+    if (nats_.from_above()) {
+      throw Error(
+          "has_efficiency: the efficiency is in nats above uniform, of which more is better; give the least of it, as "
+          "above(0.5), or above(TRIAL)");
     }
   }
 
@@ -55,8 +60,8 @@ class HasEfficiency final : public Matcher {
         fmt::format("has at {}{} an efficiency ", level_.name() == "root" ? "the root" : "level " + level_.name(),
                     which.empty() ? "" : fmt::format(" ({})", which));
     if (!nats_.other()) return fmt::format("{}{} nats", what, nats_.text());
-    return fmt::format("{}{}{} that of {}", what, nats_.margin() > 0.0 ? fmt::format("{:g} nats ", nats_.margin()) : "",
-                       nats_.from_above() ? "below" : "above", nats_.other()->name());
+    return fmt::format("{}{}above that of {}", what,
+                       nats_.margin() > 0.0 ? fmt::format("{:g} nats ", nats_.margin()) : "", nats_.other()->name());
   }
 
   [[nodiscard]] Verdict judge(const Trial& trial) const override {
@@ -72,9 +77,8 @@ class HasEfficiency final : public Matcher {
       const std::vector<double> here = values_of(runs, figure);
       const std::vector<double> there = values_of(others, theirs);
       const Interval difference = paired(there, here, two_sided).difference;
-      const double end = nats_.from_above() ? difference.hi : -difference.lo;
-      verdict.holds = difference.infinite == 0 && end < -nats_.margin();
-      verdict.finding = "a difference of " + figure_text(difference, nats_.from_above(), nats_.confidence(), true);
+      verdict.holds = difference.infinite == 0 && difference.lo > nats_.margin();
+      verdict.finding = "a difference of " + figure_text(difference, nats_.confidence());
       if (difference.n == 0 && difference.infinite == 0) verdict.finding = "no seed has both figures";
       std::vector<double> worse(runs.size(), nan);
       for (std::size_t i = 0; i < runs.size(); ++i) worse[i] = here[i] - there[i];
@@ -83,9 +87,8 @@ class HasEfficiency final : public Matcher {
     }
     const std::vector<double> values = values_of(runs, figure);
     const Interval mean = student_interval(values, two_sided);
-    const double end = nats_.from_above() ? mean.hi : mean.lo;
-    verdict.holds = mean.infinite == 0 && std::isfinite(end) && nats_.met_by(end);
-    verdict.finding = figure_text(mean, nats_.from_above(), nats_.confidence(), false);
+    verdict.holds = mean.infinite == 0 && std::isfinite(mean.lo) && nats_.met_by(mean.lo);
+    verdict.finding = figure_text(mean, nats_.confidence());
     const std::size_t scored = mean.n + mean.infinite;
     if (scored == 0) verdict.finding = "no run was scored: " + reason(runs);
     if (scored > 0 && scored < runs.size()) {
@@ -109,7 +112,8 @@ class HasEfficiency final : public Matcher {
   [[nodiscard]] FigureOf figure_of(const std::vector<RunResult>& runs) const {
     return [this, key = find_level(runs, level_.name())](const RunResult& run) {
       const Efficiency* found = find(run, key);
-      return found != nullptr ? found->value : nan;
+      // No claim is helped by an estimate beyond what is possible.
+      return found != nullptr ? shown(*found).gain : nan;
     };
   }
 
@@ -133,11 +137,10 @@ class HasEfficiency final : public Matcher {
 
   void point_at_worst(Verdict& verdict, const std::vector<RunResult>& runs, const std::vector<double>& values,
                       const char* what) const {
-    const bool most = nats_.from_above();
     std::size_t worst = runs.size();
     for (std::size_t i = 0; i < runs.size(); ++i) {
       if (std::isnan(values[i])) continue;
-      const bool worse = worst == runs.size() || (most ? values[i] > values[worst] : values[i] < values[worst]);
+      const bool worse = worst == runs.size() || values[i] < values[worst];
       if (worse) worst = i;
     }
     if (worst == runs.size()) {
@@ -146,7 +149,7 @@ class HasEfficiency final : public Matcher {
       return;
     }
     verdict.worst = runs[worst].seed;
-    verdict.why_worst = fmt::format(fmt::runtime(what), fixed(values[worst], decimals, nats_.other().has_value()));
+    verdict.why_worst = fmt::format(fmt::runtime(what), fixed(values[worst], decimals, true));
   }
 
   Level level_;

@@ -54,8 +54,9 @@ MatcherPointer spends(Criterion spending);
 /// at the median.
 MatcherPointer finds_paths(std::optional<Criterion> length = {});
 
-/// The sampling efficiency of a level, nats, the mean over the runs that were scored: the end of its interval, which
-/// Student's t gives for the confidence.
+/// How many nats above uniform sampling a level samples, more is better, the mean over the runs that were scored: the
+/// lower end of its interval, which Student's t gives for the confidence. Throws Error for a criterion that is no least
+/// value (`above`, `at_least`), or that names a quantity.
 MatcherPointer has_efficiency(Level level, Criterion nats);
 
 /// The runs come out the same, to the last bit, when they are made again on one thread and on several.

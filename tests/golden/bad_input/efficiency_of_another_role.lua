@@ -1,1 +1,1 @@
-return has_efficiency("root", below(2), { role = "trees" })
+return has_efficiency("root", above(2), { role = "trees" })

@@ -1,1 +1,1 @@
-return has_efficiency(below(2))
+return has_efficiency(above(2))
