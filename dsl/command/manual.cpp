@@ -311,6 +311,7 @@ void name_values(CLI::App& app) {
                                                     {"json", "FILE"},
                                                     {"out", "FOLDER"},
                                                     {"palette", "safe|paper"},
+                                                    {"report", "overview|levels|efficiency|full"},
                                                     {"samples", "FOLDER"},
                                                     {"seed", "SEED"},
                                                     {"seeds", "N"},

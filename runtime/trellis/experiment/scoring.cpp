@@ -635,9 +635,9 @@ void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs
            const std::function<bool()>& interrupted) {
   const std::size_t each = experiment.strategies.size() * experiment.seeds.size();
   for (std::size_t problem = 0; problem < experiment.problems.size(); ++problem) {
-    std::vector<RunResult*> runs;
-    for (std::size_t i = 0; i < each; ++i) runs.push_back(&result.runs[problem * each + i]);
-    ProblemScoring(experiment, std::move(runs), jobs, progress, interrupted).score(result.pooled);
+    std::vector<RunResult*> runs(each);
+    for (std::size_t i = 0; i < each; ++i) runs[i] = &result.runs[problem * each + i];
+    ProblemScoring(experiment, runs, jobs, progress, interrupted).score(result.pooled);
   }
 }
 

@@ -1006,9 +1006,14 @@ function makeSortable(table) {
   }
   const value = (row, column) => {
     const text = row.cells[column].textContent.trim();
-    return column === 0 ? text : parseFloat(text.replace('−', '-'));
+    return column === 0 ? text : text.startsWith('inf') ? Infinity : parseFloat(text.replace('−', '-'));
   };
-  const compare = (a, b) => typeof a === 'string' ? a.localeCompare(b) : isNaN(a) ? (isNaN(b) ? 0 : Infinity) : isNaN(b) ? -Infinity : a - b;
+  // Cells without a figure come last in either direction; the cost of what is unsolved is infinite, and equal to itself.
+  const compare = (a, b, sign) => {
+    if (typeof a === 'string') return sign * a.localeCompare(b);
+    if (isNaN(a) || isNaN(b)) return isNaN(a) - isNaN(b);
+    return a === b ? 0 : sign * (a < b ? -1 : 1);
+  };
   columns.forEach(({ th, own }, column) => {
     if (!own) return;
     const button = make('button', { type: 'button', className: 'sort', title: 'sort by this column' }, ...th.childNodes);
@@ -1019,10 +1024,8 @@ function makeSortable(table) {
       if (next !== 'none') th.setAttribute('aria-sort', next);
       for (const group of groups) {
         const rows = [...group.rows];
-        if (next !== 'none') rows.sort((a, b) => {
-          const by = compare(value(a, column), value(b, column));
-          return Math.abs(by) === Infinity || next === 'ascending' ? by : -by;
-        });
+        const sign = next === 'ascending' ? 1 : -1;
+        if (next !== 'none') rows.sort((a, b) => compare(value(a, column), value(b, column), sign));
         for (const row of rows) table.tBodies[0].append(row);
       }
       // Groups in their order: each head before its rows.
