@@ -142,7 +142,7 @@ Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
 /// The plain grid is not defended: its one figure stands as D.
 Estimate as_it_is(Estimate estimate) {
   if (!estimate.estimator.starts_with("legacy")) return estimate;
-  estimate.value = std::numeric_limits<double>::quiet_NaN();
+  estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
   estimate.parts = {};
   return estimate;
 }

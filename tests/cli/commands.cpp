@@ -268,7 +268,7 @@ TEST_CASE("check validates without planning") {
   const auto good = place.run({"check", "endless.lua"});
   CHECK(good.status == 0);
   CHECK(good.out.starts_with("endless.lua: 1 problem, 1 strategy, 1000 seeds\n\n  rrt: rrt { step = 0.001 }\n    rrt"));
-  CHECK(good.out.ends_with("\n  measured against tube {}, by exact, knn, on 4 paths of other seeds too\n"));
+  CHECK(good.out.ends_with("\n  measured against tube {}, by exact, arc, knn, on 4 paths of other seeds too\n"));
   const auto both = place.run({"check", "wrong.lua", "endless.lua"});
   CHECK(both.status == 2);
   CHECK(both.err.starts_with("trellis: wrong.lua:1: the script returns 42"));

@@ -478,7 +478,7 @@ TEST_CASE("bad input gives one message with what and where, and no figure") {
       {"no such estimator",
        {},
        "",
-       "--estimator: no estimator 'kdee' (did you mean 'kde'?); estimators are knn, exact, kde, histogram, legacy; all "
+       "--estimator: no estimator 'kdee' (did you mean 'kde'?); estimators are knn, exact, arc, kde, histogram, legacy; all "
        "is each of them",
        {"--estimator", "kdee"}},
       {"exact",

@@ -167,7 +167,10 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
     if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
-      if (spec.name() != "exact" && spec.name() != "arc") reasons += (reasons.empty() ? "" : "; ") + reason;
+      // Those that need more than samples are passed over for the next one; asked for alone they say why.
+      const bool alone = scoring.estimators.size() == 1;
+      const bool passed_over = spec.name() == "arc" || spec.name() == "exact";
+      if (alone ? spec.name() != "exact" : !passed_over) reasons += (reasons.empty() ? "" : "; ") + reason;
       continue;
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
