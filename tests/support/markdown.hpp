@@ -108,7 +108,7 @@ inline std::vector<std::string> comparable(const std::string& text) {
     const auto erased = raw.rfind("\r\x1b[K");  // what a progress bar drew
     std::string line = std::regex_replace(erased == std::string::npos ? raw : raw.substr(erased), colour, "");
     line.erase(line.find_last_not_of(' ') + 1);
-    if (line.empty()) column = -1;
+    if (line.empty() || line == "...") column = -1;  // what dots stand for ends with a table
     if (const auto end = end_of_heading(line)) {
       column = place(line, *end);
     } else if (column >= 0) {
