@@ -197,14 +197,15 @@ std::string vocabulary_text() {
 
 std::string help_text(const std::string& name) {
   std::vector<std::string> known = {"report"};
-  const std::string in_reports = report_words(name);
+  std::string in_reports = report_words(name);
   for (const Word& word : words()) {
     if (word.name == name || fmt::format("{}.{}", word.kind_text(), word.name) == name) {
       std::string text = text_of(word);
       for (const ObjectType& type : object_types()) {
         if (plain_name(type) == name && !type.members.empty()) text += '\n' + text_of(type);
       }
-      return in_reports.empty() ? text : text + '\n' + in_reports;
+      if (!in_reports.empty()) text += '\n' + in_reports;
+      return text;
     }
     known.push_back(word.name);
   }

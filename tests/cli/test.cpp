@@ -142,7 +142,7 @@ TEST_CASE("run: one strategy, problem and seed can be chosen by name") {
   place.script("pair.lua", pair_script);
   const auto one = place.run({"run", "pair.lua", "--strategy", "plain", "--problem", "cup", "--only", "3"});
   CHECK(one.status == 0);
-  CHECK_THAT(one.out, StartsWith("1 problem × 1 strategy × 1 seed (3)."));
+  CHECK_THAT(one.out, StartsWith("cup · 1 seed (3)\n"));
   CHECK(place.run({"run", "pair.lua", "--strategy", "plane"}).err ==
         "trellis: --strategy: the script has none that is called 'plane' (did you mean 'plain'?); it has: hopeless, "
         "plain\n");

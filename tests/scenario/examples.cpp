@@ -99,7 +99,8 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
       }
     }
     THEN("the report names every level and both strategies") {
-      for (const auto* word : {"root", "lazy()", "shrink(0.5)", "skeleton()", "rrt", "nested", "baseline", "verdict", "uniform sampling"}) {
+      for (const auto* word : {"root", "lazy()", "shrink(0.5)", "skeleton()", "rrt", "nested", "baseline", "verdict",
+                               "uniform sampling"}) {
         CHECK(result.outcome.out.find(word) != std::string::npos);
       }
     }

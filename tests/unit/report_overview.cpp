@@ -282,7 +282,7 @@ TEST_CASE("every word of the overview is explained", "[report]") {
     known.push_back(term.name);
   }
   for (const char* word : {"baseline", "solved", "validity checks", "p",         "ms",        "path",
-                           "share", "nats",   "above uniform",   "mass",      "spread",    "left out",
+                           "share",    "nats",   "above uniform",   "mass",      "spread",    "left out",
                            "verdict",  "pays",   "costs",           "misleads",  "not shown", "too few runs to say",
                            "SE",       "tree",   "expansion",       "re-solves", "oracle"}) {
     CAPTURE(word);

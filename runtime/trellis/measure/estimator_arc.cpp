@@ -34,8 +34,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   const std::size_t once = evaluation.in_target.inside.size() / evaluation.frame().dimension();
   const double share = static_cast<double>(once) / total;
   const double mass = once > 0 ? -std::log(share) : mass_without_hit(evaluation.samples.total());
-  const Along along =
-      along_path(target, std::span(evaluation.in_target.arcs).first(once), evaluation.points, share);
+  const Along along = along_path(target, std::span(evaluation.in_target.arcs).first(once), evaluation.points, share);
   // Too few samples in the target say nothing of where along it they lie.
   const auto or_nothing = [](double divergence) { return std::isnan(divergence) ? 0.0 : divergence; };
   const auto defended = [&](double uniform_share) {
