@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -86,7 +87,7 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
 
 /// A bar of eighths of a column, `share` of `width` columns long; never empty where there is something.
 std::string bar(double share, std::size_t width) {
-  static const char* const eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  static constexpr std::array<const char*, 8> eighths = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   if (!(share > 0.0)) return "";
   const auto parts = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::lround(8.0 * std::min(share, 1.0) * static_cast<double>(width))));

@@ -52,7 +52,7 @@ std::string ratio_text(const Interval& ratio) {
 
 std::string range_text(const Interval& interval, int decimals) {
   if (std::isnan(interval.value)) return "-";
-  const std::string value = fixed(interval.value, decimals, true);
+  std::string value = fixed(interval.value, decimals, true);
   if (std::isnan(interval.lo)) return value;
   return fmt::format("{} [{}, {}]", value, fixed(interval.lo, decimals, true), fixed(interval.hi, decimals, true));
 }
