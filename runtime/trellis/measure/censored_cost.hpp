@@ -37,12 +37,14 @@ Interval median_cost(std::span<const CensoredCost> costs);
 
 /// Two lists of costs of the same seeds, compared seed by seed; medians with 99 % intervals by order statistics.
 struct PairedCosts {
-  Interval median;            ///< of the strategy, over the pairs
-  Interval reference_median;  ///< of the reference
-  Interval ratio;             ///< of the ratios, seed by seed
-  Interval difference;        ///< of the differences
-  std::size_t pairs = 0;      ///< that have both figures
-  std::size_t solved = 0;     ///< of these, those that the strategy solved
+  Interval median;               ///< of the strategy, over the pairs
+  Interval reference_median;     ///< of the reference
+  Interval ratio;                ///< of the ratios, seed by seed
+  Interval difference;           ///< of the differences
+  double total = 0.0;            ///< the strategy's costs of all pairs; infinite where it left one unsolved
+  double reference_total = 0.0;  ///< the reference's costs of all pairs
+  std::size_t pairs = 0;         ///< that have both figures
+  std::size_t solved = 0;        ///< of these, those that the strategy solved
   std::size_t reference_solved = 0;
   std::size_t both_solved = 0;
   std::size_t less = 0;  ///< pairs in which the strategy costs less
@@ -55,6 +57,9 @@ struct PairedCosts {
 
   /// Of two finite medians only.
   [[nodiscard]] double ratio_of_medians() const;
+  /// What all runs cost together, beside the reference. A few long runs decide it, where they hardly move a median.
+  /// NaN where both left runs unsolved, or without pairs.
+  [[nodiscard]] double ratio_of_totals() const;
 };
 /// Throws Error for lists of different lengths.
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference);
