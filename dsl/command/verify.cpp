@@ -20,14 +20,11 @@ namespace trellis::command {
 
 namespace {
 
-/// How many times finer than the problem's resolution motions are checked.
-constexpr double refinement = 4.0;
-
 /// The problem with finer motion checks by the other collision backend.
-Problem stricter(Problem problem) {
-  problem.resolution /= refinement;
-  problem.collision = problem.collision == "planar" ? "fcl" : "planar";
-  return problem;
+Problem stricter(const Problem& problem) {
+  Problem result = with_finer_motions(problem);
+  result.collision = problem.collision == "planar" ? "fcl" : "planar";
+  return result;
 }
 
 const Problem& problem_of(const std::vector<Problem>& problems, const std::string& name, const std::string& script) {
@@ -73,7 +70,7 @@ int verify(const VerifyOptions& options) {
     }
   }
   text += fmt::format("{} of {} paths valid at {:g} times the resolution, by the other collision backend{}\n",
-                      verified - faults, verified, refinement,
+                      verified - faults, verified, path_check_refinement,
                       unsolved > 0 ? fmt::format("; {} runs found no path", unsolved) : "");
   print_all(text);
   return faults == 0 ? success : tests_failed;

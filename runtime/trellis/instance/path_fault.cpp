@@ -22,6 +22,28 @@ std::string place_text(const Instance& instance, View q) {
 
 }  // namespace
 
+std::optional<InvalidPlace> first_invalid_place(Instance& instance, const Configurations& path) {
+  using Kind = InvalidPlace::Kind;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const View point = path[i];
+    const auto at_point = [&](Kind kind) { return InvalidPlace{kind, i, Configuration(point.begin(), point.end())}; };
+    if (!instance.space.contains(point)) return at_point(Kind::outside);
+    if (!instance.valid(point)) return at_point(Kind::point);
+    if (i == 0) continue;
+    const MotionReport forward = instance.motion(path[i - 1], point);
+    if (forward.valid || instance.motion(point, path[i - 1]).valid) continue;
+    InvalidPlace place{Kind::motion, i, Configuration(point.size())};
+    instance.space.interpolate(path[i - 1], point, forward.invalid_at, place.invalid);
+    return place;
+  }
+  return std::nullopt;
+}
+
+Problem with_finer_motions(Problem problem) {
+  problem.resolution /= path_check_refinement;
+  return problem;
+}
+
 std::string path_fault(const Problem& problem, const Configurations& path) {
   if (path.empty()) return "is empty";
   if (path.dimension() != problem.space.dimension()) {
@@ -29,25 +51,27 @@ std::string path_fault(const Problem& problem, const Configurations& path) {
                        problem.space.dimension());
   }
   const auto instance = make_instance(problem);
-  const View start = problem.start;
-  if (!std::equal(start.begin(), start.end(), path.front().begin(), path.front().end())) {
+  // Angles of a search are normalised; those of a problem are as they were given.
+  Configuration start = problem.start;
+  Configuration first(path.front().begin(), path.front().end());
+  problem.space.normalise(start);
+  problem.space.normalise(first);
+  if (start != first) {
     return "does not begin at the start";
   }
   if (instance->to_goal(path.back()) > problem.goal_tolerance) return "does not end at the goal";
-  Configuration invalid(problem.space.dimension());
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (!instance->space.contains(path[i])) return fmt::format("leaves the space at point {}", i + 1);
-    if (!instance->valid(path[i])) {
-      return fmt::format("is invalid at point {}: {}", i + 1, place_text(*instance, path[i]));
-    }
-    if (i == 0) continue;
-    const MotionReport forward = instance->motion(path[i - 1], path[i]);
-    // The planner may have checked the motion from its other end, where rounding differs.
-    if (forward.valid || instance->motion(path[i], path[i - 1]).valid) continue;
-    instance->space.interpolate(path[i - 1], path[i], forward.invalid_at, invalid);
-    return fmt::format("is invalid between the points {} and {}: {}", i, i + 1, place_text(*instance, invalid));
+  const auto place = first_invalid_place(*instance, path);
+  if (!place) return "";
+  const std::size_t number = place->point + 1;
+  switch (place->kind) {
+    case InvalidPlace::Kind::outside: return fmt::format("leaves the space at point {}", number);
+    case InvalidPlace::Kind::point:
+      return fmt::format("is invalid at point {}: {}", number, place_text(*instance, place->invalid));
+    case InvalidPlace::Kind::motion:
+      return fmt::format("is invalid between the points {} and {}: {}", place->point, number,
+                         place_text(*instance, place->invalid));
   }
-  return "";
+  throw Fault("unknown kind of invalid place");
 }
 
 std::string trajectory_fault(const Problem& problem, const Configurations& path, const Trajectory& trajectory) {

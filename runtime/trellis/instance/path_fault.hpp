@@ -1,11 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include <trellis/instance/instance.hpp>
 
 namespace trellis {
+
+/// How many times finer than a problem's resolution the motions of a path found are checked before it is reported.
+inline constexpr double path_check_refinement = 4.0;
+
+/// Where a path is invalid.
+struct InvalidPlace {
+  enum class Kind : std::uint8_t {
+    outside,  ///< the point lies outside of the space
+    point,    ///< the point is invalid
+    motion,   ///< the motion to the point is invalid
+  };
+  Kind kind = Kind::point;
+  std::size_t point = 0;  ///< index into the path
+  Configuration invalid;  ///< the first configuration found invalid
+};
+
+/// The first invalid place of a path, by the instance's validity and resolution. A motion is invalid where it is so
+/// from either end: rounding differs, and a planner may have checked it from the other end.
+/// \param path  configurations of the instance's space, or states
+/// \return none where the path is valid
+std::optional<InvalidPlace> first_invalid_place(Instance& instance, const Configurations& path);
+
+/// The problem with a resolution that is finer by `path_check_refinement`.
+Problem with_finer_motions(Problem problem);
 
 /// Why a path does not solve a problem: it does not begin at the start, does not end at a goal, leaves the space, or is
 /// invalid at a configuration or on a motion, by the problem's collision backend and resolution. The fault of an

@@ -70,6 +70,10 @@ class Meter {
   /// The reason to stop, or none. Cheap enough to ask before every proposal.
   [[nodiscard]] std::optional<Status> spent() {
     if (static_cast<double>(task_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
+    return spent_without_proposals();
+  }
+  /// The same for work that draws no proposals.
+  [[nodiscard]] std::optional<Status> spent_without_proposals() {
     if (static_cast<double>(task_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
     // Asked every time, so that who counts proposals can stop a run at any of them. The clock costs more.
     if (task_.interrupted && task_.interrupted()) return Status::interrupted;

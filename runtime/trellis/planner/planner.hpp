@@ -151,6 +151,8 @@ const PlannerKind* find_planner(std::string_view name);
 
 /// Shortcuts a path: `rounds` tries to replace the way between two random points of it by a straight motion. The result
 /// is never longer. Checks are counted by the instance.
-Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream);
+/// \param finer  the same instance with finer motion checks, which new motions must pass too; nullptr: none
+Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
+                        Instance* finer = nullptr);
 
 }  // namespace trellis

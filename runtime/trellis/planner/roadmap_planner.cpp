@@ -40,6 +40,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   Meter meter(task_, budget);
   best_.begin();
   begin_evaluation();
+  bool repaired = false;
   if (paths_.vertices() == 0) {
     if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
@@ -53,6 +54,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   } else if (epoch_ != instance.epoch()) {
     if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
     repair();
+    repaired = true;
   } else if (solved_) {
     owed_ = mode_.again;
   }
@@ -60,6 +62,8 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   for (;;) {
     for (; owed_ > 0; --owed_) {
       if (const auto reason = meter.spent()) {
+        // What is left of a repaired roadmap may hold another path.
+        if (repaired) return without_proposals(budget, lacks_proposals());
         return lacks_proposals() && !paths_.search() ? without_proposals(budget) : finish(*reason);
       }
       grow();
@@ -428,7 +432,7 @@ std::size_t RoadmapPlanner::reconnect() {
   return added;
 }
 
-Solution RoadmapPlanner::without_proposals(const Budget& budget) {
+Solution RoadmapPlanner::without_proposals(const Budget& budget, bool reconnects) {
   Budget rest = budget;
   rest.proposals = Budget::unlimited;
   Meter meter(task_, rest);
@@ -444,6 +448,7 @@ Solution RoadmapPlanner::without_proposals(const Budget& budget) {
       }
       if (const auto reason = meter.spent()) return finish(*reason);
     }
+    if (!reconnects) return finish(Status::budget_spent);
     if (!std::exchange(reconnecting_, true)) {
       lost_neighbour_.resize(paths_.vertices());
       std::iota(lost_neighbour_.begin(), lost_neighbour_.end(), std::uint32_t{0});

@@ -109,9 +109,11 @@ class RoadmapPlanner final : public Planner {
   [[nodiscard]] bool lacks_proposals() const {
     return mode_.lazy_nodes && static_cast<double>(task_.search.proposals.size()) >= mode_.proposals;
   }
-  /// No proposals are left, and start and goal are not connected: reconnects the nodes until they are, by valid
-  /// motions, or no edge is left to add.
-  Solution without_proposals(const Budget& budget);
+  /// No proposals are left: searches the roadmap as it is.
+  /// \param reconnects  where start and goal are not connected, reconnect the nodes until they are, by valid motions,
+  /// or
+  ///                    no edge is left to add
+  Solution without_proposals(const Budget& budget, bool reconnects = true);
   /// Factor on the length of an edge in the cost of a lazily validated roadmap: what it takes to validate, and whether
   /// it leaves what guides.
   [[nodiscard]] double cost_factor(View a, View b) const;

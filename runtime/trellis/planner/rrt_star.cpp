@@ -108,7 +108,9 @@ class RrtStar final : public Planner {
         return std::nullopt;
       }
     }
-    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    do {
+      if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    } while (reconnect_orphans());
     const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
     repair_.reset();
     task_.guidance.restart();
@@ -125,6 +127,39 @@ class RrtStar final : public Planner {
     note_all();
     keep_best();
     return std::nullopt;
+  }
+
+  /// Gives the nodes whose parent's branch is valid, and the motion from it is not, another parent among their
+  /// neighbours, as their insertion would. Whether there were any.
+  bool reconnect_orphans() {
+    const auto& space = task_.instance.space;
+    bool any = false;
+    for (std::uint32_t id = 0; id < tree_->size(); ++id) {
+      if (!repair_->known_invalid(id) || !repair_->known_valid(tree_->parent(id))) continue;
+      const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
+      connection_.find(tree_->index(), q, near_);
+      joints_.clear();
+      for (const auto& n : near_) {
+        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_joint(n.id, std::sqrt(n.squared_distance));
+      }
+      sort_joints();
+      const auto found = std::find_if(joints_.begin(), joints_.end(),
+                                      [&](const Joint& joint) { return motion_valid((*tree_)[joint.node], q); });
+      if (found == joints_.end()) continue;
+      hang(id, found->node, space.distance((*tree_)[found->node], q));
+      repair_->reconnected(id, descendants(id));
+      any = true;
+    }
+    return any;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> descendants(std::uint32_t id) const {
+    std::vector<std::uint32_t> all = children_[id];
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto& children = children_[all[i]];
+      all.insert(all.end(), children.begin(), children.end());
+    }
+    return all;
   }
 
   /// Finds the nodes where a goal is, and the node nearest to one.
@@ -203,8 +238,7 @@ class RrtStar final : public Planner {
     }
     Joint best{from, space.distance((*tree_)[from], q)};
     best.way = costs_[from] + best.length;
-    std::sort(joints_.begin(), joints_.end(),
-              [](const Joint& a, const Joint& b) { return a.way < b.way || (a.way == b.way && a.node < b.node); });
+    sort_joints();
     std::size_t refused = 0;
     for (; refused < joints_.size() && joints_[refused].way < best.way; ++refused) {
       const Joint& joint = joints_[refused];
@@ -244,6 +278,11 @@ class RrtStar final : public Planner {
   void add_joint(std::uint32_t node, double length) {
     if (std::any_of(joints_.begin(), joints_.end(), [&](const Joint& j) { return j.node == node; })) return;
     joints_.push_back({node, length, costs_[node] + length});
+  }
+
+  void sort_joints() {
+    std::sort(joints_.begin(), joints_.end(),
+              [](const Joint& a, const Joint& b) { return a.way < b.way || (a.way == b.way && a.node < b.node); });
   }
 
   void hang(std::uint32_t id, std::uint32_t parent, double length) {

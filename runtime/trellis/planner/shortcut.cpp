@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
+#include <trellis/instance/path_fault.hpp>
 #include <trellis/planner/planner.hpp>
 
 namespace trellis {
 
-Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream) {
+Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
+                        Instance* finer) {
   const auto& space = instance.space;
   const std::size_t d = space.dimension();
   Configurations current = path;
@@ -41,6 +44,13 @@ Configurations shortcut(Instance& instance, const Configurations& path, std::int
     if (!instance.motion(std::as_const(current)[i], a).valid ||
         !instance.motion(b, std::as_const(current)[j + 1]).valid) {
       continue;
+    }
+    if (finer != nullptr) {
+      Configurations changed(d);
+      for (const View point : {std::as_const(current)[i], View(a), View(b), std::as_const(current)[j + 1]}) {
+        changed.push(point);
+      }
+      if (first_invalid_place(*finer, changed)) continue;
     }
     Configurations next(d);
     for (std::size_t k = 0; k <= i; ++k) next.push(std::as_const(current)[k]);

@@ -119,6 +119,16 @@ class TreeRepair {
 
   /// Removes a root, or a node that is known to be invalid.
   void refute(std::uint32_t id) { branches_[id] = Branch::invalid; }
+  /// Whether the branch to the node was found to be valid, or invalid.
+  [[nodiscard]] bool known_valid(std::uint32_t id) const { return branches_[id] == Branch::valid; }
+  [[nodiscard]] bool known_invalid(std::uint32_t id) const { return branches_[id] == Branch::invalid; }
+  /// The node has another parent, with a valid branch and a valid motion to the node: what grew from the node is to be
+  /// checked again. \param descendants  of the node
+  void reconnected(std::uint32_t id, const std::vector<std::uint32_t>& descendants) {
+    branches_[id] = Branch::valid;
+    for (const std::uint32_t at : descendants) branches_[at] = Branch::unknown;
+    next_ = 0;
+  }
   /// Whether all motions from the root to the node are valid. \param edge_valid  of a node: whether the motion to it
   /// from its parent is
   template <class EdgeValid>
@@ -137,7 +147,7 @@ class TreeRepair {
   std::optional<Status> check_all(const Tree& tree, Meter& meter, const EdgeValid& edge_valid) {
     for (; next_ < branches_.size(); ++next_) {
       if (branches_[next_] != Branch::unknown) continue;
-      if (const auto reason = meter.spent()) return reason;
+      if (const auto reason = meter.spent_without_proposals()) return reason;
       branch_valid(tree, next_, edge_valid);
     }
     return std::nullopt;

@@ -283,6 +283,8 @@ Json run_json(const RunResult& run) {
                {"validity_checks", run.run.validity_checks},
                {"motion_checks", run.run.motion_checks},
                {"shortcut_checks", run.run.shortcut_checks},
+               {"path_checks", run.run.path_checks},
+               {"refuted_paths", run.run.refuted_paths},
                {"levels", std::move(levels)}};
   if (run.run.trajectory.dt > 0.0) json["trajectory"] = trajectory_json(run.run.trajectory);
   return json;

@@ -94,6 +94,8 @@ struct RunRecord {
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
   std::uint64_t shortcut_checks = 0;  ///< validity checks that shortcutting spent, not in the sums above
+  std::uint64_t refuted_paths = 0;    ///< found before `path`, and refuted when they were checked finer
+  std::uint64_t path_checks = 0;      ///< validity checks of paths found, finer; neither they nor their time are above
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in the order in which they were taken
 };

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
+#include <trellis/guide/excluded.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 
@@ -124,6 +127,27 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
   }
   if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);
   return advance;
+}
+
+void Level::refute(View invalid, const Instance& finer) {
+  Instance& instance = *instance_;
+  const std::uint64_t epoch = instance.epoch();
+  if (std::exchange(refuted_, true)) {
+    instance.validity = finer.validity;
+    instance.resolution = finer.resolution;
+  } else {
+    // Start and goals stay valid.
+    const double nearest = std::min(instance.space.distance(invalid, instance.start), instance.to_goal(invalid));
+    const auto excluding = std::make_shared<ExcludingValidity>(instance.validity, instance.space,
+                                                               std::min(finer.resolution, 0.5 * nearest));
+    Configurations points(instance.space.dimension());
+    points.push(invalid);
+    excluding->exclude_points(points);
+    instance.validity = excluding;
+  }
+  instance.revision += epoch + 1 - std::min(epoch + 1, instance.epoch());
+  found_ = false;
+  record_.solution = {};
 }
 
 LevelRecord Level::take_record() {

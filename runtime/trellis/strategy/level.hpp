@@ -348,6 +348,14 @@ class Level {
   /// Replaces the instance by a new projection of the parent's; the search keeps what is still valid.
   void replace_instance(std::unique_ptr<Instance> instance);
 
+  /// Refutes the path found: a finer check found one of its configurations invalid. The next solve finds another path,
+  /// and keeps what of the search is still valid. The first time that configuration is excluded, with what is nearer to
+  /// it than the finer resolution. The second time the resolution is too coarse for the world: from then on the level
+  /// checks motions at the finer one.
+  /// \param invalid  a configuration of the level's space
+  /// \param finer    the level's instance with a finer resolution
+  void refute(View invalid, const Instance& finer);
+
   /// The record, completed once the run is over; given away, but for its key.
   LevelRecord take_record();
 
@@ -398,6 +406,7 @@ class Level {
   std::optional<double> solve_begun_;      ///< proposals when the unfinished solve began
   std::size_t noted_ = 0;                  ///< proposals and nodes when its last turn ended
   bool found_ = false;
+  bool refuted_ = false;  ///< a path found was refuted
 };
 
 }  // namespace trellis

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A path is checked at a finer resolution before it is reported; one that is refuted is not reported, and the search
+// continues.
+#include <algorithm>
+#include <string>
+
+#include <trellis/instance/path_fault.hpp>
+#include <trellis/strategy/executor.hpp>
+
+#include "support/catch.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+
+namespace {
+
+/// Thin walls that a motion steps over where it is checked at a coarse resolution only.
+Problem thin_walls(double robot = 0.2) {
+  test::Rectangles walls;
+  for (int i = 0; i < 4; ++i) {
+    const double x = 2.0 + 2.0 * i;
+    if (i % 2 == 0) {
+      walls.push_back({x, 0, x + 0.06, 6});
+    } else {
+      walls.push_back({x, 4, x + 0.06, 10});
+    }
+  }
+  auto problem = test::make_problem("thin walls", test::rectangle_world(walls),
+                                    test::rectangle_robot(robot, 0.5 * robot), {1, 1, 0}, {9.4, 9, 0});
+  problem.resolution = 0.3;
+  return problem;
+}
+
+std::uint64_t refuted(const StrategySpec& strategy, const Problem& problem, int seeds) {
+  std::uint64_t all = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const RunRecord run = execute(strategy, problem, static_cast<std::uint64_t>(seed));
+    INFO("seed " << seed);
+    all += run.refuted_paths;
+    CHECK(run.solved);
+    if (!run.solved) {
+      CHECK(run.path.empty());
+      continue;
+    }
+    CHECK(path_fault(with_finer_motions(problem), run.path).empty());
+    CHECK(run.path_checks > 0);
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("no planner reports a path that a finer check refutes", "[executor][path_check]") {
+  const Problem problem = thin_walls();
+  for (const PlannerKind& kind : planner_kinds()) {
+    const std::string& name = kind.component->name;
+    if (kind.graph || kind.kinodynamic) continue;
+    INFO(name);
+    CHECK(refuted(PlannerSpec::make(name, {{"proposals", 20000.0}}), problem, 3) > 0);
+  }
+}
+
+TEST_CASE("a guided search continues where its path was refuted", "[executor][path_check]") {
+  Problem problem = test::trap_problem();
+  problem.resolution = 0.4;
+  std::uint64_t all = 0;
+  const auto rrt = [] { return PlannerSpec::make("rrt", {{"proposals", 50000.0}}); };
+  for (const GuideKind& kind : guide_kinds()) {
+    if (kind.default_planner.empty()) continue;
+    INFO(kind.component->name);
+    all += refuted(GuideSpec::make(kind.component->name, {}) >> rrt(), problem, 2);
+  }
+  CHECK(all > 0);
+}
+
+TEST_CASE("a path that is refuted when all proposals are spent leaves the next best one", "[executor][path_check]") {
+  Problem problem = test::cup_problem();
+  problem.resolution = 0.2;
+  for (const char* name : {"rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
+    INFO(name);
+    CHECK(refuted(PlannerSpec::make(name, {{"proposals", 2000.0}, {"improve", 2000.0}}), problem, 4) > 0);
+  }
+}
+
+TEST_CASE("a driven path is checked at a finer resolution, too", "[executor][path_check][kinodynamic]") {
+  // A step of 0.1 m from one side of a wall to the other.
+  const Problem problem = test::driven(thin_walls(0.02));
+  CHECK(refuted(PlannerSpec::make("kinodynamic_rrt", {{"extend", "controls"}}), problem, 3) > 0);
+}
+
+TEST_CASE("shortcutting keeps to the finer check", "[executor][path_check]") {
+  const Problem problem = thin_walls();
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const RunRecord run =
+        execute(PlannerSpec::make("rrt_connect", {{"proposals", 20000.0}}), problem, seed, {.shortcut = 100});
+    REQUIRE(run.solved);
+    CHECK(path_fault(with_finer_motions(problem), run.path).empty());
+  }
+}
+
+TEST_CASE("what a finer check spends is not in the costs of planning", "[executor][path_check]") {
+  const Problem problem = test::simple_passage_problem();
+  const RunRecord run = execute(PlannerSpec::make("rrt_connect", {}), problem, 1);
+  REQUIRE(run.solved);
+  std::uint64_t levels = 0;
+  for (const LevelRecord& level : run.levels) levels += level.search.checks.validity;
+  CHECK(run.validity_checks == levels);
+  CHECK(run.path_checks > 0);
+}
