@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <ctime>
 #include <utility>
 
 #include <trellis/strategy/checks.hpp>
@@ -48,25 +47,13 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
   return fmt::format("{}{}, level {}", path, record->planner, level.level);
 }
 
-namespace {
-
-/// CPU time of the calling thread, seconds.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  constexpr double nanosecond = 1e-9;
-  return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
-}
-
-}  // namespace
-
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options) {
   check(problem);
   check_depth(strategy);
   const auto begin = std::chrono::steady_clock::now();
-  const double cpu_begin = thread_seconds();
   Run run;
+  run.cpu_begin = thread_seconds();
   run.problem = problem.name;
   run.seed = seed;
   run.seeded = true;
@@ -83,7 +70,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   record.status = found.status;
   record.solved = found.solved();
   record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  record.cpu_seconds = thread_seconds() - cpu_begin;
+  record.cpu_seconds = thread_seconds() - run.cpu_begin;
   for (Level* level : run.levels) {
     record.validity_checks += level->instance().checks.validity;
     record.motion_checks += level->instance().checks.motion;
@@ -106,6 +93,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   // The root's own path is the one that is reported.
   if (record.solved) record.levels.front().solution.path = record.path;
   record.turns = std::move(run.turns);
+  record.improvements = std::move(run.improvements);
   return record;
 }
 
