@@ -34,10 +34,10 @@ int dispatch(int argc, char** argv) {
     verb->add_option("--column", style.column,
                      "the figures' width, in millimetres, as of a paper's column; below 127 panels stand below each "
                      "other");
-    verb->add_flag("--no-titles", style.no_titles,
+    verb->add_flag("--untitled", style.untitled,
                    "figures without title and caption, which a text file beside each figure has");
     verb->add_flag("--serif", style.serif, "figures in a typeface with serifs");
-    verb->add_flag("--scale-bar", style.scale_bar, "a scale bar in pictures of the world");
+    verb->add_flag("--scalebar", style.scale_bar, "a scale bar in pictures of the world");
     verb->add_option("--format", style.format, "of the tables that --out writes: markdown (default) or latex");
   };
 

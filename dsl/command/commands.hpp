@@ -24,7 +24,7 @@ struct ScriptOptions {
 /// How figures and tables are set, for papers.
 struct FigureOptions {
   std::string column;  ///< width in millimetres as typed, "" for each figure's own
-  bool no_titles = false;
+  bool untitled = false;
   bool serif = false;
   bool scale_bar = false;
   std::string format;  ///< of tables, "" for Markdown

@@ -35,11 +35,11 @@ FigureStyle figure_style(const FigureOptions& options, bool drawn) {
     constexpr double points_per_mm = 72.0 / 25.4;
     style.width = *column * points_per_mm;
   }
-  style.titles = !options.no_titles;
+  style.titles = !options.untitled;
   if (options.serif) style.typeface = draw::Typeface::serif;
   style.scale_bar = options.scale_bar;
-  const bool any = style.width || options.no_titles || options.serif || options.scale_bar;
-  if (any && !drawn) throw Error("--column, --no-titles, --serif and --scale-bar: nothing is drawn without a folder");
+  const bool any = style.width || options.untitled || options.serif || options.scale_bar;
+  if (any && !drawn) throw Error("--column, --untitled, --serif and --scalebar: nothing is drawn without a folder");
   return style;
 }
 

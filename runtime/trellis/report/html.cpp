@@ -277,7 +277,7 @@ std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& 
     columns.push_back({"above uniform, expansion", paths});
   }
   const bool judged = found.size() == summary.levels.size() && found.size() > 1;
-  if (judged) columns.push_back({"", {"verdict"}});
+  if (judged) columns.front().names.insert(columns.front().names.begin(), "verdict");
   Marks marks;
   std::string body;
   std::vector<int> depth;
@@ -289,6 +289,7 @@ std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& 
     for (int k = 0; k < depth.back(); ++k) indent += "&#160;&#160;";
     body +=
         fmt::format(R"(<tr><th scope="row">{}{}{}</th>)", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
+    if (judged) body += cell(escaped(verdict_text(found[i])));
     body += cell(escaped(level.space)) + cell(escaped(level.planner)) +
             cell(fmt::format("{}/{}", level.solved, level.runs));
     for (const double count : {level.resolves, level.proposals, level.nodes, level.validity_checks}) {
@@ -306,7 +307,6 @@ std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& 
         if (crossed) body += figure_cell(level.root_cross.*role, marks);
       }
     }
-    if (judged) body += cell(escaped(verdict_text(found[i])));
     body += "</tr>\n";
   }
   return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
