@@ -103,13 +103,14 @@ std::string cell(const Interval& interval) {
 /// A figure that cannot lie beyond a bound, which is a mean over the same runs.
 struct Bounded {
   Interval interval;    ///< ends at the bound
+  Interval estimate;    ///< as it is
   bool beyond = false;  ///< the mean of the estimates lies beyond the bound, so the bound stands for it
   const char* sign = "≥ ";
 };
 
 Bounded bounded(Interval interval, double least) {
   constexpr double visible = 0.005;  // half of the last digit in print
-  Bounded result{interval, interval.value < least - visible};
+  Bounded result{interval, interval, interval.value < least - visible};
   if (std::isnan(least)) return result;
   for (double* x : {&result.interval.value, &result.interval.lo, &result.interval.hi}) {
     if (*x < least) *x = least;
@@ -128,13 +129,14 @@ Bounded bounded_above(const Interval& interval, double most) {
   };
   Bounded result = bounded(negative(interval), -most);
   result.interval = negative(result.interval);
+  result.estimate = interval;
   result.sign = "≤ ";
   return result;
 }
 
 /// "≥ 0.05" where no more than the bound is known.
 std::string cell(const Bounded& figure) {
-  return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.interval);
+  return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
 }
 
 /// What an estimator's figure of a run is at least: by the mass in the target, or 0 where it is no estimate.
