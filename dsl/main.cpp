@@ -30,6 +30,17 @@ int dispatch(int argc, char** argv) {
     verb->add_flag("--trust", scripts.trust, "let scripts reach all files and processes: io, os, debug");
   };
 
+  const auto add_figure_options = [](CLI::App* verb, command::FigureOptions& style) {
+    verb->add_option("--column", style.column,
+                     "the figures' width, in millimetres, as of a paper's column; below 127 panels stand below each "
+                     "other");
+    verb->add_flag("--untitled", style.untitled,
+                   "figures without title and caption, which a text file beside each figure has");
+    verb->add_flag("--serif", style.serif, "figures in a typeface with serifs");
+    verb->add_flag("--scalebar", style.scale_bar, "a scale bar in pictures of the world");
+    verb->add_option("--format", style.format, "of the tables that --out writes: markdown (default) or latex");
+  };
+
   command::RunOptions options;
   auto* run = app.add_subcommand("run", "run a script's experiment and print the report");
   run->add_option("SCRIPT", options.script, "a Lua script")->required();
@@ -53,6 +64,7 @@ int dispatch(int argc, char** argv) {
       "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
   run->add_option("--palette", options.palette,
                   "the figures' colours of samples: safe, for any colour vision, or paper");
+  add_figure_options(run, options.style);
   run->add_option("--report", options.report, "what is printed: overview (default), levels, efficiency or full");
   run->add_flag("--full", options.full, "as --report full");
   run->add_flag("--quiet", options.quiet, "print neither report nor progress");
@@ -75,6 +87,7 @@ int dispatch(int argc, char** argv) {
   compare->add_option("--baseline", comparing.baseline,
                       "the strategy that the others are compared with, instead of the experiment's");
   compare->add_option("--out", comparing.out, "write tables and figures into a folder");
+  add_figure_options(compare, comparing.style);
 
   command::VerifyOptions verifying;
   auto* verify = app.add_subcommand("verify", "validate the paths in results of trellis run again, more finely");

@@ -21,6 +21,15 @@ struct ScriptOptions {
   bool trust = false;
 };
 
+/// How figures and tables are set, for papers.
+struct FigureOptions {
+  std::string column;  ///< width in millimetres as typed, "" for each figure's own
+  bool untitled = false;
+  bool serif = false;
+  bool scale_bar = false;
+  std::string format;  ///< of tables, "" for Markdown
+};
+
 struct RunOptions {
   std::string script;
   ScriptOptions scripts;
@@ -39,8 +48,9 @@ struct RunOptions {
   std::string learn;    ///< a library of paths, "" without
   std::string novelty;  ///< metres as typed, "" without
   std::string palette;  ///< of the figures, "" for the default
-  std::string report;   ///< a kind of report, "" for the overview
-  bool full = false;    ///< the full report
+  FigureOptions style;
+  std::string report;  ///< a kind of report, "" for the overview
+  bool full = false;   ///< the full report
   bool ablate = false;
   bool quiet = false;
 };
@@ -68,6 +78,7 @@ struct CompareOptions {
   std::vector<std::string> files;  ///< documents of trellis run --json
   std::string baseline;            ///< a strategy, "" for the one that they name
   std::string out;                 ///< a folder, "" without
+  FigureOptions style;
 };
 
 struct VerifyOptions {

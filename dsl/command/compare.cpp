@@ -3,6 +3,7 @@
 #include <string>
 
 #include <dsl/command/commands.hpp>
+#include <dsl/command/figure_options.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/language/stdlib.hpp>
@@ -15,6 +16,8 @@ namespace trellis::command {
 int compare(const CompareOptions& options) {
   constexpr std::size_t largest = std::size_t{4} << 30U;
   constexpr int unbounded_width = 160;
+  check_format(options.style, !options.out.empty());
+  const FigureStyle style = figure_style(options.style, !options.out.empty());
   OutputFolder out(options.out);
   CostData data;
   for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
@@ -24,9 +27,9 @@ int compare(const CompareOptions& options) {
   print_all(costs_text(data, baseline, width));
   if (options.out.empty()) return success;
   const std::filesystem::path folder(options.out);
-  write_file((folder / "table.md").string(), costs_markdown(data, baseline));
+  write_tables(options.style, options.out, costs_markdown(data, baseline));
   write_file((folder / "table.csv").string(), costs_csv(data, baseline));
-  write_cost_figures(data, baseline, (folder / "figures").string());
+  write_cost_figures(data, baseline, (folder / "figures").string(), style);
   out.keep();
   return success;
 }

@@ -15,6 +15,7 @@
 #include <trellis/draw/braille.hpp>
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/page.hpp>
+#include <trellis/draw/worlds.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -228,12 +229,14 @@ void plot_file(const Run& run, std::size_t level, const std::string& path) {
       canvas.line(at(a), at(b), {.colour = palette::blue.faded(0.6), .width = 0.5});
     for (const Point p : sketch.nodes) canvas.fill(draw::Path::circle(at(p), 0.8), palette::blue);
     for (const auto& part : sketch.robots) {
-      canvas.stroke(draw::Path::polygon(all_at(part)), {.colour = palette::green, .width = 0.9});
+      canvas.stroke(draw::Path::polygon(all_at(part)), {.colour = palette::ink, .width = 0.9});
     }
     if (sketch.path.size() > 1) {
       canvas.stroke(draw::Path::polyline(all_at(sketch.path)), {.colour = palette::vermillion, .width = 1.6});
     }
-    for (const Point p : {sketch.start, sketch.goal}) canvas.fill(draw::Path::circle(at(p), 2.2), palette::green);
+    constexpr double end_radius = 2.4;
+    draw::draw_end(canvas, at(sketch.start), end_radius, true);
+    draw::draw_end(canvas, at(sketch.goal), end_radius, false);
   }
   canvas.stroke(draw::Path::rectangle(world), {.colour = palette::frame, .width = 0.7});
   write_file(path, canvas.render(format));

@@ -17,6 +17,7 @@
 
 #include <dsl/command/choice.hpp>
 #include <dsl/command/commands.hpp>
+#include <dsl/command/figure_options.hpp>
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/learn.hpp>
 #include <dsl/command/numbers.hpp>
@@ -27,6 +28,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/unused.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -74,27 +76,28 @@ void narrow(Experiment& experiment, const RunOptions& options, std::optional<std
 }
 
 void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                       draw::RoleColours colours, bool quiet) {
-  const unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
-  write_figures(experiment, result, folder, jobs);
-  write_motion_figures(experiment, result, folder, jobs);
-  for (const std::string& note : write_scene_figures(experiment, result, folder, {.colours = colours, .jobs = jobs})) {
+                       const SceneFigureOptions& options, bool quiet) {
+  write_figures(experiment, result, folder, options.jobs, options.style);
+  write_motion_figures(experiment, result, folder, options.jobs, options.style);
+  for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
     if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
   }
 }
 
-/// What --out asks for, of the problems that are finished, figures apart.
-void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options) {
+/// What --out asks for, of the problems that are finished, but for the figures of each strategy.
+void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options,
+               const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
-  write_file((folder / "table.md").string(), report_markdown(experiment, result));
+  write_tables(options.style, options.out, report_markdown(experiment, result));
   write_file((folder / "table.csv").string(), report_csv(experiment, result));
   write_file((folder / "results.json").string(), report_json(experiment, result, options.script));
   write_html(experiment, result, (folder / "report.html").string(), {.script = options.script, .progress = {}});
+  write_comparison_figures(experiment, result, (folder / "figures").string(), style);
 }
 
 /// Problem by problem, so that what is finished is kept when the rest is not.
 ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options,
-                              draw::RoleColours colours) {
+                              const SceneFigureOptions& drawing) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t all = steps(experiment);
@@ -109,14 +112,14 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
                     .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
                     .interrupted = InterruptibleRun::requested});
       progress.show("drawing " + one.problems.front().name);
-      write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), colours, options.quiet);
+      write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), drawing, options.quiet);
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
       if (i == 0) throw;
       progress.show("writing what is finished");
-      write_out(part_of(experiment, 0, i), result, options);
+      write_out(part_of(experiment, 0, i), result, options, drawing.style);
       std::vector<std::string> finished;
       for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
       throw Interrupted(fmt::format("interrupted; '{}' holds all of {}; the same command makes the rest too",
@@ -125,7 +128,7 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
     before += steps(one);
   }
   progress.show("writing the tables and the page");
-  write_out(experiment, result, options);
+  write_out(experiment, result, options, drawing.style);
   return result;
 }
 
@@ -203,7 +206,11 @@ int run(const RunOptions& options) {
   const auto novelty = number_option("--novelty", options.novelty, 0.0);
   if (novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
 
-  const draw::RoleColours colours = palette_option(options);
+  const bool drawn = !options.figures.empty() || !options.out.empty();
+  const SceneFigureOptions drawing{.colours = palette_option(options),
+                                   .jobs = std::max(1U, std::thread::hardware_concurrency()),
+                                   .style = figure_style(options.style, drawn)};
+  check_format(options.style, !options.out.empty());
   const ReportKind kind = report_option(options);
   // Made before the script is read, so that a script may go by a library to which nothing was added yet.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
@@ -228,7 +235,7 @@ int run(const RunOptions& options) {
 
   const auto threads = static_cast<unsigned>(jobs.value_or(1));
   const ExperimentResult result = options.out.empty() ? run_cells(program.experiment, threads, options.quiet)
-                                                      : run_problems(program.experiment, threads, options, colours);
+                                                      : run_problems(program.experiment, threads, options, drawing);
   out.keep();
   if (!options.out.empty()) tell_unsolved(program.experiment, result);
 
@@ -263,7 +270,10 @@ int run(const RunOptions& options) {
     samples.keep();
   }
   if (!options.figures.empty()) {
-    attempt([&] { write_all_figures(program.experiment, result, options.figures, colours, options.quiet); });
+    attempt([&] {
+      write_all_figures(program.experiment, result, options.figures, drawing, options.quiet);
+      write_comparison_figures(program.experiment, result, options.figures, drawing.style);
+    });
     figures.keep();
   }
   if (!options.learn.empty())

@@ -244,6 +244,12 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
        "view.dataset.caption = document.getElementById('caption-beside').textContent;"
        "view.dataset.steps = document.getElementById('at').max;"
        "view.dataset.widths = [canvasWidth('canvas'), canvasWidth('canvas-beside')].join(',');"},
+      {"figures", nested,
+       "view.dataset.compared = document.querySelectorAll('#compared svg').length;"
+       "view.dataset.drawn = document.querySelectorAll('#figures svg').length;"
+       "view.dataset.comparison = !document.getElementById('comparison').hidden;"
+       "view.dataset.warnings = document.getElementById('warnings').textContent;"
+       "view.dataset.verdict = [...document.querySelectorAll('#worth th')].some(th => th.textContent === 'verdict');"},
       {"alone", nested, "view.dataset.shownBeside = !document.getElementById('plot-beside').hidden;"},
   };
   for (const auto* index : {"0", "1", "2", "3"}) {
@@ -372,6 +378,14 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   const auto widths = counts(beside["widths"]);
   CHECK(widths[0] > 100);
   CHECK(widths[0] == widths[1]);
+
+  // Figures that compare the methods, those of this one, and what the printed report says.
+  const Shown& figures = shown.at("figures");
+  CHECK(figures["comparison"] == "true");
+  CHECK(figures["compared"] == "3");  // success, ratios, waterfalls
+  CHECK(figures["drawn"] == "4");     // waterfall, plane, strip, profile
+  CHECK(figures["warnings"].find("hopeless: 2 unsolved") != std::string::npos);
+  CHECK(figures["verdict"] == "true");
 
   const char* folder = std::getenv("TRELLIS_SCREENSHOTS");
   for (const std::string size : {"1400,900", "420,900"}) {

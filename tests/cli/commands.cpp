@@ -136,11 +136,14 @@ TEST_CASE("figures are drawn of every strategy, in the palette asked for") {
   };
   draw({"figures"});
   for (const std::string strategy : {"guided", "rrt"}) {
-    for (const std::string picture : {"samples", "waterfall", "profile"}) {
+    for (const std::string picture : {"samples", "waterfall", "profile", "strip"}) {
       for (const std::string format : {"svg", "png", "pdf"}) {
         CHECK(fs::file_size(place / ("figures/cup/" + strategy + "/" + picture + "." + format)) > 0);
       }
     }
+  }
+  for (const std::string picture : {"success", "ratios", "guided/plane"}) {
+    CHECK(fs::file_size(place / ("figures/cup/" + picture + ".pdf")) > 0);
   }
   CHECK(fs::exists(place / "figures/cup/guided/levels.pdf"));
   CHECK_FALSE(fs::exists(place / "figures/cup/rrt/levels.pdf"));
@@ -156,6 +159,24 @@ TEST_CASE("figures are drawn of every strategy, in the palette asked for") {
         "trellis: --palette: there are safe and paper, got 'papr' (did you mean 'paper'?)\n");
   CHECK(place.run({"run", "guided.lua", "--palette", "paper"}).err ==
         "trellis: --palette: nothing is drawn without --figures\n");
+  CHECK_FALSE(fs::exists(place / "more"));
+
+  // As papers want them: 86 mm wide, in serifs, their titles in a text file.
+  draw({"column", "--column", "86", "--untitled", "--serif", "--scalebar"});
+  CHECK(content(place / "column/cup/success.svg").find("width=\"243.7") != std::string::npos);
+  CHECK(content(place / "column/cup/success.txt").starts_with("cup: runs that found a path over what they cost\n\n"));
+  CHECK_FALSE(fs::exists(place / "figures/cup/success.txt"));
+  const bool reset = content(place / ("column" + file)) != content(place / ("figures" + file));
+  CHECK(reset);
+  CHECK(place.run({"run", "guided.lua", "--serif"}).err ==
+        "trellis: --column, --untitled, --serif and --scalebar: nothing is drawn without a folder\n");
+  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9999"}).err ==
+        "trellis: --column: at most 400 mm, got 9999\n");
+  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--column", "9"}).status == 2);
+  CHECK(place.run({"run", "guided.lua", "--figures", "more", "--format", "latex"}).err ==
+        "trellis: --format: no table is written without --out\n");
+  CHECK(place.run({"run", "guided.lua", "--out", "more", "--format", "latx"}).err ==
+        "trellis: --format: there are markdown and latex, got 'latx' (did you mean 'latex'?)\n");
   CHECK_FALSE(fs::exists(place / "more"));
 }
 
@@ -454,8 +475,19 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures") {
       CHECK(fs::file_size(place / ("here/figures/" + problem + "/" + strategy + "/samples.svg")) > 0);
     }
   }
+  for (const std::string picture : {"cup/success", "trap/ratios", "ratios"}) {
+    CHECK(fs::file_size(place / ("here/figures/" + picture + ".svg")) > 0);
+  }
   // Problem by problem or all at once, on one thread or many, the figures are the same.
-  CHECK(place.run({"run", "pair.lua", "--quiet", "--out", "there", "--jobs", "2"}).status == 0);
+  CHECK(place.run({"run", "pair.lua", "--quiet", "--out", "there", "--jobs", "2", "--format", "latex"}).status == 0);
+  CHECK(content(place / "there/table.tex").find("\\toprule") != std::string::npos);
+  CHECK_FALSE(fs::exists(place / "there/table.md"));
+  // The costs of the same document, in LaTeX too.
+  CHECK(
+      place.run({"compare", "there/results.json", "--baseline", "rrt", "--out", "costs", "--format", "latex"}).status ==
+      0);
+  CHECK(content(place / "costs/table.tex").find("\\bottomrule") != std::string::npos);
+  CHECK(fs::file_size(place / "costs/figures/cup/success.svg") > 0);
   CHECK(content(place / "here/table.csv") == content(place / "there/table.csv"));
 }
 

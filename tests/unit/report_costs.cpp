@@ -12,6 +12,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
+#include "report_fixture.hpp"
 #include "report_folder.hpp"
 #include "support/catch.hpp"
 #include "support/golden.hpp"
@@ -182,7 +183,159 @@ TEST_CASE("the pictures of costs are drawn where there is something to draw", "[
   }
   CostData few;
   few.add(document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, -4}}}), "few.json");
+  for (const std::string name : {"cup/success", "a-b/success"}) {
+    for (const std::string format : {"svg", "png", "pdf"}) {
+      CHECK(std::filesystem::file_size(path("all/" + name + "." + format)) > 1000);
+    }
+  }
+  // No planner there improves its path.
+  CHECK_FALSE(std::filesystem::exists(path("all/cup/length.svg")));
   write_cost_figures(few, "connect", path("few"));
   CHECK(std::filesystem::exists(path("few/baseline.svg")));
   CHECK_FALSE(std::filesystem::exists(path("few/parts.svg")));
+}
+
+namespace {
+
+/// One strategy on one problem, whose runs found paths of these lengths at these checks; none: the run found no path.
+CostData anytime(const std::vector<std::vector<std::pair<double, double>>>& runs) {
+  CostData data;
+  data.baseline = "rrt";
+  data.problems = {{"cup", "", false}};
+  data.strategies = {{"star", "rrt_star()"}, {"rrt", "rrt()"}};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    CostData::Run run{0, 0, i + 1, !runs[i].empty(), 1000.0, 1.0, {}};
+    for (const auto& [checks, length] : runs[i]) {
+      run.improvements.push_back({static_cast<std::uint64_t>(checks), 1e-3 * checks, length});
+    }
+    data.runs.push_back(run);
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("a curve of success counts the runs that found a path within each cost", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto strategy = [&](const std::string& name) {
+    for (std::size_t s = 0; s < data.strategies.size(); ++s) {
+      if (data.strategies[s].name == name) return s;
+    }
+    return data.strategies.size();
+  };
+  const SuccessCurve failing = success_curve(data, 0, strategy("b"), CostKind::checks);
+  CHECK(failing.runs == 8);
+  CHECK(failing.at == std::vector<double>{202, 204, 206, 208, 210, 212, 214});
+  REQUIRE(failing.share.size() == 7);
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Interval expected = wilson_interval(i + 1, 8);
+    CHECK(failing.share[i].value == expected.value);
+    CHECK(failing.share[i].lo == expected.lo);
+    CHECK(failing.share[i].hi == expected.hi);
+  }
+  CHECK(failing.spent == 214.0);
+  CHECK(success_curve(data, 0, strategy("rrt"), CostKind::seconds).at.front() == Approx(0.4));
+
+  // Runs that found their paths at one cost are one step; a run that goes on had its path before it ended.
+  const CostData going_on = anytime({{{100, 12.0}, {600, 11.0}}, {{100, 13.0}}, {}});
+  const SuccessCurve curve = success_curve(going_on, 0, 0, CostKind::checks);
+  CHECK(curve.at == std::vector<double>{100});
+  CHECK(curve.share[0].value == Approx(2.0 / 3));
+  CHECK(curve.spent == 1000.0);
+}
+
+TEST_CASE("a curve of length is the median of the shortest paths known", "[report][costs]") {
+  const CostData data = anytime({{{100, 14.0}, {300, 11.0}}, {{200, 13.0}}, {{100, 12.0}, {400, 10.0}}});
+  const LengthCurve curve = length_curve(data, 0, 0, CostKind::checks);
+  CHECK(curve.improves);
+  CHECK(curve.at == std::vector<double>{100, 200, 300, 400});
+  REQUIRE(curve.length.size() == 4);
+  CHECK(curve.length[0].value == 14.0);  // the run without a path is infinite: 12, 14, inf
+  CHECK(curve.length[1].value == 13.0);
+  CHECK(curve.length[2].value == 12.0);
+  CHECK(curve.length[3].value == 11.0);
+  CHECK(length_curve(data, 0, 0, CostKind::seconds).at == std::vector<double>{0.1, 0.2, 0.3, 0.4});
+  // A run without a path at all: two of four are infinite at first.
+  const CostData late = anytime({{{100, 14.0}}, {{200, 13.0}}, {{300, 12.0}}, {}});
+  CHECK(std::isinf(length_curve(late, 0, 0, CostKind::checks).length[0].value));
+  CHECK_FALSE(length_curve(late, 0, 0, CostKind::checks).improves);
+}
+
+TEST_CASE("figures of curves have a panel for checks and one for time, and each strategy's colour", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto success = success_figure(data, "connect", 0);
+  REQUIRE(success);
+  REQUIRE(success->panels.size() == 4);  // the baseline and three others, the baseline and the last one
+  CHECK(success->caption == "8 runs of each strategy; bands: 95 % Wilson interval of the share.");
+  for (const draw::Panel& panel : success->panels) {
+    REQUIRE(panel.series.size() >= 2);
+    CHECK(panel.series.front().name == "connect");
+    CHECK(*panel.series.front().colour == draw::palette::baseline);
+    for (const draw::Series& series : panel.series) {
+      CHECK(series.x.size() == series.y.size() + 1);
+      CHECK(series.lo.size() == series.y.size());
+      CHECK(std::is_sorted(series.x.begin(), series.x.end()));
+      CHECK(std::is_sorted(series.y.begin(), series.y.end()));
+      CHECK(series.y.front() == 0.0);
+    }
+  }
+  CHECK_FALSE(length_figure(data, "connect", 0));
+  const auto length = length_figure(anytime({{{100, 14.0}, {300, 11.0}}, {{200, 13.0}}}), "rrt", 0);
+  REQUIRE(length);
+  CHECK(length->panels.size() == 2);
+  CHECK(length->panels[0].series.size() == 1);
+  // Where no run found a path there is nothing to draw.
+  CHECK_FALSE(success_figure(anytime({{}, {}}), "rrt", 0));
+  for (std::size_t i = 0; i < data.strategies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      CHECK_FALSE(strategy_colour(data, "connect", i) == strategy_colour(data, "connect", j));
+    }
+  }
+}
+
+TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto all = ratio_figure(data, "connect");
+  REQUIRE(all);
+  CHECK(all->rows.size() == 4);
+  CHECK(all->rows[0].panels[0].size() == 2);
+  CHECK(all->caption.find("over 8 pairs of runs") != std::string::npos);
+  const auto one = ratio_figure(data.on(1), "connect");
+  REQUIRE(one);
+  REQUIRE(one->rows[0].panels[0].size() == 1);
+  // "rrt" costs four times as much on every seed.
+  CHECK(one->rows[0].panels[0][0].value == 4.0);
+  CHECK(one->rows[0].panels[0][0].text == "4.00 [4.00, 4.00]");
+  CHECK_FALSE(ratio_figure(data, ""));
+}
+
+TEST_CASE("the costs of an experiment are those of its document", "[report][costs]") {
+  const auto [experiment, result] = fixture::passage();
+  CostData read;
+  read.add(report_json(experiment, result, ""), "results.json");
+  const CostData made = cost_data(experiment, result);
+  CHECK(made.baseline == "rrt");
+  REQUIRE(made.runs.size() == read.runs.size());
+  for (std::size_t i = 0; i < made.runs.size(); ++i) {
+    CHECK(made.runs[i].strategy == read.runs[i].strategy);
+    CHECK(made.runs[i].seed == read.runs[i].seed);
+    CHECK(made.runs[i].solved == read.runs[i].solved);
+    CHECK(made.runs[i].checks == read.runs[i].checks);
+    CHECK(made.runs[i].improvements.size() == read.runs[i].improvements.size());
+  }
+}
+
+TEST_CASE("figures for papers have a column's width and their titles in a file of their own", "[report][costs]") {
+  const fixture::Folder folder;
+  const auto path = [&](const std::string& name) { return folder.path() / name; };
+  const auto figure = success_figure(two_worlds(), "connect", 0);
+  REQUIRE(figure);
+  write_figure(*figure, {}, path("screen").string());
+  write_figure(*figure, {.width = 240.0, .titles = false}, path("paper").string());
+  write_figure(*figure, {.width = 240.0, .titles = false, .typeface = draw::Typeface::serif}, path("serif").string());
+  CHECK_FALSE(std::filesystem::exists(path("screen.txt")));
+  CHECK(fixture::read(path("paper.txt")) == figure->title + "\n\n" + figure->caption + "\n");
+  CHECK(fixture::read(path("paper.svg")).find("width=\"240") != std::string::npos);
+  CHECK(fixture::read(path("serif.svg")) != fixture::read(path("paper.svg")));
+  fixture::check_pictures(folder);
 }

@@ -9,8 +9,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/figures.hpp>
+#include <trellis/report/figures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
 
 #include "report_fixture.hpp"
 #include "report_folder.hpp"
@@ -33,11 +35,14 @@ void add_profiles(ExperimentResult& result) {
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) {
       if (!level.own) continue;
-      for (Efficiency* e : {&level.own->tree, &level.own->expansion}) {
-        if (std::isnan(e->value)) continue;
+      for (Efficiency* e : {&level.own->tree, &level.own->expansion, level.root ? &level.root->tree : nullptr,
+                            level.root ? &level.root->expansion : nullptr}) {
+        if (e == nullptr || std::isnan(e->value)) continue;
         e->along.length = 12.0;
         e->along.target = {0.3, 0.3, 0.4};
         e->along.samples = {0.5, 0.5, 0.0};
+        e->parts.mass = 0.8 * std::max(e->value, 0.0);
+        e->parts.spread = 0.2 * std::max(e->value, 0.0);
         e->along.divergence = 0.5;
         e->along.empty_share = 0.4;
       }
@@ -69,7 +74,9 @@ TEST_CASE("every strategy that was scored has its pictures in a folder of its ow
   write_figures(experiment, result, folder.path().string());
   Files expected;
   for (const char* strategy : {"rrt", "nested"}) {
-    for (const char* picture : {"waterfall", "profile"}) {
+    for (const std::string picture : {"waterfall", "profile", "strip", "plane"}) {
+      // A strategy without guides has one level, and no plane.
+      if (picture == "plane" && strategy == std::string("rrt")) continue;
       for (const char* format : {"svg", "png", "pdf"}) {
         expected.insert(std::string("simple_passage/") + strategy + "/" + picture + "." + format);
       }
@@ -155,9 +162,92 @@ TEST_CASE("nothing is drawn of what was not scored", "[report][figures]") {
     result.runs[1].levels[0].root->tree = fixture::no_figure(not_a_number);
     const Folder folder;
     write_figures(experiment, result, folder.path().string());
-    CHECK(folder.files().size() == 12);
+    CHECK(folder.files().size() == 21);
     check_pictures(folder);
   }
+}
+
+TEST_CASE("the plane has a point for each level and an arrow to each from what guides it", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  add_profiles(result);
+  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "nested"));
+  const auto figure = strategy_figures("simple_passage", "nested", summary).plane;
+  REQUIRE(figure);
+  REQUIRE(figure->panels.size() == 2);
+  const draw::Panel& tree = figure->panels[0];
+  std::vector<std::string> names;
+  for (const draw::Series& series : tree.series) names.push_back(series.name);
+  CHECK(names == std::vector<std::string>{"uniform sampling", "0 root", "1 lazy()", "2 shrink(0.5)", "3 skeleton()"});
+  for (std::size_t i = 0; i < 4; ++i) {
+    const draw::Series& point = tree.series[i + 1];
+    const Figure& lifted = summary.levels[i].root.tree;
+    CHECK(point.x.front() == Approx(lifted.uniform.value - lifted.mass_part.value));
+    CHECK(point.y.front() == Approx(-lifted.spread_part.value));
+    CHECK(point.x_lo.front() <= point.x.front());
+    CHECK(point.lo.front() <= point.y.front());
+    CHECK(*point.colour == draw::palette::level(i));
+  }
+  REQUIRE(tree.connectors.size() == 4);
+  const auto leads = [&](std::size_t arrow, std::size_t from, std::size_t to) {
+    const draw::Connector& c = tree.connectors[arrow];
+    return c.arrow && c.from == draw::Point{tree.series[from].x[0], tree.series[from].y[0]} &&
+           c.to == draw::Point{tree.series[to].x[0], tree.series[to].y[0]};
+  };
+  CHECK(leads(0, 0, 4));
+  CHECK(leads(1, 4, 3));
+  CHECK(leads(2, 3, 2));
+  CHECK(leads(3, 2, 1));
+  CHECK(figure->caption.find("means over 15 runs") != std::string::npos);
+  // The skeleton proposes nothing: three levels and uniform sampling.
+  CHECK(figure->panels[1].series.size() == 4);
+}
+
+TEST_CASE("strips have the shares of the profile, a strip for each level and role", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  add_profiles(result);
+  const RunsSummary summary = summarise(select_runs(result, "simple_passage", "nested"));
+  const auto figure = strategy_figures("simple_passage", "nested", summary).strip;
+  REQUIRE(figure);
+  REQUIRE(figure->strips.size() == 7);
+  CHECK(figure->strips[0].name == "root: tree");
+  CHECK(figure->strips[6].name == "skeleton(): tree");
+  for (const draw::Strip& strip : figure->strips) {
+    REQUIRE(strip.share.size() == 3);
+    CHECK(strip.share[0] == Approx(0.5));
+    CHECK(strip.share[2] == 0.0);
+    CHECK(strip.target[2] == Approx(0.4));
+  }
+  CHECK(figure->caption.find("Means over") != std::string::npos);
+}
+
+TEST_CASE("waterfalls side by side have one scale, which ends beyond perfect guidance", "[report][figures]") {
+  auto [experiment, result] = fixture::passage();
+  const RunsSummary nested = summarise(select_runs(result, "simple_passage", "nested"));
+  const RunsSummary plain = summarise(select_runs(result, "simple_passage", "rrt"));
+  // One strategy with guides has nothing to stand beside.
+  CHECK_FALSE(waterfalls_figure("simple_passage", {{"rrt", &plain}, {"nested", &nested}}));
+  RunsSummary other = nested;
+  other.levels[0].root.tree.perfect.value = 0.05;
+  const auto figure = waterfalls_figure("simple_passage", {{"a", &nested}, {"rrt", &plain}, {"b", &other}});
+  REQUIRE(figure);
+  REQUIRE(figure->panels.size() == 4);
+  CHECK(figure->panels[0].title == "a\ntree");
+  CHECK(figure->panels[3].title == "b\nexpansion");
+  CHECK(figure->share_y);
+  for (const draw::Panel& panel : figure->panels) {
+    REQUIRE(panel.y.lo);
+    REQUIRE(panel.y.hi);
+    CHECK(*panel.y.lo == *figure->panels[0].y.lo);
+    CHECK(*panel.y.hi == *figure->panels[0].y.hi);
+    CHECK(*panel.y.hi > 2.41 - 0.05);
+  }
+}
+
+TEST_CASE("names of levels are shortened to what tells them apart", "[report][figures]") {
+  CHECK(short_level("lazy()", 14) == "lazy()");
+  CHECK(short_level("shrink { 0.6666666666, keep_tree = true }", 14) == "shrink(0.667)");
+  CHECK(short_level("skeleton { follow = \"regions\" }", 14) == "skeleton");
+  CHECK(short_level("a_function_of_a_script", 14) == "a_function_of_a_script");
 }
 
 TEST_CASE("a mixture has a waterfall for each way to the root", "[report][figures]") {

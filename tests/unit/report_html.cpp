@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The page as a file. What a browser makes of it is tested in tests/browser.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -10,6 +13,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/draw/palette.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"
@@ -108,6 +112,8 @@ std::vector<double> coordinates(const std::string& base64, const Space& space) {
 void forget_times(ExperimentResult& result) {
   for (auto& run : result.runs) {
     run.run.seconds = 0.0;
+    run.cpu_seconds = 0.0;
+    for (auto& improvement : run.run.improvements) improvement.cpu_seconds = 0.0;
     for (auto& level : run.levels) level.record.search.seconds = 0.0;
   }
 }
@@ -157,10 +163,13 @@ TEST_CASE("the page is one file, well formed, and asks nobody for anything", "[r
   CHECK(html.find("checks by") > nested);
   CHECK(html.find("guided proposals", nested) != std::string::npos);
   CHECK(html.find(" proposals\">", nested) != std::string::npos);
-  for (const char* id : {"data", "run-0", "run-3", "figures-0-0", "figures-0-1"}) {
+  for (const char* id : {"data", "run-0", "run-3", "figures-0-0", "figures-0-1", "comparison-0"}) {
     CAPTURE(id);
     CHECK(Json::accept(script(html, id)));
   }
+  // Success and ratios; one strategy with guides has no waterfalls beside it.
+  CHECK(Json::parse(script(html, "comparison-0")).size() == 2);
+  CHECK(html.find("<th rowspan=\"2\" scope=\"col\">verdict</th>", nested) != std::string::npos);
 }
 
 TEST_CASE("the page holds the records", "[report][html]") {
@@ -410,4 +419,29 @@ TEST_CASE("unsolved runs, levels without samples and unmeasured experiments have
 
   Experiment nothing;
   CHECK(fault(report_html(nothing, {})).empty());
+}
+
+TEST_CASE("the page warns as the printed report does, and says why levels were solved again", "[report][html]") {
+  auto [experiment, result] = fixture::passage();
+  CHECK(report_html(experiment, result).find("costs more validity checks") == std::string::npos);
+  for (RunResult& run : result.runs) {
+    if (run.strategy == "nested") run.run.validity_checks *= 100;
+  }
+  result.runs[16].levels[2].record.resolves.rejections = 2;
+  const std::string html = report_html(experiment, result);
+  CHECK(fault(html).empty());
+  const std::size_t list = html.find("<ul id=\"warnings\"");
+  REQUIRE(list != std::string::npos);
+  CHECK(html.find("warning: nested costs more validity checks than rrt", list) != std::string::npos);
+  CHECK(html.find("rrt: 1 unsolved", list) != std::string::npos);
+  CHECK(html.find("shrink(0.5): solved again 2 times: C rejected guided proposals (2)") != std::string::npos);
+  // The level's colours on the page are those of the figures.
+  for (std::size_t i = 0; i < draw::palette::levels.size(); ++i) {
+    const draw::Colour colour = draw::palette::level(i);
+    const auto byte = [](double part) { return static_cast<unsigned>(std::lround(255.0 * part)); };
+    const std::string expected =
+        fmt::format("--level-{}: #{:02x}{:02x}{:02x}", i, byte(colour.r), byte(colour.g), byte(colour.b));
+    CAPTURE(expected);
+    CHECK(html.find(expected) != std::string::npos);
+  }
 }

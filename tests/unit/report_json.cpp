@@ -190,3 +190,67 @@ TEST_CASE("JSON stays valid whatever the names and figures", "[report][json]") {
   CHECK(document.at("runs").at(0).at("length").is_null());
   CHECK(document.at("script") == "\xEF\xBF\xBD\"\n.lua");
 }
+
+TEST_CASE("JSON has the verdicts and warnings of the printed report", "[report][json]") {
+  auto [experiment, result] = fixture::passage();
+  // A guide that costs more than none, and fails.
+  for (RunResult& run : result.runs) {
+    if (run.strategy == "nested") run.run.validity_checks *= 100;
+  }
+  result.runs[20].run.solved = false;
+  result.runs[20].run.status = Status::budget_spent;
+  Resolves& resolves = result.runs[16].levels[2].record.resolves;
+  resolves.rejections = 2;
+  resolves.invalid_path = 1;
+  resolves.exhausted = true;
+  result.runs[16].run.improvements = {{120, 0.5, 14.0}, {300, 0.75, 12.5}};
+  const json document = json::parse(report_json(experiment, result, ""));
+  const std::string printed = report_text(experiment, result, 100, ReportKind::overview);
+  const auto one_line = [](std::string text) {
+    std::string out;
+    for (const char c : text) {
+      if (c == '\n' || c == ' ') {
+        if (!out.ends_with(' ')) out += ' ';
+      } else {
+        out += c;
+      }
+    }
+    return out;
+  };
+
+  REQUIRE(document.at("warnings").size() == 1);
+  CHECK(document.at("warnings").at(0).at("problem") == "simple_passage");
+  const auto warning = document.at("warnings").at(0).at("text").get<std::string>();
+  CHECK(warning.find("nested costs more validity checks than rrt") == 0);
+  CHECK(one_line(printed).find("warning: " + warning) != std::string::npos);
+
+  const json& nested = document.at("summary").at(1);
+  REQUIRE(nested.at("strategy") == "nested");
+  const auto unsolved = nested.at("unsolved_reasons").get<std::string>();
+  CHECK(one_line(printed).find("nested: " + unsolved) != std::string::npos);
+  CHECK(nested.at("levels").at(0).at("verdict").is_null());
+  for (std::size_t i = 1; i < 4; ++i) {
+    const json& verdict = nested.at("levels").at(i).at("verdict");
+    std::string text = verdict.at("verdict");
+    if (!verdict.at("reason").is_null()) text += " (" + verdict.at("reason").get<std::string>() + ")";
+    CAPTURE(i, text);
+    const std::string level = nested.at("levels").at(i).at("name");
+    const std::size_t row = printed.find("└ " + level);
+    REQUIRE(row != std::string::npos);
+    const std::string line = printed.substr(row, printed.find('\n', row) - row);
+    CHECK(line.ends_with(text));
+  }
+  CHECK(document.at("summary").at(0).at("unsolved_reasons").is_string());
+
+  const json& level = document.at("runs").at(16).at("levels").at(2);
+  CHECK(level.at("resolved_for").at("rejections") == 2);
+  CHECK(level.at("resolved_for").at("invalid_path") == 1);
+  CHECK(level.at("resolved_for").at("changed_world") == 0);
+  CHECK(level.at("exhausted") == true);
+  CHECK(level.at("limit_reached") == false);
+  CHECK(nested.at("levels").at(2).at("resolved_for").at("rejections") == 2);
+  CHECK(nested.at("levels").at(2).at("exhausted_runs") == 1);
+  const json& improvements = document.at("runs").at(16).at("improvements");
+  REQUIRE(improvements.size() == 2);
+  CHECK(improvements.at(1) == json({{"checks", 300}, {"cpu_s", 0.75}, {"length", 12.5}}));
+}

@@ -289,3 +289,23 @@ TEST_CASE("every word of the overview is explained", "[report]") {
     CHECK(std::count(known.begin(), known.end(), word) == 1);
   }
 }
+
+TEST_CASE("the report of levels says why a level was solved again", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  const auto levels = [&, &experiment = experiment, &result = result] {
+    return report_text(experiment, result, 200, ReportKind::levels);
+  };
+  CHECK_FALSE(has(levels(), "solved again"));
+  std::size_t runs = 0;
+  for (RunResult& run : result.runs) {
+    if (run.strategy != "nested") continue;
+    run.levels[2].record.resolves.invalid_path = 1;
+    if (++runs <= 3) run.levels[2].record.resolves.rejections = 2;
+    run.levels[2].record.resolves.exhausted = runs == 1;
+    run.levels[3].record.resolves.limit_reached = runs <= 2;
+  }
+  CHECK(has(levels(),
+            "shrink(0.5): solved again 21 times: its path proved invalid in C (15), C rejected guided proposals (6); "
+            "the search found no other path in 1 run"));
+  CHECK(has(levels(), "skeleton(): its path was refuted and its limit of re-solves was reached in 2 runs"));
+}

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include <trellis/measure/efficiency.hpp>
+#include <trellis/report/latex.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
@@ -125,4 +128,72 @@ TEST_CASE("an experiment that measured nothing has tables of what it knows", "[r
     for (LevelResult& level : run.levels) level.own = level.root = level.own_cross = level.root_cross = std::nullopt;
   }
   CHECK(report_markdown(experiment, result).find("NA<br>NA") != std::string::npos);
+}
+
+TEST_CASE("no table prints a divergence below what is possible, but its bound", "[report]") {
+  auto [experiment, result] = fixture::passage();
+  for (RunResult& run : result.runs) {
+    LevelResult& root = run.levels.front();
+    if (!root.root) continue;
+    for (Efficiency* e : {&root.root->tree, &root.root->expansion}) {
+      // Estimates below the mass bound, as nearest neighbours give them: SE is at least 0.3 in every run.
+      e->estimator = "knn";
+      e->value = -0.4;
+      e->undefended = -0.2;
+      e->mass_lower95 = 0.35;
+      e->perfect = 0.05;
+      e->gain = e->uniform - e->value;
+      e->parts = {.mass = 0.6, .spread = -1.0};
+      e->js = -0.1;
+    }
+    root.own = root.root;
+  }
+  const double least = least_value(result.runs.front().levels.front().root->tree);
+  REQUIRE(least > 0.0);
+  const std::string text = report_markdown(experiment, result);
+  CHECK(text.find("-0.40") == std::string::npos);
+  CHECK(text.find("-1.00") == std::string::npos);
+  char bound[32];
+  std::snprintf(bound, sizeof bound, "≥ %.2f<br>≥ %.2f", least, least);
+  CHECK(text.find(bound) != std::string::npos);
+  CHECK(text.find("≥ 0.35<br>≥ 0.35") != std::string::npos);  // D
+  std::snprintf(bound, sizeof bound, "≤ %.2f", 2.41 - least);
+  CHECK(text.find(bound) != std::string::npos);  // above uniform
+  for (const std::string& line : lines_of(report_csv(experiment, result))) {
+    const bool divergence = line.find(",SE,") != std::string::npos || line.find(",D,") != std::string::npos ||
+                            line.find(",spread,") != std::string::npos || line.find(",JS,") != std::string::npos;
+    if (divergence) CHECK(line.find(",-") == std::string::npos);
+  }
+}
+
+TEST_CASE("tables in LaTeX have the rules of booktabs and as many cells in each row", "[report][golden]") {
+  const auto [experiment, result] = published();
+  const std::string text = latex(report_markdown(experiment, result));
+  test::check_golden("table.tex", text);
+  const auto count = [&](const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+  };
+  CHECK(count("\\toprule") > 5);
+  CHECK(count("\\toprule") == count("\\midrule"));
+  CHECK(count("\\toprule") == count("\\bottomrule"));
+  CHECK(count("\\begin{tabular}") == count("\\end{tabular}"));
+  std::size_t columns = 0;
+  for (const std::string& line : lines_of(text)) {
+    if (line.starts_with("\\begin{tabular}{")) columns = line.size() - std::string("\\begin{tabular}{}").size();
+    if (line.starts_with("\\end{tabular}")) columns = 0;
+    if (columns == 0 || !line.ends_with(" \\\\")) continue;
+    std::size_t cells = 1;
+    for (std::size_t i = 1; i < line.size(); ++i) cells += line[i] == '&' && line[i - 1] != '\\' ? 1 : 0;
+    INFO(line);
+    CHECK(cells == columns);
+  }
+}
+
+TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[report]") {
+  const std::string text = latex("# 5 % of `a_b` & c\n\n| x\\|y | **no** |\n|---|---|\n| 1<br>2 | ± {3} |\n");
+  CHECK(text.find("\\section*{5 \\% of \\texttt{a\\_b} \\& c}") != std::string::npos);
+  CHECK(text.find("x$|$y & \\textbf{no} \\\\\n\\midrule") != std::string::npos);
+  CHECK(text.find("\\shortstack[r]{1 \\\\ 2} & $\\pm$ \\{3\\} \\\\") != std::string::npos);
 }

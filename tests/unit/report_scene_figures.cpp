@@ -102,6 +102,16 @@ TEST_CASE("every strategy has a picture of its samples, and guides have theirs",
       CHECK_FALSE(same);
     }
   }
+  SECTION("a scale bar where it is asked for") {
+    const Folder scaled;
+    FigureStyle style;
+    style.scale_bar = true;
+    write_scene_figures(experiment, result, scaled.path().string(), {.style = style});
+    CHECK(scaled.files() == folder.files());
+    const std::string file = "simple_passage/rrt/samples.svg";
+    CHECK(read(scaled.path() / file).size() > read(folder.path() / file).size());
+    check_pictures(scaled);
+  }
   SECTION("the target's points are those that the runs were scored on") {
     for (const RunResult& run : result.runs) {
       REQUIRE(run.run.solved);

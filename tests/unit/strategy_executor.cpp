@@ -34,6 +34,11 @@ bool same(const Configurations& a, const Configurations& b) {
 
 ConvexShape rectangle_polygon(const Box2& box) { return Polygon{rectangle_vertices(box)}; }
 
+std::uint64_t resolves(const LevelRecord& level) {
+  const Resolves& of = level.resolves;
+  return of.invalid_path + of.rejections + of.lost_place + of.presumed_valid + of.changed_world + of.further_path + of.finer_check;
+}
+
 void check_run(const Problem& problem, const RunRecord& run) {
   std::uint64_t checks = 0;
   for (const auto& level : run.levels) {
@@ -42,10 +47,17 @@ void check_run(const Problem& problem, const RunRecord& run) {
     CHECK(level.root_proposals.size() == level.search.proposals.size());
     for (std::size_t i = 0; i < level.root_nodes.size(); i += 17) CHECK(problem.space.contains(level.root_nodes[i]));
     for (const auto source : level.search.proposal_sources) REQUIRE(source < level.search.sources.size());
+    // Each solve after the first one has a reason.
+    CAPTURE(level.name);
+    CHECK(std::max<std::uint64_t>(level.solves, 1) == 1 + resolves(level));
   }
   CHECK(checks == run.validity_checks);
   if (!run.solved) return;
   const auto checker = make_planar_checker(problem.scene, problem.space, problem.resolution);
+  REQUIRE_FALSE(run.improvements.empty());
+  // A guide may raise the cost of edges: the path of least cost is then not the shortest one.
+  CHECK(run.improvements.back().length <= run.length * (1.0 + 1e-12));
+  CHECK(run.improvements.back().validity_checks <= run.validity_checks);
   CHECK(problem.space.distance(run.path.front(), problem.start) == 0.0);
   CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
   for (std::size_t i = 1; i < run.path.size(); ++i) CHECK(checker->motion(run.path[i - 1], run.path[i]).valid);
@@ -308,6 +320,61 @@ TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
   const auto run = execute(weak >> rrt(), test::cup_problem(), 1);
   CHECK(run.solved);
   CHECK(run.levels[1].solution.status == Status::budget_spent);
+}
+
+TEST_CASE("a level that is solved again says why", "[executor][resolves]") {
+  Resolves all;
+  bool exhausted = false;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    for (const auto& problem : {test::cup_problem(), test::simple_passage_problem()}) {
+      for (const auto& strategy : {guide("shrink", {{"evidence", std::int64_t{5}}}) >> rrt(),
+                                   guide("skeleton") >> guide("lazy") >> rrt(), guide("drop") >> rrt()}) {
+        const auto run = execute(strategy, problem, seed);
+        for (const LevelRecord& level : run.levels) {
+          CAPTURE(level.name, seed);
+          CHECK(level.solves == 1 + resolves(level));
+          all.invalid_path += level.resolves.invalid_path;
+          all.rejections += level.resolves.rejections;
+          all.changed_world += level.resolves.changed_world;
+          exhausted = exhausted || level.resolves.exhausted;
+        }
+        // Nothing asks the root for another solve.
+        CHECK(resolves(run.levels.front()) == 0);
+      }
+    }
+  }
+  CHECK(all.invalid_path > 0);
+  CHECK(all.rejections > 0);
+}
+
+TEST_CASE("a path that is refuted when no re-solve is left says so", "[executor][resolves]") {
+  bool reached = false;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const auto run = execute(guide("shrink", {{"evidence", std::int64_t{1}}, {"resolves", std::int64_t{0}}}) >> rrt(),
+                             test::simple_passage_problem(), seed);
+    CHECK(run.levels[1].solves == 1);
+    reached = reached || run.levels[1].resolves.limit_reached;
+  }
+  CHECK(reached);
+}
+
+TEST_CASE("a run records each shorter path with what it cost", "[executor][anytime]") {
+  const auto star = PlannerSpec::make("rrt_star", {{"improve", std::int64_t{2000}}});
+  std::size_t most = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const auto run = execute(StrategySpec(star), test::cup_problem(), seed);
+    REQUIRE(run.solved);
+    REQUIRE_FALSE(run.improvements.empty());
+    most = std::max(most, run.improvements.size());
+    for (std::size_t i = 1; i < run.improvements.size(); ++i) {
+      CHECK(run.improvements[i].length < run.improvements[i - 1].length);
+      CHECK(run.improvements[i].validity_checks >= run.improvements[i - 1].validity_checks);
+      CHECK(run.improvements[i].cpu_seconds >= run.improvements[i - 1].cpu_seconds);
+    }
+    CHECK(run.improvements.back().length == Approx(run.length));
+    CHECK(run.improvements.back().cpu_seconds <= run.cpu_seconds);
+  }
+  CHECK(most > 1);
 }
 
 TEST_CASE("a sequence gives each space a turn and informs the next", "[executor][sequence]") {

@@ -27,7 +27,7 @@ namespace trellis::draw {
 
 namespace {
 
-constexpr const char* typeface = "DejaVu Sans";
+thread_local Typeface current_typeface = Typeface::sans;
 /// Cairo's coordinates have 24 bits before the point.
 constexpr double farthest = 4e6;
 constexpr double largest_png = 32767.0;
@@ -71,9 +71,10 @@ Owned<cairo_font_options_t> unhinted() {
   return options;
 }
 
-Owned<cairo_font_face_t> face(const Font& font) {
+Owned<cairo_font_face_t> face(const Font& font, Typeface typeface) {
+  const char* name = typeface == Typeface::serif ? "DejaVu Serif" : "DejaVu Sans";
   return Owned<cairo_font_face_t>(
-      cairo_toy_font_face_create(typeface, font.italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,
+      cairo_toy_font_face_create(name, font.italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,
                                  font.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL));
 }
 
@@ -112,6 +113,9 @@ std::size_t whole(double length, double scale) {
 }
 
 }  // namespace
+
+TypefaceScope::TypefaceScope(Typeface typeface) : before_(std::exchange(current_typeface, typeface)) {}
+TypefaceScope::~TypefaceScope() { current_typeface = before_; }
 
 Transform Transform::rotate(double degrees) {
   const double angle = degrees * std::numbers::pi / 180.0;
@@ -196,7 +200,7 @@ Path Path::mapped(const Transform& by) const {
 TextExtents text_extents(std::string_view text, const Font& font) {
   require(font);
   const auto options = unhinted();
-  const auto used = face(font);
+  const auto used = face(font, current_typeface);
   cairo_matrix_t size;
   cairo_matrix_t identity;
   cairo_matrix_init_scale(&size, font.size, font.size);
@@ -294,7 +298,8 @@ void Canvas::text(std::string_view text, Point at, const TextStyle& style) {
     case Stand::baseline: break;
     case Stand::bottom: offset.y = -extents.descent; break;
   }
-  commands_.emplace_back(Text{clean_text(text), placed, offset, style.angle, style.font, style.colour});
+  commands_.emplace_back(
+      Text{clean_text(text), placed, offset, style.angle, style.font, current_typeface, style.colour});
 }
 
 Canvas::Scope Canvas::clip(const Path& path, FillRule rule) {
@@ -346,7 +351,7 @@ class Canvas::Player {
 
   void operator()(const Text& text) {
     cairo_save(to_.get());
-    const auto used = face(text.font);
+    const auto used = face(text.font, text.typeface);
     cairo_set_font_face(to_.get(), used.get());
     cairo_set_font_size(to_.get(), text.font.size);
     cairo_translate(to_.get(), text.at.x, text.at.y);

@@ -86,7 +86,24 @@ struct Pen {
   Join join = Join::round;
 };
 
-/// The one typeface of all pictures (DejaVu Sans), in the size of its em.
+/// DejaVu Sans and DejaVu Serif.
+enum class Typeface : std::uint8_t { sans, serif };
+
+/// All text that this thread measures and draws while the object lives is set in its typeface; in sans without one.
+class TypefaceScope {
+ public:
+  explicit TypefaceScope(Typeface typeface);
+  ~TypefaceScope();
+  TypefaceScope(const TypefaceScope&) = delete;
+  TypefaceScope(TypefaceScope&&) = delete;
+  TypefaceScope& operator=(const TypefaceScope&) = delete;
+  TypefaceScope& operator=(TypefaceScope&&) = delete;
+
+ private:
+  Typeface before_;
+};
+
+/// Size of the em, and the style; the typeface is that of the scope.
 struct Font {
   double size = 8.0;
   bool bold = false;
@@ -198,6 +215,7 @@ class Canvas {
     Point offset;  ///< of the baseline's left end, before turning
     double angle;
     Font font;
+    Typeface typeface;
     Colour colour;
   };
   struct Clip {

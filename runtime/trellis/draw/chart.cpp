@@ -286,6 +286,9 @@ class Plot {
         extent.add(x - half, panel.x.scale);
         extent.add(x + half, panel.x.scale);
       }
+      for (const auto* ends : {&s.x_lo, &s.x_hi}) {
+        for (const double x : *ends) extent.add(x, panel.x.scale);
+      }
       tight = tight && s.kind != Series::Kind::points && (!bars || half > 0.0);
     }
     return extent.fitted(panel.x.scale, tight ? 0.0 : 0.04);
@@ -353,10 +356,21 @@ class Plot {
         throw Fault("panels that share an axis have other scales or categories");
       }
       cells_[p].x = x_extent(panel);
-      cells_[p].y = with_texts(y_extent(panel), panel, std::max(width, least_width));
+      cells_[p].y = y_extent(panel);
       all_x.add(cells_[p].x);
       all_y.add(cells_[p].y);
     }
+    // The room for texts is a share of the axis, so it is added once the axis has its ends.
+    const double text_width = std::max(width, least_width);
+    Extent with_room = all_y;
+    for (std::size_t p = 0; p < cells_.size(); ++p) {
+      if (figure_.share_y) {
+        with_room.add(with_texts(all_y, figure_.panels[p], text_width));
+      } else {
+        cells_[p].y = with_texts(cells_[p].y, figure_.panels[p], text_width);
+      }
+    }
+    all_y = with_room;
     for (std::size_t p = 0; p < cells_.size(); ++p) {
       Cell& cell = cells_[p];
       if (figure_.share_x) cell.x = all_x;

@@ -18,7 +18,7 @@ namespace trellis::draw {
 /// legend explains. Vectors that belong together are equally long, else Fault.
 
 enum class Dash : std::uint8_t { solid, dashed, dotted };
-enum class Marker : std::uint8_t { circle, square, diamond, cross };
+enum class Marker : std::uint8_t { circle, square, diamond, cross, ring };
 
 struct Axis {
   std::string label{};
@@ -38,6 +38,8 @@ struct Series {
   std::vector<double> y{};
   std::vector<double> lo{};  ///< the interval; empty: none
   std::vector<double> hi{};
+  std::vector<double> x_lo{};  ///< of points: the interval of x; empty: none
+  std::vector<double> x_hi{};
   std::vector<double> base{};       ///< of bars: where each begins; empty: 0
   std::vector<std::string> text{};  ///< of bars: printed above each; empty: none
   std::optional<Colour> colour{};   ///< else the palette's next
@@ -55,10 +57,11 @@ struct Reference {
   Colour colour = palette::muted;
 };
 
-/// A thin line between two places of the panel.
+/// A thin line between two places of the panel, or an arrow that ends beside the marker at `to`.
 struct Connector {
   Point from{};
   Point to{};
+  bool arrow = false;
 };
 
 /// A stretch of the x axis, over the panel's height.

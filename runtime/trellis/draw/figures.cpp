@@ -118,14 +118,14 @@ Figure waterfall(const Waterfall& waterfall) {
 
 Figure profile(const Profile& profile) {
   Figure figure{.title = profile.title, .caption = profile.caption};
-  // One name has one colour in all panels. Blue and vermillion are gain and loss where the two pictures stand side by
-  // side, so that these begin behind them.
+  // One name has one colour in all panels.
   std::vector<std::string> names;
-  const auto colour_of = [&](const std::string& name) {
-    const auto at = std::find(names.begin(), names.end(), name);
+  const auto colour_of = [&](const ProfileSeries& series) {
+    if (series.colour) return *series.colour;
+    const auto at = std::find(names.begin(), names.end(), series.name);
     const auto index = static_cast<std::size_t>(at - names.begin());
-    if (at == names.end()) names.push_back(name);
-    return palette::nth(2 + index);
+    if (at == names.end()) names.push_back(series.name);
+    return palette::nth(index);
   };
   for (const auto& source : profile.panels) {
     Panel panel{.title = source.title};
@@ -144,7 +144,7 @@ Figure profile(const Profile& profile) {
     for (const auto& s : source.series) {
       if (s.share.size() != bins)
         throw Fault(fmt::format("a profile's series '{}' has other bins than its target", s.name));
-      const Colour colour = colour_of(s.name);
+      const Colour colour = colour_of(s);
       panel.series.push_back({.kind = Series::Kind::steps,
                               .name = s.name,
                               .x = source.edges,
@@ -168,7 +168,7 @@ Figure profile(const Profile& profile) {
                             .y = percent(source.target),
                             .colour = palette::target,
                             .dash = Dash::dashed,
-                            .width = 1.0});
+                            .width = 1.3});
     figure.panels.push_back(std::move(panel));
   }
   // Where nothing is missing the strips would be empty space.

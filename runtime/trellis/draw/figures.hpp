@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,7 @@ struct ProfileSeries {
   std::vector<double> share{};  ///< of the samples, per bin: the mean over the runs, as it is, not smoothed
   std::vector<double> lo{};     ///< its interval; empty: none
   std::vector<double> hi{};
+  std::optional<Colour> colour{};  ///< else one of the palette's, by name
 };
 
 struct ProfilePanel {

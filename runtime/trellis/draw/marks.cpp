@@ -97,7 +97,12 @@ class Marks {
       for (const auto& connector : panel_.connectors) {
         const Point from = place(connector.from.x, connector.from.y);
         const Point to = place(connector.to.x, connector.to.y);
-        if (known(from.x, from.y) && known(to.x, to.y)) canvas_.line(from, to, {palette::muted, 0.6});
+        if (!known(from.x, from.y) || !known(to.x, to.y)) continue;
+        if (connector.arrow) {
+          arrow_between(from, to);
+        } else {
+          canvas_.line(from, to, {palette::muted, 0.6});
+        }
       }
       for (const auto& reference : panel_.references) {
         if (std::isnan(reference.y) || frame_.y.beyond(reference.y) != 0) continue;
@@ -129,6 +134,21 @@ class Marks {
   }
 
   [[nodiscard]] Point place(double x, double y) const { return {frame_.x(x), frame_.y(y)}; }
+
+  /// From one marker to another, with room for both.
+  void arrow_between(Point from, Point to) {
+    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    constexpr double room = marker_radius + 1.2;
+    constexpr double head = 4.5;
+    if (length <= 2.0 * room + 1.0) return;
+    const Point along{(to.x - from.x) / length, (to.y - from.y) / length};
+    const auto at = [&](double back, double aside) {
+      return Point{to.x - along.x * (room + back) - along.y * aside, to.y - along.y * (room + back) + along.x * aside};
+    };
+    const double tail = std::min(head, length - 2.0 * room);
+    canvas_.line({from.x + along.x * room, from.y + along.y * room}, at(0.5 * tail, 0.0), {palette::muted, 0.8});
+    canvas_.fill(Path::polygon(std::array{at(0.0, 0.0), at(tail, 1.7), at(tail, -1.7)}), palette::muted);
+  }
 
   /// An arrow at the edge, across from `at`.
   void edge(Point at, int dx, int dy, const Colour& colour) {
@@ -292,12 +312,24 @@ class Marks {
     canvas_.line({x, from}, {x, to}, {colour, 0.8});
   }
 
+  /// The interval of x, of a point at a height; what lies outside of the frame is cut off.
+  void whisker_across(double y, double lo, double hi, const Colour& colour) {
+    if (!known(lo, hi) || lo == hi || y < frame_.plot.y - 1.0 || y > frame_.plot.bottom() + 1.0) return;
+    const double from = frame_.x.inside(lo);
+    const double to = frame_.x.inside(hi);
+    canvas_.line({from, y}, {to, y}, {colour, 0.8});
+    for (const double x : {from, to}) canvas_.line({x, y - cap_half}, {x, y + cap_half}, {colour, 0.8});
+  }
+
   void points_of(const Series& s, std::size_t index, const Places& at) {
     const double shift = at.shift(index);
     for (std::size_t i = 0; i < s.y.size(); ++i) {
       if (!known(s.x[i], s.y[i])) continue;
       if (frame_.x.beyond(s.x[i]) == 0 && has_interval(s)) {
         whisker(frame_.x(s.x[i]) + shift, nth(s.lo, i, s.y[i]), nth(s.hi, i, s.y[i]), *s.colour);
+      }
+      if (!s.x_lo.empty() || !s.x_hi.empty()) {
+        whisker_across(frame_.y(s.y[i]), nth(s.x_lo, i, s.x[i]), nth(s.x_hi, i, s.x[i]), *s.colour);
       }
       if (edge_of(s.x[i], s.y[i], shift, *s.colour, true)) continue;
       const Point p = place(s.x[i], s.y[i]);
@@ -447,7 +479,7 @@ void check(const Panel& panel) {
     const bool fits = s.x.size() == n + (steps && n > 0 ? 1 : 0) || (steps && n == 0 && s.x.size() <= 1);
     const auto optional = [n](std::size_t size) { return size == 0 || size == n; };
     if (!fits || !optional(s.lo.size()) || !optional(s.hi.size()) || !optional(s.base.size()) ||
-        !optional(s.text.size())) {
+        !optional(s.text.size()) || !optional(s.x_lo.size()) || !optional(s.x_hi.size())) {
       throw Fault(fmt::format("a chart's series '{}' has {} x, {} y, {} lo, {} hi, {} base, {} text", s.name,
                               s.x.size(), n, s.lo.size(), s.hi.size(), s.base.size(), s.text.size()));
     }
@@ -485,6 +517,10 @@ void marker(Canvas& canvas, Marker kind, Point at, const Colour& colour) {
     case Marker::diamond:
       shape(Path::polygon(std::array{Point{at.x, at.y - 1.3 * r}, Point{at.x + 1.3 * r, at.y},
                                      Point{at.x, at.y + 1.3 * r}, Point{at.x - 1.3 * r, at.y}}));
+      break;
+    case Marker::ring:
+      canvas.fill(Path::circle(at, r), palette::paper);
+      canvas.stroke(Path::circle(at, r - 0.3), {colour, 1.1});
       break;
     case Marker::cross: {
       const double d = 0.85 * r;

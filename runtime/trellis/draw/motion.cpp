@@ -232,11 +232,14 @@ class MotionPlot {
         outline(canvas, robot_paths(row.poses.front(), map), plot.grown(10.0));
       }
       if (count > 1) {
-        for (const Path& part : robot_paths(row.poses.back(), map)) canvas.fill(part, palette::paper);
+        for (const Path& part : robot_paths(row.poses.back(), map)) canvas.fill(part, goal_colour);
         outline(canvas, robot_paths(row.poses.back(), map), plot.grown(10.0));
       }
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
+    if (figure_.scale_bar && &row == &figure_.rows.front()) {
+      draw_scale_bar(canvas, plot, plot.width / figure_.world.width);
+    }
   }
 
   void draw_space(Canvas& canvas, const MotionRow& row, const Frame& frame) const {
@@ -256,8 +259,8 @@ class MotionPlot {
       for (const auto& piece : row.path) {
         canvas.stroke(Path::polyline(piece).mapped(map), {path_colour, path_width, {}, Cap::round});
       }
-      draw_end(canvas, map(figure_.start), true);
-      draw_end(canvas, map(figure_.goal), false);
+      draw_end(canvas, map(figure_.start), end_radius, true);
+      draw_end(canvas, map(figure_.goal), end_radius, false);
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
     draw_axes(canvas, plot, map);
@@ -272,11 +275,6 @@ class MotionPlot {
       const Path shade = cells(density, plot, [&](double v) { return v > root * root * most; });
       if (!shade.verbs().empty()) canvas.fill(shade, bias_colour.faded(shade_opacity));
     }
-  }
-
-  static void draw_end(Canvas& canvas, Point at, bool start) {
-    canvas.fill(Path::circle(at, end_radius), start ? start_colour : palette::paper);
-    canvas.stroke(Path::circle(at, end_radius), {palette::ink, 1.0});
   }
 
   void draw_axes(Canvas& canvas, const Rect& plot, const Transform& map) const {
@@ -311,7 +309,7 @@ class MotionPlot {
     switch (entry) {
       case Entry::start:
       case Entry::goal:
-        canvas.fill(Path::rectangle(box), entry == Entry::start ? start_colour : palette::paper);
+        canvas.fill(Path::rectangle(box), entry == Entry::start ? start_colour : goal_colour);
         outline(canvas, {Path::rectangle(box)}, box.grown(10.0));
         break;
       case Entry::between: pose(bias_colour); break;

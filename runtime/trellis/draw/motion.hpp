@@ -48,7 +48,8 @@ struct MotionFigure {
   Point start{};      ///< in the space
   Point goal{};
   std::vector<MotionRow> rows{};
-  double width = 504.0;  ///< points
+  double width = 504.0;    ///< points
+  bool scale_bar = false;  ///< in the first picture of the world: a length, in metres
 };
 
 /// Draws a figure on white. Its height is what its rows and texts need.

@@ -42,11 +42,19 @@ inline constexpr Colour frame = rgb(0x444444);
 inline constexpr Colour grid = rgb(0xE4E4E4);
 inline constexpr Colour shade = rgb(0xEBEBEB);  ///< a stretch of an axis that is marked
 
+// One thing has one colour in every figure.
 inline constexpr Colour total = rgb(0x9A9A9A);
-inline constexpr Colour gain = blue;
+inline constexpr Colour gain = green;
 inline constexpr Colour loss = vermillion;
 inline constexpr Colour rest = rgb(0xCFCFCF);
-inline constexpr Colour target = black;
+inline constexpr Colour target = orange;
+inline constexpr Colour tree = blue;
+inline constexpr Colour expansion = purple;
+inline constexpr Colour baseline = sky;
+
+/// Of the levels of a hierarchy, the root's first: those of the page (report.css, --level-0 to --level-3).
+inline constexpr std::array<Colour, 4> levels = {rgb(0x0072B2), rgb(0xB8588D), rgb(0x857500), rgb(0x4A4F55)};
+constexpr Colour level(std::size_t i) { return levels[i % levels.size()]; }
 
 /// For series without a colour of their own, in this order; the faint yellow is left out.
 inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, orange, purple, sky, black};

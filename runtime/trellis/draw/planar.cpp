@@ -256,6 +256,7 @@ class Plot {
       outline(canvas, goal, plot.grown(10.0));
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
+    if (figure_.scale_bar && p == 0) draw_scale_bar(canvas, plot, scale_);
     if (!panel.note.empty()) {
       const Font font{.size = 9.0, .italic = true};
       const std::string note = shorten(panel.note, plot.width - 6.0, font);
@@ -330,7 +331,7 @@ class Plot {
 }  // namespace
 
 Colour colour_of(Role role, RoleColours colours) {
-  constexpr std::array safe = {palette::vermillion, palette::blue, palette::purple, palette::green};
+  constexpr std::array safe = {palette::target, palette::tree, palette::expansion, palette::baseline};
   constexpr std::array paper = {rgb(0xE00000), rgb(0x0000E0), rgb(0x9B009B), rgb(0x008A00)};
   return (colours == RoleColours::safe ? safe : paper).at(static_cast<std::size_t>(role));
 }

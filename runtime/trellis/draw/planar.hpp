@@ -77,7 +77,8 @@ struct PlanarFigure {
   std::vector<PlanarPanel> panels{};
   std::size_t columns = 3;
   RoleColours colours = RoleColours::safe;
-  double width = 504.0;  ///< points
+  double width = 504.0;    ///< points
+  bool scale_bar = false;  ///< in the first panel: a length of the world, in metres
 };
 
 /// The area of a circle for each sample of the mean count, square metres; one scale for all layers of a panel. Nearly

@@ -72,8 +72,13 @@ class Plot {
     title_ = wrapped(figure_.title, figure_.width - 2.0 * border, title_font, 3);
     caption_ = wrapped(figure_.caption, figure_.width - 2.0 * border, caption_font, 40);
     std::vector<std::string> entries;
-    for (const RatioGroup& group : figure_.groups) entries.push_back(group.name);
-    entries.emplace_back("median of all worlds");
+    // A group alone needs no name.
+    if (figure_.groups.size() > 1) shown_ = figure_.groups.size();
+    for (std::size_t g = 0; g < shown_; ++g) entries.push_back(figure_.groups[g].name);
+    medians_ = std::any_of(figure_.rows.begin(), figure_.rows.end(), [](const RatioRow& row) {
+      return std::any_of(row.panels.begin(), row.panels.end(), [](const auto& dots) { return dots.size() > 1; });
+    });
+    if (medians_) entries.emplace_back("median of all problems");
     entries_ = flow(entries, figure_.width - 2.0 * border);
     double y = border + block_height(title_, title_font) + 4.0;
     legend_top_ = y;
@@ -102,16 +107,16 @@ class Plot {
 
   void legend(Canvas& canvas) const {
     const double middle = 0.5 * line_height(legend_font);
-    for (std::size_t g = 0; g <= figure_.groups.size(); ++g) {
+    for (std::size_t g = 0; g < shown_ + (medians_ ? 1 : 0); ++g) {
       const Point at{border + entries_.at[g].x, legend_top_ + entries_.at[g].y};
       const Point centre{at.x + 0.5 * swatch, at.y + middle};
-      if (g < figure_.groups.size()) {
+      if (g < shown_) {
         canvas.line({at.x + 1.0, centre.y}, {at.x + swatch - 1.0, centre.y}, whisker(figure_.groups[g]));
         dot(canvas, figure_.groups[g], centre);
         entry_name(canvas, figure_.groups[g].name, at);
       } else {
         canvas.line({centre.x, at.y}, {centre.x, at.y + 2.0 * middle}, {palette::ink, 1.6});
-        entry_name(canvas, "median of all worlds", at);
+        entry_name(canvas, "median of all problems", at);
       }
     }
   }
@@ -134,7 +139,7 @@ class Plot {
                 {panel_font, palette::ink, Align::left, Stand::bottom});
     lines(canvas, x);
     if (label_room_ > 0.0) {
-      canvas.text("largest", {x0 + panel_width_ - label_room_ + label_gap, top_ - 3.0},
+      canvas.text(figure_.texts, {x0 + panel_width_ - label_room_ + label_gap, top_ - 3.0},
                   {label_small, palette::muted, Align::left, Stand::bottom});
     }
     for (std::size_t r = 0; r < figure_.rows.size(); ++r) row(canvas, figure_.rows[r].panels[p], r, x);
@@ -156,6 +161,7 @@ class Plot {
 
   /// "cup 2.3"
   static std::string label_of(const RatioDot& dot) {
+    if (!dot.text.empty()) return dot.text;
     if (dot.label.empty()) return "";
     return dot.label + " " + number_text(dot.value, dot.value < 0.995 ? 2 : dot.value < 99.5 ? 1 : 0);
   }
@@ -177,7 +183,8 @@ class Plot {
   }
 
   void row(Canvas& canvas, const std::vector<RatioDot>& dots, std::size_t r, const marks::Scale& x) const {
-    const double y0 = row_top(r) + row_margin + 0.5 * lane;
+    const double lanes = lane * static_cast<double>(std::max<std::size_t>(figure_.groups.size(), 1));
+    const double y0 = row_top(r) + 0.5 * (row_ - lanes) + 0.5 * lane;
     std::vector<double> values;
     const RatioDot* largest = nullptr;
     for (const RatioDot& one : dots) {
@@ -203,6 +210,10 @@ class Plot {
       }
     }
     if (values.empty()) return;
+    if (values.size() == 1) {
+      label(canvas, *largest, y0, x);
+      return;
+    }
     std::sort(values.begin(), values.end());
     const std::size_t half = values.size() / 2;
     const double middle =
@@ -211,9 +222,13 @@ class Plot {
       canvas.line({x.inside(middle), row_top(r) + 1.5}, {x.inside(middle), row_top(r) + row_ - 1.5},
                   {palette::ink, 1.6});
     }
-    if (largest->label.empty()) return;
-    const double y = y0 + lane * static_cast<double>(largest->group);
-    canvas.text(label_of(*largest), {x.inside(std::numeric_limits<double>::max()) + label_gap, y},
+    label(canvas, *largest, y0, x);
+  }
+
+  static void label(Canvas& canvas, const RatioDot& largest, double y0, const marks::Scale& x) {
+    if (label_of(largest).empty()) return;
+    const double y = y0 + lane * static_cast<double>(largest.group);
+    canvas.text(label_of(largest), {x.inside(std::numeric_limits<double>::max()) + label_gap, y},
                 {label_small, palette::ink, Align::left, Stand::middle});
   }
 
@@ -222,6 +237,8 @@ class Plot {
   std::vector<std::string> title_;
   std::vector<std::string> caption_;
   LegendRows entries_;
+  std::size_t shown_ = 0;  ///< groups in the legend
+  bool medians_ = false;   ///< some row has several dots, and a median of them
   Extent extent_;
   double left_ = 0.0;
   double panel_width_ = 0.0;

@@ -24,6 +24,7 @@ struct RatioDot {
   double value = 1.0;     ///< infinity: an arrow at the right edge; 0: one at the left edge
   double lo = 1.0;        ///< its interval; NaN: none
   double hi = 1.0;
+  std::string text{};  ///< printed instead of the label and the value
 };
 
 struct RatioRow {
@@ -43,6 +44,7 @@ struct RatioFigure {
   std::string caption{};
   std::vector<std::string> panels{};  ///< their titles, side by side
   std::string x_label{};
+  std::string texts = "largest";  ///< above what is printed beside the rows
   std::vector<RatioGroup> groups{};
   std::vector<RatioRow> rows{};  ///< from the top
   std::vector<RatioLine> lines{};

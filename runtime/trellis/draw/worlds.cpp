@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/draw/worlds.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include <trellis/draw/page.hpp>
 
 namespace trellis::draw {
 
@@ -71,6 +76,28 @@ void outline(Canvas& canvas, const std::vector<Path>& paths, const Rect& page, s
   append(outside, paths[at]);
   const auto clip = canvas.clip(outside, FillRule::even_odd);
   outline(canvas, paths, page, at + 1);
+}
+
+void draw_scale_bar(Canvas& canvas, const Rect& plot, double scale) {
+  const double longest = plot.width / 3.0 / scale;
+  const double power = std::pow(10.0, std::floor(std::log10(longest)));
+  const double metres = longest >= 5.0 * power ? 5.0 * power : longest >= 2.0 * power ? 2.0 * power : power;
+  const std::string text = fmt::format("{:g} m", metres);
+  const TextExtents size = text_extents(text, page::tick_font);
+  const double length = metres * scale;
+  const Point from{plot.x + 5.0, plot.bottom() - 5.0};
+  const double width = std::max(length, size.width);
+  canvas.fill(Path::rectangle({from.x - 2.0, from.y - size.cap - 6.0, width + 4.0, size.cap + 9.0}),
+              palette::paper.faded(0.8));
+  canvas.line(from, {from.x + length, from.y}, {palette::ink, 1.2});
+  for (const double x : {from.x, from.x + length})
+    canvas.line({x, from.y - 2.0}, {x, from.y + 2.0}, {palette::ink, 0.8});
+  canvas.text(text, {from.x, from.y - 3.5}, {page::tick_font, palette::ink});
+}
+
+void draw_end(Canvas& canvas, Point at, double radius, bool start) {
+  canvas.fill(Path::circle(at, radius), start ? start_colour : goal_colour);
+  canvas.stroke(Path::circle(at, radius), {palette::ink, 1.0});
 }
 
 void draw_obstacles(Canvas& canvas, const std::vector<WorldShape>& obstacles, const Transform& map) {

@@ -174,10 +174,131 @@ void CostData::add(const std::string& document, const std::string& file) {
       runs.push_back({*problem, *strategy, seed, entry.at("solved").get<bool>(),
                       entry.at("validity_checks").get<double>(),
                       seconds != entry.end() && seconds->is_number() ? seconds->get<double>() : nan});
+      const auto improvements = entry.find("improvements");
+      if (improvements == entry.end()) continue;
+      for (const Json& one : *improvements) {
+        runs.back().improvements.push_back(
+            {one.at("checks").get<std::uint64_t>(), one.at("cpu_s").get<double>(), one.at("length").get<double>()});
+      }
     }
   } catch (const Json::exception&) {
     fail("this is no document that trellis run --json writes");
   }
+}
+
+CostData CostData::on(std::size_t problem) const {
+  CostData one{{problems[problem]}, strategies, {}, baseline};
+  for (const Run& run : runs) {
+    if (run.problem != problem) continue;
+    one.runs.push_back(run);
+    one.runs.back().problem = 0;
+  }
+  return one;
+}
+
+CostData cost_data(const Experiment& experiment, const ExperimentResult& result) {
+  CostData data;
+  data.baseline = baseline_of(experiment);
+  for (const Problem& problem : experiment.problems) {
+    const auto group = std::find_if(experiment.groups.begin(), experiment.groups.end(), [&](const ProblemGroup& g) {
+      return std::find(g.problems.begin(), g.problems.end(), problem.name) != g.problems.end();
+    });
+    const bool grouped = group != experiment.groups.end();
+    data.problems.push_back({problem.name, grouped ? group->name : "", grouped && group->tuned});
+  }
+  for (const auto& [name, spec] : experiment.strategies) {
+    const auto same = [&, &strategy = name](const AblationLink& link) { return link.strategy == strategy; };
+    if (std::none_of(experiment.ablations.begin(), experiment.ablations.end(), same)) {
+      data.strategies.push_back({name, spec.text()});
+    }
+  }
+  for (const RunResult& run : result.runs) {
+    const auto problem = index_of(data.problems, run.problem);
+    const auto strategy = index_of(data.strategies, run.strategy);
+    if (!problem || !strategy) continue;
+    data.runs.push_back({*problem, *strategy, run.seed, run.run.solved, static_cast<double>(run.run.validity_checks),
+                         run.cpu_seconds, run.run.improvements});
+  }
+  return data;
+}
+
+namespace {
+
+std::vector<const CostData::Run*> runs_of(const CostData& data, std::size_t problem, std::size_t strategy,
+                                          CostKind kind) {
+  std::vector<const CostData::Run*> runs;
+  for (const CostData::Run& run : data.runs) {
+    const bool known = kind == CostKind::checks || !std::isnan(run.seconds);
+    if (run.problem == problem && run.strategy == strategy && known) runs.push_back(&run);
+  }
+  return runs;
+}
+
+double spent(const CostData::Run& run, CostKind kind) { return kind == CostKind::checks ? run.checks : run.seconds; }
+double spent(const Improvement& one, CostKind kind) {
+  return kind == CostKind::checks ? static_cast<double>(one.validity_checks) : one.cpu_seconds;
+}
+
+/// When a run had its first path. Runs go on where they improve it.
+double first_path(const CostData::Run& run, CostKind kind) {
+  return run.improvements.empty() ? spent(run, kind) : spent(run.improvements.front(), kind);
+}
+
+/// Ascending, each once, evenly thinned to `most` with the first and the last among them.
+std::vector<double> places(std::vector<double> at, std::size_t most) {
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end()), at.end());
+  if (at.size() <= most) return at;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(at[i * (at.size() - 1) / (most - 1)]);
+  return some;
+}
+
+}  // namespace
+
+SuccessCurve success_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind) {
+  SuccessCurve curve;
+  const auto runs = runs_of(data, problem, strategy, kind);
+  curve.runs = runs.size();
+  std::vector<double> costs;
+  for (const CostData::Run* run : runs) {
+    curve.spent = std::max(curve.spent, spent(*run, kind));
+    if (run->solved) costs.push_back(first_path(*run, kind));
+  }
+  std::sort(costs.begin(), costs.end());
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    if (i + 1 < costs.size() && costs[i + 1] == costs[i]) continue;
+    curve.at.push_back(costs[i]);
+    curve.share.push_back(wilson_interval(i + 1, curve.runs));
+  }
+  return curve;
+}
+
+LengthCurve length_curve(const CostData& data, std::size_t problem, std::size_t strategy, CostKind kind) {
+  constexpr std::size_t most = 200;
+  LengthCurve curve;
+  const auto runs = runs_of(data, problem, strategy, kind);
+  curve.runs = runs.size();
+  std::vector<double> at;
+  for (const CostData::Run* run : runs) {
+    curve.spent = std::max(curve.spent, spent(*run, kind));
+    curve.improves = curve.improves || run->improvements.size() > 1;
+    for (const Improvement& one : run->improvements) at.push_back(spent(one, kind));
+  }
+  curve.at = places(std::move(at), most);
+  for (const double place : curve.at) {
+    std::vector<CensoredCost> lengths;
+    lengths.reserve(runs.size());
+    for (const CostData::Run* run : runs) {
+      CensoredCost length{0.0, false};
+      for (const Improvement& one : run->improvements) {
+        if (spent(one, kind) <= place) length = {one.length, true};
+      }
+      lengths.push_back(length);
+    }
+    curve.length.push_back(median_cost(lengths));
+  }
+  return curve;
 }
 
 std::vector<std::string> cost_levels(const std::string& text) {

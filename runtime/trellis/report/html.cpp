@@ -15,11 +15,15 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/text.hpp>
+#include <trellis/report/costs.hpp>
 #include <trellis/report/figures.hpp>
 #include <trellis/report/html_parts.hpp>
 #include <trellis/report/html_run.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/unsolved.hpp>
+#include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -129,6 +133,27 @@ const LevelSummary& root_of(const RunsSummary& summary) {
 
 using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and strategy
 
+/// What the runs of one problem show.
+struct ProblemFindings {
+  std::vector<Comparison> comparisons;
+  std::vector<std::vector<Verdict>> verdicts;  ///< by strategy, on its levels
+};
+using Findings = std::vector<ProblemFindings>;  // by problem
+
+Findings findings_of(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
+  Findings all;
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    const std::string& problem = experiment.problems[p].name;
+    ProblemFindings of{compare(experiment, result, problem), {}};
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      of.verdicts.push_back(
+          verdicts(experiment, result, problem, experiment.strategies[s].first, summaries[p][s], of.comparisons));
+    }
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
                         bool crossed, Marks& marks) {
   std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
@@ -144,6 +169,18 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
   }
   return out + cell(count_text(s.validity_checks.value)) + cell(milliseconds(s.seconds.value)) +
          cell(interval_html(s.length)) + "</tr>\n";
+}
+
+/// A patch of the colour that a strategy has in the figures; none for an ablation.
+std::string swatch(const CostData& data, const std::string& strategy) {
+  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
+                                  [&](const CostData::Strategy& one) { return one.name == strategy; });
+  if (found == data.strategies.end()) return "";
+  const draw::Colour colour =
+      strategy_colour(data, data.baseline, static_cast<std::size_t>(found - data.strategies.begin()));
+  const auto byte = [](double part) { return static_cast<int>(std::lround(255.0 * part)); };
+  return fmt::format(R"(<span class="swatch" style="background:#{:02x}{:02x}{:02x}"></span>)", byte(colour.r),
+                     byte(colour.g), byte(colour.b));
 }
 
 std::string summary_table(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
@@ -164,6 +201,7 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
   std::size_t width = 1;
   for (const auto& group : columns) width += group.names.size();
 
+  const CostData data = cost_data(experiment, result);
   Marks marks;
   std::string body;
   const auto group = [&](const std::string& name) {
@@ -172,8 +210,8 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
   if (experiment.problems.size() > 1) {
     group("all scenes together");
     for (const auto& entry : experiment.strategies) {
-      body += summary_row(summarise(select_runs(result, "", entry.first)), escaped(entry.first), "", measured, crossed,
-                          marks);
+      body += summary_row(summarise(select_runs(result, "", entry.first)),
+                          swatch(data, entry.first) + escaped(entry.first), "", measured, crossed, marks);
     }
   }
   for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
@@ -181,8 +219,9 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
     for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
       const std::string place = fmt::format("{}-{}", p, s);
       body += summary_row(summaries[p][s],
-                          fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place,
-                                      escaped(experiment.strategies[s].first)),
+                          swatch(data, experiment.strategies[s].first) +
+                              fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place,
+                                          escaped(experiment.strategies[s].first)),
                           fmt::format(R"( data-cell="{}")", place), measured, crossed, marks);
     }
   }
@@ -191,7 +230,39 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
                      tall ? " tall" : "", heading("method", columns), body, marks.text());
 }
 
-std::string level_table(const RunsSummary& summary, bool measured) {
+/// What the printed report warns of: guides that do worse than none, and why runs found no path.
+std::string warnings_html(const Experiment& experiment, const ExperimentResult& result, const Findings& findings) {
+  std::string items;
+  const auto add = [&](const std::string& problem, const std::string& text) {
+    items +=
+        fmt::format("<li>{}{}</li>\n", experiment.problems.size() > 1 ? escaped(problem) + ": " : "", escaped(text));
+  };
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    const std::string& problem = experiment.problems[p].name;
+    for (const auto& [strategy, spec] : experiment.strategies) {
+      if (is_ablation(experiment, strategy)) continue;
+      const std::string why = unsolved_text(select_runs(result, problem, strategy), spec);
+      if (!why.empty()) add(problem, strategy + ": " + why);
+    }
+    for (const std::string& warning : guide_warnings(experiment, result, problem, findings[p].comparisons)) {
+      add(problem, "warning: " + warning);
+    }
+  }
+  return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
+}
+
+/// Why levels were solved again.
+std::string resolves_html(const RunsSummary& summary) {
+  std::string out;
+  for (const LevelSummary& level : summary.levels) {
+    const std::string why = resolves_text(level);
+    if (!why.empty()) out += fmt::format("<p class=\"muted\">{}: {}</p>\n", escaped(level.name), escaped(why));
+  }
+  return out;
+}
+
+/// \param found  the verdicts on the levels; empty for an ablation
+std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& found, bool measured) {
   bool crossed = false;
   for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
   std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
@@ -205,16 +276,20 @@ std::string level_table(const RunsSummary& summary, bool measured) {
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
   }
+  const bool judged = found.size() == summary.levels.size() && found.size() > 1;
+  if (judged) columns.front().names.insert(columns.front().names.begin(), "verdict");
   Marks marks;
   std::string body;
   std::vector<int> depth;
   depth.reserve(summary.levels.size());
-  for (const LevelSummary& level : summary.levels) {
+  for (std::size_t i = 0; i < summary.levels.size(); ++i) {
+    const LevelSummary& level = summary.levels[i];
     depth.push_back(level.parent < 0 ? 0 : depth[static_cast<std::size_t>(level.parent)] + 1);
     std::string indent;
-    for (int i = 0; i < depth.back(); ++i) indent += "&#160;&#160;";
+    for (int k = 0; k < depth.back(); ++k) indent += "&#160;&#160;";
     body +=
         fmt::format(R"(<tr><th scope="row">{}{}{}</th>)", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
+    if (judged) body += cell(escaped(verdict_text(found[i])));
     body += cell(escaped(level.space)) + cell(escaped(level.planner)) +
             cell(fmt::format("{}/{}", level.solved, level.runs));
     for (const double count : {level.resolves, level.proposals, level.nodes, level.validity_checks}) {
@@ -234,8 +309,8 @@ std::string level_table(const RunsSummary& summary, bool measured) {
     }
     body += "</tr>\n";
   }
-  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}",
-                     heading("level", columns), body, marks.text());
+  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
+                     heading("level", columns), body, marks.text(), resolves_html(summary));
 }
 
 // Data
@@ -390,21 +465,48 @@ Json problem_json(const Problem& problem, RobotTable& robots) {
 }
 
 /// The tables of levels and the figures, of each problem and strategy.
-std::string worth_scripts(const Experiment& experiment, const Summaries& summaries) {
+std::string worth_scripts(const Experiment& experiment, const Summaries& summaries, const Findings& findings) {
   std::string out;
   const bool measured = experiment.measure.has_value();
   for (std::size_t p = 0; p < summaries.size(); ++p) {
     for (std::size_t s = 0; s < summaries[p].size(); ++s) {
       const RunsSummary& summary = summaries[p][s];
       const std::string place = fmt::format("{}-{}", p, s);
-      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place, level_table(summary, measured));
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place,
+                         level_table(summary, findings[p].verdicts[s], measured));
       if (!measured) continue;
       const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
       Json drawn = Json::array();
       if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
+      if (figures.plane) drawn.push_back(draw::plot(*figures.plane).markup("plane"));
+      if (figures.strip) drawn.push_back(draw::plot(*figures.strip).markup("strip"));
       if (figures.profile) drawn.push_back(draw::plot(*figures.profile).markup("profile"));
       if (!drawn.empty()) out += script("figures-" + place, script_json(drawn));
     }
+  }
+  return out;
+}
+
+/// The figures that compare the strategies on each problem.
+std::string comparison_scripts(const Experiment& experiment, const ExperimentResult& result,
+                               const Summaries& summaries) {
+  const CostData data = cost_data(experiment, result);
+  std::string out;
+  for (std::size_t p = 0; p < summaries.size(); ++p) {
+    Json drawn = Json::array();
+    const auto add = [&](const auto& figure, const char* id) {
+      if (figure) drawn.push_back(draw::plot(*figure).markup(id));
+    };
+    add(success_figure(data, data.baseline, p), "success");
+    add(length_figure(data, data.baseline, p), "length");
+    add(ratio_figure(data.on(p), data.baseline), "ratios");
+    std::vector<NamedSummary> named;
+    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
+      const std::string& strategy = experiment.strategies[s].first;
+      if (!is_ablation(experiment, strategy)) named.push_back({strategy, &summaries[p][s]});
+    }
+    if (experiment.measure) add(waterfalls_figure(experiment.problems[p].name, named), "waterfalls");
+    if (!drawn.empty()) out += script(fmt::format("comparison-{}", p), script_json(drawn));
   }
   return out;
 }
@@ -501,8 +603,11 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
   constexpr std::size_t most_of_page = 5'000'000;
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, whether or not its samples are held
   const HtmlParts& parts = html_parts();
-  const std::string summary = summary_table(experiment, result, summaries);
-  const std::string worth = worth_scripts(experiment, summaries);
+  const Findings findings = findings_of(experiment, result, summaries);
+  const std::string summary =
+      summary_table(experiment, result, summaries) + warnings_html(experiment, result, findings);
+  const std::string worth =
+      worth_scripts(experiment, summaries, findings) + comparison_scripts(experiment, result, summaries);
   const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + summary.size() +
                            worth.size() + bytes_of_outcome * result.runs.size();
   const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));

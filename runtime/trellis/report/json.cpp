@@ -10,7 +10,10 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/unsolved.hpp>
+#include <trellis/report/verdict.hpp>
 
 namespace trellis {
 
@@ -230,6 +233,13 @@ Json spent_json(const LevelSummary& level) {
           {"below", spent_json(level.by_below)}};
 }
 
+/// How often a level was solved again, by reason.
+Json resolves_json(const Resolves& resolves) {
+  Json out = Json::object();
+  for (const ResolveReason& reason : resolve_reasons) out[reason.name] = resolves.*reason.count;
+  return out;
+}
+
 Json level_json(const LevelResult& level) {
   const LevelRecord& r = level.record;
   std::size_t accepted = 0;
@@ -243,6 +253,9 @@ Json level_json(const LevelResult& level) {
           {"dimension", r.space.dimension()},
           {"planner", r.planner},
           {"solves", r.solves},
+          {"resolved_for", resolves_json(r.resolves)},
+          {"exhausted", r.resolves.exhausted},
+          {"limit_reached", r.resolves.limit_reached},
           {"proposals", r.search.proposals.size()},
           {"accepted", accepted},
           {"sources", sources_json(r.search)},
@@ -268,6 +281,15 @@ Json trajectory_json(const Trajectory& trajectory) {
           {"controls", array(trajectory.controls)}};
 }
 
+Json improvements_json(const std::vector<Improvement>& improvements) {
+  Json out = Json::array();
+  for (const Improvement& one : improvements) {
+    out.push_back(
+        {{"checks", one.validity_checks}, {"cpu_s", number(one.cpu_seconds)}, {"length", number(one.length)}});
+  }
+  return out;
+}
+
 Json run_json(const RunResult& run) {
   Json levels = Json::array();
   for (const auto& level : run.levels) levels.push_back(level_json(level));
@@ -285,6 +307,7 @@ Json run_json(const RunResult& run) {
                {"shortcut_checks", run.run.shortcut_checks},
                {"path_checks", run.run.path_checks},
                {"refuted_paths", run.run.refuted_paths},
+               {"improvements", improvements_json(run.run.improvements)},
                {"levels", std::move(levels)}};
   if (run.run.trajectory.dt > 0.0) json["trajectory"] = trajectory_json(run.run.trajectory);
   return json;
@@ -438,7 +461,19 @@ Json comparison_json(const Comparison& c) {
           {"expansion_D_eps", paired_json(c.expansion)}};
 }
 
-Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy) {
+/// null where nothing is said of a level: of the root, and of an ablation's levels.
+Json verdict_json(const std::vector<Verdict>& found, std::size_t level) {
+  if (level >= found.size() || found[level].kind == Verdict::Kind::none) return nullptr;
+  const Verdict& verdict = found[level];
+  return {{"verdict", verdict_word(verdict)},
+          {"reason", verdict.reason.empty() ? Json(nullptr) : Json(verdict.reason)},
+          {"left_out", verdict.left_out ? paired_json(*verdict.left_out) : Json(nullptr)}};
+}
+
+/// \param found     the verdicts on its levels
+/// \param unsolved  why runs found no path
+Json summary_json(const RunsSummary& summary, const Json& problem, const std::string& strategy,
+                  const std::vector<Verdict>& found, const std::string& unsolved) {
   Json levels = Json::array();
   for (std::size_t i = 0; i < summary.levels.size(); ++i) {
     const LevelSummary& level = summary.levels[i];
@@ -447,7 +482,11 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
                       {"name", level.name},
                       {"runs", level.runs},
                       {"solved", level.solved},
+                      {"verdict", verdict_json(found, i)},
                       {"resolves_median", number(level.resolves)},
+                      {"resolved_for", resolves_json(level.resolved_for.total)},
+                      {"exhausted_runs", level.resolved_for.exhausted},
+                      {"limit_reached_runs", level.resolved_for.limited},
                       {"proposals_median", number(level.proposals)},
                       {"nodes_median", number(level.nodes)},
                       {"validity_checks_median", number(level.validity_checks)},
@@ -476,6 +515,7 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
       {"strategy", strategy},
       {"runs", summary.runs},
       {"solved", summary.solved},
+      {"unsolved_reasons", unsolved.empty() ? Json(nullptr) : Json(unsolved)},
       {"success",
        {{"value", number(summary.success.value)},
         {"lo", number(summary.success.lo)},
@@ -582,10 +622,20 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
   for (const auto& run : result.runs) runs.push_back(run_json(run));
 
   std::vector<Json> summary;
+  std::vector<Json> comparisons;
+  std::vector<Json> warnings;
   const auto add = [&](const std::string& problem) {
+    const Json name = problem.empty() ? Json(nullptr) : Json(problem);
+    const std::vector<Comparison> compared = compare(experiment, result, problem);
+    for (const Comparison& c : compared) comparisons.push_back(comparison_json(c));
+    for (const std::string& warning : guide_warnings(experiment, result, problem, compared)) {
+      warnings.push_back({{"problem", name}, {"text", warning}});
+    }
     for (const auto& [strategy, spec] : experiment.strategies) {
-      summary.push_back(summary_json(summarise(select_runs(result, problem, strategy)),
-                                     problem.empty() ? Json(nullptr) : Json(problem), strategy));
+      const auto chosen = select_runs(result, problem, strategy);
+      const RunsSummary of = summarise(chosen);
+      summary.push_back(summary_json(of, name, strategy, verdicts(experiment, result, problem, strategy, of, compared),
+                                     unsolved_text(chosen, spec)));
       for (const PooledScores& pooled : result.pooled) {
         if (pooled.problem != problem || pooled.strategy != strategy) continue;
         summary.back()["pooled"] = {{"seeds", pooled.seeds},
@@ -595,18 +645,8 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
       }
     }
   };
-  std::vector<Json> comparisons;
-  const auto add_comparisons = [&](const std::string& problem) {
-    for (const Comparison& c : compare(experiment, result, problem)) comparisons.push_back(comparison_json(c));
-  };
-  for (const auto& problem : experiment.problems) {
-    add(problem.name);
-    add_comparisons(problem.name);
-  }
-  if (experiment.problems.size() > 1) {  // all problems taken together
-    add("");
-    add_comparisons("");
-  }
+  for (const auto& problem : experiment.problems) add(problem.name);
+  if (experiment.problems.size() > 1) add("");  // all problems taken together
 
   std::string out = "{\n";
   out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";
@@ -614,7 +654,8 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
   out += " \"experiment\": " + dump(experiment_json(experiment)) + ",\n";
   out += " \"runs\": " + lines(runs) + ",\n";
   out += " \"summary\": " + lines(summary) + ",\n";
-  out += " \"comparisons\": " + lines(comparisons) + "\n";
+  out += " \"comparisons\": " + lines(comparisons) + ",\n";
+  out += " \"warnings\": " + lines(warnings) + "\n";
   return out + "}\n";
 }
 

@@ -212,7 +212,7 @@ class MotionPictures {
 }  // namespace
 
 void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                          unsigned jobs) {
+                          unsigned jobs, const FigureStyle& style) {
   struct Task {
     const Problem* problem;
     std::filesystem::path place;
@@ -235,7 +235,7 @@ void write_motion_figures(const Experiment& experiment, const ExperimentResult& 
       const auto figure = pictures.motion(result, strategy);
       if (!figure) continue;
       make_directory((task.place / folder).string());
-      write_picture(draw::plot(*figure), (task.place / folder / "motion").string());
+      write_figure(*figure, style, (task.place / folder / "motion").string());
     }
   });
 }

@@ -13,6 +13,7 @@
 
 #include <trellis/experiment/rejections.hpp>
 #include <trellis/report/overview.hpp>
+#include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/report/tables.hpp>
@@ -55,11 +56,6 @@ struct Section {
   std::string baseline;
 };
 
-bool is_ablation(const Experiment& experiment, const std::string& strategy) {
-  return std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
-                     [&](const AblationLink& link) { return link.strategy == strategy; });
-}
-
 const Comparison* comparison_of(const Section& section, const std::string& strategy) {
   const auto it = std::find_if(section.comparisons.begin(), section.comparisons.end(),
                                [&](const Comparison& c) { return c.strategy == strategy; });
@@ -77,9 +73,7 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
     if (is_ablation(experiment, name)) continue;
     auto runs = select_runs(result, problem, name);
     Row row{name, &spec, summarise(runs), std::move(runs), {}};
-    const Comparison* beside = comparison_of(section, name);
-    row.verdicts = verdicts(row.summary, costs_without_levels(experiment, result, problem, name, row.summary.levels),
-                            beside != nullptr ? &beside->validity_checks : nullptr);
+    row.verdicts = verdicts(experiment, result, problem, name, row.summary, section.comparisons);
     section.rows.push_back(std::move(row));
   }
   return section;
@@ -245,7 +239,7 @@ std::string warnings(const Experiment& experiment, const ExperimentResult& resul
       out += wrap(fmt::format("{}: {}", row.name, why), width, "", "  ");
     }
   }
-  for (const std::string& sentence : guide_warnings(experiment, result, section.problem)) {
+  for (const std::string& sentence : guide_warnings(experiment, result, section.problem, section.comparisons)) {
     out += wrap("warning: " + sentence, width, "", "  ");
   }
   return out;
@@ -325,6 +319,16 @@ std::string heading_of(const Experiment& experiment, const Section& section, std
   return wrap(heading, width, "", "  ");
 }
 
+/// Why levels were solved again, over the runs.
+std::string resolves_lines(const Row& row, std::size_t width) {
+  std::string out;
+  for (const LevelSummary& level : row.summary.levels) {
+    const std::string why = resolves_text(level);
+    if (!why.empty()) out += wrap(fmt::format("{}: {}", level.name, why), width, "", "  ");
+  }
+  return out;
+}
+
 /// What rejected most of the proposals of each level, over the runs.
 std::string rejections_text(const Experiment& experiment, const Row& row, std::size_t width) {
   std::string out;
@@ -371,7 +375,7 @@ std::string levels_report_text(const Experiment& experiment, const ExperimentRes
           '\n' + (verdict.empty() ? wrap(row.name == text ? text : row.name + " = " + text, width, "", "  ") : verdict);
       out += wrap(fmt::format("solved {}/{} runs · {}", row.summary.solved, row.summary.runs, shares_text(*row.spec)),
                   width, "", "  ");
-      out += search_table(row.summary, width) + rejections_text(experiment, row, width);
+      out += search_table(row.summary, width) + resolves_lines(row, width) + rejections_text(experiment, row, width);
     }
     out += warnings(experiment, result, section, width);
   }

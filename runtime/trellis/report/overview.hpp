@@ -11,8 +11,8 @@ namespace trellis {
 /// The report that a run prints: what was solved, what it cost beside the baseline, which level pays, what to try next.
 std::string overview_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
 
-/// The same level by level, for every strategy with its ablations: verdicts, what each level did, what rejected most of
-/// its proposals.
+/// The same level by level, for every strategy with its ablations: verdicts, what each level did, why it was solved
+/// again, what rejected most of its proposals.
 std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
 
 }  // namespace trellis

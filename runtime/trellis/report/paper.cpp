@@ -100,6 +100,52 @@ std::string cell(const Interval& interval) {
   return text;
 }
 
+/// A figure that cannot lie beyond a bound, which is a mean over the same runs.
+struct Bounded {
+  Interval interval;    ///< ends at the bound
+  Interval estimate;    ///< as it is
+  bool beyond = false;  ///< the mean of the estimates lies beyond the bound, so the bound stands for it
+  const char* sign = "≥ ";
+};
+
+Bounded bounded(Interval interval, double least) {
+  constexpr double visible = 0.005;  // half of the last digit in print
+  Bounded result{interval, interval, interval.value < least - visible};
+  if (std::isnan(least)) return result;
+  for (double* x : {&result.interval.value, &result.interval.lo, &result.interval.hi}) {
+    if (*x < least) *x = least;
+  }
+  return result;
+}
+
+/// The same of what is at most so much.
+Bounded bounded_above(const Interval& interval, double most) {
+  const auto negative = [](Interval x) {
+    x.value = -x.value;
+    std::swap(x.lo, x.hi);
+    x.lo = -x.lo;
+    x.hi = -x.hi;
+    return x;
+  };
+  Bounded result = bounded(negative(interval), -most);
+  result.interval = negative(result.interval);
+  result.estimate = interval;
+  result.sign = "≤ ";
+  return result;
+}
+
+/// "≥ 0.05" where no more than the bound is known.
+std::string cell(const Bounded& figure) {
+  return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
+}
+
+/// What an estimator's figure of a run is at least: by the mass in the target, or 0 where it is no estimate.
+double least_by(const Efficiency& efficiency, const std::string& estimator) {
+  const std::string& name = estimator == headline ? efficiency.estimator : estimator;
+  if (name.starts_with("legacy") || name.starts_with("exact")) return 0.0;
+  return least_value(efficiency);
+}
+
 /// What Markdown would take for a sign of its own.
 std::string escaped(const std::string& text) {
   std::string result;
@@ -170,14 +216,12 @@ class Tables {
         for (const NamedRole& role : roles()) {
           for (const NamedPath& path : paths()) {
             for (const std::string& estimator : estimators_) {
-              const auto values =
-                  per_run(chosen, path.where, role.role, [&](const Efficiency& e) { return value_by(e, estimator); });
-              add(problem.name, name, role.name, path.name, estimator, "SE", student_interval(values));
+              add(problem.name, name, role.name, path.name, estimator, "SE",
+                  shown_figure(problem.name, name, path, role, estimator).interval);
             }
             for (const Quantity& quantity : quantities()) {
-              const auto values =
-                  per_run(chosen, path.where, role.role, [&](const Efficiency& e) { return quantity.field(e); });
-              add(problem.name, name, role.name, path.name, headline, quantity.name, student_interval(values));
+              add(problem.name, name, role.name, path.name, headline, quantity.name,
+                  shown_quantity(chosen, path.where, role.role, quantity).interval);
             }
           }
         }
@@ -191,21 +235,28 @@ class Tables {
     const char* name;
     const char* title;
     double (*field)(const Efficiency&);
+    /// What it is at least in a run; nullptr: it is no divergence.
+    double (*least)(const Efficiency&) = nullptr;
+    /// What it is at most; nullptr: anything.
+    double (*most)(const Efficiency&) = nullptr;
   };
+  static double zero(const Efficiency& /*efficiency*/) { return 0.0; }
   static const std::vector<Quantity>& quantities() {
     static const std::vector<Quantity> all = {
         {"N", "N", [](const Efficiency& e) { return static_cast<double>(e.samples); }},
         {"n", "in target", [](const Efficiency& e) { return static_cast<double>(e.in_target); }},
         {"D_uniform", "uniform", [](const Efficiency& e) { return e.uniform; }},
-        {"gain", "above uniform", [](const Efficiency& e) { return e.gain; }},
-        {"D", "D", [](const Efficiency& e) { return e.undefended; }},
-        {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }},
-        {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }},
+        {"gain", "above uniform", [](const Efficiency& e) { return e.gain; }, nullptr,
+         [](const Efficiency& e) { return e.uniform - least_by(e, headline); }},
+        {"D", "D", [](const Efficiency& e) { return e.undefended; },
+         [](const Efficiency& e) { return e.mass_lower95; }},
+        {"mass", "mass", [](const Efficiency& e) { return e.parts.mass; }, zero},
+        {"spread", "spread", [](const Efficiency& e) { return e.parts.spread; }, zero},
         {"D_mass_lower95", "D at least", [](const Efficiency& e) { return e.mass_lower95; }},
-        {"along", "along", [](const Efficiency& e) { return e.along.divergence; }},
+        {"along", "along", [](const Efficiency& e) { return e.along.divergence; }, zero},
         {"coverage", "coverage", [](const Efficiency& e) { return e.coverage; }},
         {"uniform_coverage", "uniform coverage", [](const Efficiency& e) { return e.uniform_coverage; }},
-        {"JS", "JS", [](const Efficiency& e) { return e.js; }}};
+        {"JS", "JS", [](const Efficiency& e) { return e.js; }, zero}};
     return all;
   }
 
@@ -227,12 +278,32 @@ class Tables {
                                     [&](const Efficiency& e) { return value_by(e, estimator); }));
   }
 
+  /// The same as it is printed: never below what the runs' masses in the target allow.
+  [[nodiscard]] Bounded shown_figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
+                                     const NamedRole& role, const std::string& estimator) const {
+    const auto least =
+        per_run(select_runs(result_, problem, strategy), path.where, role.role,
+                [&](const Efficiency& e) { return std::isnan(value_by(e, estimator)) ? nan : least_by(e, estimator); });
+    return bounded(figure(problem, strategy, path, role, estimator), student_interval(least).value);
+  }
+
+  static Bounded shown_quantity(const std::vector<const RunResult*>& runs, Where where, Role role,
+                                const Quantity& quantity) {
+    const auto over_runs = [&](double (*field)(const Efficiency&)) {
+      return student_interval(per_run(runs, where, role, [field](const Efficiency& e) { return field(e); }));
+    };
+    const Interval figure = over_runs(quantity.field);
+    if (quantity.most != nullptr) return bounded_above(figure, over_runs(quantity.most).value);
+    return bounded(figure, quantity.least != nullptr ? over_runs(quantity.least).value : nan);
+  }
+
   void head() {
     page_.text() = "# Sampling efficiency\n\n";
     page_.paragraph(fmt::format(
         "{} problem{}, {} strateg{}, {} seeds. SE: divergence of the target from the root's samples with 5 % uniform "
         "mixed in, nats, lower is better; mean ± half-width of the 95 % Student interval over the runs. Upper value: "
-        "tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure).",
+        "tree; lower value: expansion (NA: the strategy makes no proposals, or no run has a figure). ≥ and ≤: a "
+        "bound stands for the mean, because the mean of the estimates lies beyond what the mass in the target allows.",
         experiment_.problems.size(), experiment_.problems.size() == 1 ? "" : "s", experiment_.strategies.size(),
         experiment_.strategies.size() == 1 ? "y" : "ies", experiment_.seeds.size()));
     for (const Problem& problem : experiment_.problems) {
@@ -269,8 +340,8 @@ class Tables {
     for (const auto& [name, spec] : experiment_.strategies) {
       std::vector<std::string> cells = {escaped(name)};
       for (const Problem& problem : experiment_.problems) {
-        cells.push_back(cell(figure(problem.name, name, path, roles()[0], estimator)) + "<br>" +
-                        cell(figure(problem.name, name, path, roles()[1], estimator)));
+        cells.push_back(cell(shown_figure(problem.name, name, path, roles()[0], estimator)) + "<br>" +
+                        cell(shown_figure(problem.name, name, path, roles()[1], estimator)));
       }
       page_.row(cells);
     }
@@ -295,9 +366,8 @@ class Tables {
       for (const Quantity& quantity : quantities()) {
         std::string both;
         for (const NamedRole& role : roles()) {
-          const auto values = per_run(chosen, paths()[crossed ? 1 : 0].where, role.role,
-                                      [&](const Efficiency& e) { return quantity.field(e); });
-          both += (both.empty() ? "" : "<br>") + cell(student_interval(values));
+          both += (both.empty() ? "" : "<br>") +
+                  cell(shown_quantity(chosen, paths()[crossed ? 1 : 0].where, role.role, quantity));
         }
         cells.push_back(std::move(both));
       }
@@ -344,7 +414,7 @@ class Tables {
           for (const std::string& estimator : estimators_) {
             if (estimator != headline && !is_legacy(estimator)) continue;
             for (const NamedPath& path : paths()) {
-              cells.push_back(cell(figure(problem.name, name, path, role, estimator)));
+              cells.push_back(cell(shown_figure(problem.name, name, path, role, estimator)));
             }
           }
           page_.row(cells);

@@ -1,13 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <trellis/draw/canvas.hpp>
+#include <trellis/draw/chart.hpp>
+#include <trellis/draw/motion.hpp>
+#include <trellis/draw/planar.hpp>
+#include <trellis/draw/ratios.hpp>
+#include <trellis/draw/strips.hpp>
 
 namespace trellis {
 
+/// How all figures of a command are set.
+struct FigureStyle {
+  std::optional<double> width = {};  ///< points; none: as wide as each figure is by default
+  bool titles = true;                ///< else titles and captions stand in a text file beside the figure
+  draw::Typeface typeface = draw::Typeface::sans;
+  bool scale_bar = false;  ///< in pictures of worlds
+};
+
 /// Writes STEM.svg, STEM.png and STEM.pdf. Throws Error where one cannot be written.
 void write_picture(const draw::Canvas& canvas, const std::string& stem);
+
+/// Draws a figure in a style and writes it as write_picture() does; without titles, also STEM.txt.
+void write_figure(draw::Figure figure, const FigureStyle& style, const std::string& stem);
+void write_figure(draw::RatioFigure figure, const FigureStyle& style, const std::string& stem);
+void write_figure(draw::StripFigure figure, const FigureStyle& style, const std::string& stem);
+void write_figure(draw::PlanarFigure figure, const FigureStyle& style, const std::string& stem);
+void write_figure(draw::MotionFigure figure, const FigureStyle& style, const std::string& stem);
 
 }  // namespace trellis

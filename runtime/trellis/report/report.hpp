@@ -10,6 +10,7 @@
 
 #include <trellis/draw/planar.hpp>
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/report/pictures.hpp>
 
 namespace trellis {
 
@@ -52,10 +53,12 @@ std::string report_csv(const Experiment& experiment, const ExperimentResult& res
 /// beside and renamed). Throws Error where a file cannot be written.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
-/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg and profile.svg, and the same as .png and .pdf, for every
-/// strategy that was scored; `jobs` of them at the same time. Throws Error where a file cannot be written.
+/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg, profile.svg, strip.svg and plane.svg, and the same as
+/// .png and .pdf, for every strategy that was scored; `jobs` of them at the same time. DIR/<problem>/waterfalls.* has
+/// those of all strategies with guides on one scale. What would show nothing is not drawn. Throws Error where a file
+/// cannot be written.
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                   unsigned jobs = 1);
+                   unsigned jobs = 1, const FigureStyle& style = {});
 
 struct HtmlOptions {
   std::string script = {};  ///< the path as given on the command line, "" for none
@@ -77,6 +80,7 @@ struct SceneFigureOptions {
   /// longer side has about 12 to 48 cells.
   std::optional<double> cell = {};
   unsigned jobs = 1;  ///< pictures drawn at the same time
+  FigureStyle style = {};
 };
 
 /// Draws where in the world the samples lie, Figure 2 of Attali et al. 2022: DIR/<problem>/<strategy>/samples.svg, .png
@@ -92,7 +96,7 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
 /// each guide that searches the same space, the deepest first, and one for the root; of the first run that found a path
 /// or, without one, the first. Throws Error where a file cannot be written.
 void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                          unsigned jobs = 1);
+                          unsigned jobs = 1, const FigureStyle& style = {});
 
 /// Writes a file whole or not at all. Throws Error naming the path and the reason.
 void write_file(const std::string& path, const std::string& content);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -15,6 +16,7 @@
 #include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/report/words.hpp>
 #include <trellis/report/world_shapes.hpp>
 
 namespace trellis {
@@ -84,15 +86,10 @@ std::string counted(std::size_t n, const std::string& what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-PlanarPanel panel_of(const std::string& title, const Counts& counts, CircleLayer layer, const std::string& what,
-                     const std::string& without) {
+PlanarPanel panel_of(const std::string& title, const Counts& counts, CircleLayer layer, const std::string& what) {
   PlanarPanel panel;
-  panel.title = counts.none() ? title : fmt::format("{}: {}{}", title, rounded(counts.mean()), what);
-  if (counts.none()) {
-    panel.note = without;
-  } else {
-    panel.layers.push_back(std::move(layer));
-  }
+  panel.title = fmt::format("{}: {}{}", title, rounded(counts.mean()), what);
+  panel.layers.push_back(std::move(layer));
   return panel;
 }
 
@@ -182,9 +179,14 @@ class ScenePictures {
     PlanarFigure figure = frame_;
     figure.title = fmt::format("{} on {}: where its samples lie", strategy, problem_.name);
     PlanarPanel all{.title = "all, to one scale"};
+    std::vector<std::string> absent;
     const auto add = [&](const std::string& title, const Counts& counts, Role role, const std::string& what,
                          const std::string& without) {
-      PlanarPanel panel = panel_of(title, counts, counts.layer(title, role), what, without);
+      if (counts.none()) {
+        absent.push_back(without);
+        return;
+      }
+      PlanarPanel panel = panel_of(title, counts, counts.layer(title, role), what);
       all.layers.insert(all.layers.end(), panel.layers.begin(), panel.layers.end());
       figure.panels.push_back(std::move(panel));
     };
@@ -204,6 +206,7 @@ class ScenePictures {
           fmt::format(" Target: {}, scaled to as many samples as the tree has{}.", target_text(*experiment_.measure),
                       target.runs() == runs.size() ? "" : fmt::format(", over {} of the {}", target.runs(), seeds));
     }
+    if (!absent.empty()) figure.caption += fmt::format(" Not drawn: {}.", fmt::join(absent, ", "));
     if (tree.any_outside() || expansion.any_outside() || baseline.any_outside()) figure.caption += outside_text();
     return figure;
   }
@@ -240,15 +243,17 @@ class ScenePictures {
         if (record->solution.solved()) paths.push_back(track(record->solution.path, record->position_axes));
       }
       outside = outside || tree.any_outside() || expansion.any_outside();
-      const std::string& name = records.front()->name;
-      figure.panels.push_back(panel_of(name + "\ntree", tree, tree.layer("tree", Role::tree), "", "no nodes"));
-      figure.panels.push_back(
-          panel_of(name + "\nexpansion", expansion, expansion.layer("expansion", Role::expansion), "", "no proposals"));
-      for (std::size_t p = figure.panels.size() - 2; p < figure.panels.size(); ++p) {
-        if (figure.panels[p].note.empty()) figure.panels[p].paths = paths;
+      const std::string name = short_level(records.front()->name, 24);
+      // A level that proposes nothing, as one that searches a graph, has no panel of its proposals.
+      for (const auto& [counts, role, what] :
+           {std::tuple{&tree, Role::tree, "tree"}, std::tuple{&expansion, Role::expansion, "expansion"}}) {
+        if (counts->none()) continue;
+        figure.panels.push_back(panel_of(fmt::format("{}\n{}", name, what), *counts, counts->layer(what, role), ""));
+        figure.panels.back().paths = paths;
       }
     }
     if (outside) figure.caption += outside_text();
+    if (figure.panels.empty()) return std::nullopt;
     return figure;
   }
 
@@ -298,7 +303,7 @@ class ScenePictures {
 
 std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
                                              const std::string& directory, const SceneFigureOptions& options) {
-  std::vector<std::string> notes;
+  std::vector<std::string> left_out;
   std::vector<ScenePictures> scenes;
   scenes.reserve(experiment.problems.size());
   struct Task {
@@ -311,7 +316,7 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
     if (!ScenePictures::possible(problem)) {
-      notes.push_back(
+      left_out.push_back(
           fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
       continue;
     }
@@ -327,12 +332,12 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
     const auto samples = pictures.samples(task.strategy);
     if (!samples) return;
     make_directory(task.place.string());
-    write_picture(draw::plot(*samples), (task.place / "samples").string());
+    write_figure(*samples, options.style, (task.place / "samples").string());
     if (const auto levels = pictures.levels(task.strategy)) {
-      write_picture(draw::plot(*levels), (task.place / "levels").string());
+      write_figure(*levels, options.style, (task.place / "levels").string());
     }
   });
-  return notes;
+  return left_out;
 }
 
 }  // namespace trellis

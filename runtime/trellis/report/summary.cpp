@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 
+#include <trellis/report/resolves.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {
@@ -317,6 +318,11 @@ LevelSummary summarise_level(const LevelResults& levels) {
   for (const auto* level : levels) {
     const LevelRecord& record = level->record;
     if (record.solution.solved()) ++result.solved;
+    for (const ResolveReason& reason : resolve_reasons) {
+      result.resolved_for.total.*reason.count += record.resolves.*reason.count;
+    }
+    if (record.resolves.exhausted) ++result.resolved_for.exhausted;
+    if (record.resolves.limit_reached) ++result.resolved_for.limited;
     if (record.space.name() != result.space || record.space.dimension() != result.dimension) result.space.clear();
   }
   using R = const LevelRecord&;
@@ -531,13 +537,18 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels) {
 
 std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
                                         const std::string& problem) {
+  return guide_warnings(experiment, result, problem, compare(experiment, result, problem));
+}
+
+std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
+                                        const std::string& problem, const std::vector<Comparison>& comparisons) {
   const auto guided = [&](const std::string& name) {
     const auto it = std::find_if(experiment.strategies.begin(), experiment.strategies.end(),
                                  [&](const auto& entry) { return entry.first == name; });
     return it != experiment.strategies.end() && it->second.guide() != nullptr;
   };
   std::vector<std::string> warnings;
-  for (const Comparison& c : compare(experiment, result, problem)) {
+  for (const Comparison& c : comparisons) {
     // Ablations take out a guide of several: their tables say what each is worth.
     if (!c.text.empty() || !guided(c.strategy) || guided(c.baseline)) continue;
     const PairedCosts& checks = c.validity_checks;

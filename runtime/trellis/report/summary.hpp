@@ -70,6 +70,13 @@ struct SpentSummary {
   double proposals = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Why a level was solved again, over the runs of a group.
+struct ResolvesSummary {
+  Resolves total;             ///< sums over the runs
+  std::size_t exhausted = 0;  ///< runs in which a further search found no other path
+  std::size_t limited = 0;    ///< runs in which its path was refuted and it might not be solved again
+};
+
 /// One level of a hierarchy over the runs of a group. Medians are over all the runs that reached the level.
 struct LevelSummary {
   std::string key;
@@ -81,6 +88,7 @@ struct LevelSummary {
   std::size_t runs = 0;    ///< that reached the level
   std::size_t solved = 0;  ///< whose level found a path of its own
   double resolves = std::numeric_limits<double>::quiet_NaN();
+  ResolvesSummary resolved_for;
   double proposals = std::numeric_limits<double>::quiet_NaN();
   double nodes = std::numeric_limits<double>::quiet_NaN();
   double validity_checks = std::numeric_limits<double>::quiet_NaN();
@@ -168,6 +176,9 @@ std::vector<std::string> level_labels(const std::vector<LevelSummary>& levels);
 /// A sentence for each strategy whose guide does worse than none on a problem (or, "", on all), with what shows it: it
 /// solves fewer runs or costs more validity checks than an unguided baseline, or its root's nodes lie below uniform
 /// samples, beyond the interval in each case. Strategies with too few runs for an interval have none.
+/// \param comparisons  those of compare() on the same problem
+std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
+                                        const std::string& problem, const std::vector<Comparison>& comparisons);
 std::vector<std::string> guide_warnings(const Experiment& experiment, const ExperimentResult& result,
                                         const std::string& problem);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include <trellis/base/error.hpp>
 #include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
@@ -129,16 +130,20 @@ Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
 
 }  // namespace
 
-std::string verdict_text(const Verdict& verdict) {
-  const char* word = "";
+std::string verdict_word(const Verdict& verdict) {
   switch (verdict.kind) {
     case Verdict::Kind::none: return "";
-    case Verdict::Kind::pays: word = "pays"; break;
-    case Verdict::Kind::costs: word = "costs"; break;
-    case Verdict::Kind::misleads: word = "misleads"; break;
-    case Verdict::Kind::not_shown: word = "not shown"; break;
-    case Verdict::Kind::too_few_runs: word = "too few runs to say"; break;
+    case Verdict::Kind::pays: return "pays";
+    case Verdict::Kind::costs: return "costs";
+    case Verdict::Kind::misleads: return "misleads";
+    case Verdict::Kind::not_shown: return "not shown";
+    case Verdict::Kind::too_few_runs: return "too few runs to say";
   }
+  throw Fault("unknown verdict");
+}
+
+std::string verdict_text(const Verdict& verdict) {
+  const std::string word = verdict_word(verdict);
   return verdict.reason.empty() ? word : fmt::format("{} ({})", word, verdict.reason);
 }
 
@@ -209,6 +214,21 @@ std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std:
     }
   }
   return result;
+}
+
+std::vector<Verdict> verdicts(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                              const std::string& strategy, const RunsSummary& summary,
+                              const std::vector<Comparison>& comparisons) {
+  if (is_ablation(experiment, strategy)) return {};
+  const auto beside =
+      std::find_if(comparisons.begin(), comparisons.end(), [&](const Comparison& c) { return c.strategy == strategy; });
+  return verdicts(summary, costs_without_levels(experiment, result, problem, strategy, summary.levels),
+                  beside != comparisons.end() ? &beside->validity_checks : nullptr);
+}
+
+bool is_ablation(const Experiment& experiment, const std::string& strategy) {
+  return std::any_of(experiment.ablations.begin(), experiment.ablations.end(),
+                     [&](const AblationLink& link) { return link.strategy == strategy; });
 }
 
 }  // namespace trellis

@@ -29,6 +29,8 @@ struct Verdict {
   std::optional<PairedCosts> left_out = {};
 };
 
+/// "pays", "costs", "misleads", "not shown", "too few runs to say", "" for the root.
+std::string verdict_word(const Verdict& verdict);
 /// "pays (checks)", "not shown", "" for the root.
 std::string verdict_text(const Verdict& verdict);
 
@@ -56,6 +58,16 @@ std::vector<std::optional<PairedCosts>> costs_without_levels(const Experiment& e
 /// each level \param whole    the strategy beside the baseline; nullptr without one
 std::vector<Verdict> verdicts(const RunsSummary& summary, const std::vector<std::optional<PairedCosts>>& without,
                               const PairedCosts* whole);
+
+/// The verdicts on the levels of a strategy of an experiment, on a problem or, "", on all. None for an ablation.
+/// \param summary      of the strategy's runs there
+/// \param comparisons  those of compare() there
+std::vector<Verdict> verdicts(const Experiment& experiment, const ExperimentResult& result, const std::string& problem,
+                              const std::string& strategy, const RunsSummary& summary,
+                              const std::vector<Comparison>& comparisons);
+
+/// Whether a strategy of an experiment is another one with a guide taken out.
+bool is_ablation(const Experiment& experiment, const std::string& strategy);
 
 /// Whether a comparison of costs could show a difference at p < 0.05 at all, however lopsided its pairs were.
 /// \param tests  p values that are corrected together

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <variant>
 
 namespace trellis {
@@ -108,6 +109,20 @@ std::string target_text(const TargetSpec& target) {
 char mark_of(const std::string& flag) {
   const auto* const it = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.flag == flag; });
   return it != notes.end() ? it->mark : other_mark;
+}
+
+std::string short_level(const std::string& name, std::size_t longest) {
+  if (name.size() <= longest) return name;
+  const std::size_t end = name.find_first_of(" ({");
+  const std::string head = name.substr(0, end);
+  if (end == std::string::npos) return head;
+  // The first argument, where it is a number.
+  const std::size_t from = name.find_first_not_of(" ({", end);
+  if (from == std::string::npos) return head;
+  const std::string argument = name.substr(from, name.find_first_of(",)} ", from) - from);
+  char* rest = nullptr;
+  const double number = std::strtod(argument.c_str(), &rest);
+  return argument.empty() || *rest != '\0' ? head : fmt::format("{}({:.3g})", head, number);
 }
 
 }  // namespace trellis

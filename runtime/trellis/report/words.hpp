@@ -39,6 +39,8 @@ std::string plural_y(std::size_t n, const std::string& stem);
 /// "15 seeds (1–15)".
 std::string seeds_text(const std::vector<std::uint64_t>& seeds);
 std::string target_text(const TargetSpec& target);
+/// A level's name where there is little room: "shrink { 0.75, resolves = 10 }" is "shrink(0.75)" unless it fits.
+std::string short_level(const std::string& name, std::size_t longest);
 
 /// What stands behind a figure that is to be read with care.
 struct Note {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -53,26 +52,20 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
 
 namespace {
 
-/// CPU time of the calling thread, seconds.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  constexpr double nanosecond = 1e-9;
-  return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
-}
-
 /// Checks paths that were found once more, at a finer resolution, before they are reported. It does so off the clock:
 /// what it spends depends on the length of a path, not on how the path was found.
 class PathCheck {
  public:
+  using Clock = std::chrono::steady_clock;
+
   explicit PathCheck(const Problem& problem) : problem_(problem) {}
 
   /// The first configuration of a path that is invalid; none where the path is valid.
   std::optional<Configuration> invalid(const Configurations& path) {
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     const double cpu_begin = thread_seconds();
     auto place = first_invalid_place(finer(), path);
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    time_ += Clock::now() - begin;
     cpu_seconds_ += thread_seconds() - cpu_begin;
     if (!place) return std::nullopt;
     return std::move(place->invalid);
@@ -82,14 +75,14 @@ class PathCheck {
     if (!finer_) finer_ = make_instance(with_finer_motions(problem_));
     return *finer_;
   }
-  [[nodiscard]] double seconds() const { return seconds_; }
+  [[nodiscard]] Clock::duration time() const { return time_; }
   [[nodiscard]] double cpu_seconds() const { return cpu_seconds_; }
   [[nodiscard]] std::uint64_t checks() const { return finer_ ? finer_->checks.validity : 0; }
 
  private:
   const Problem& problem_;
   std::unique_ptr<Instance> finer_;
-  double seconds_ = 0.0;
+  Clock::duration time_ = {};
   double cpu_seconds_ = 0.0;
 };
 
@@ -100,8 +93,8 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   check(problem);
   check_depth(strategy);
   const auto begin = std::chrono::steady_clock::now();
-  const double cpu_begin = thread_seconds();
   Run run;
+  run.cpu_begin = thread_seconds();
   run.problem = problem.name;
   run.seed = seed;
   run.seeded = true;
@@ -126,9 +119,8 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
 
   record.status = found.status;
   record.solved = found.solved();
-  record.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() - check_path.seconds();
-  record.cpu_seconds = thread_seconds() - cpu_begin - check_path.cpu_seconds();
+  record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin - check_path.time()).count();
+  record.cpu_seconds = thread_seconds() - run.cpu_begin - check_path.cpu_seconds();
   for (Level* level : run.levels) {
     record.validity_checks += level->instance().checks.validity;
     record.motion_checks += level->instance().checks.motion;
@@ -152,6 +144,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   // The root's own path is the one that is reported.
   if (record.solved) record.levels.front().solution.path = record.path;
   record.turns = std::move(run.turns);
+  record.improvements = std::move(run.improvements);
   return record;
 }
 

@@ -15,6 +15,29 @@
 
 namespace trellis {
 
+/// Why the instance of a level was solved again, and how often for each reason. The first solve and these are all of
+/// its solves.
+struct Resolves {
+  std::uint64_t invalid_path = 0;  ///< points or edges of its path were found invalid in C when the path was validated
+  std::uint64_t rejections = 0;    ///< C rejected guided proposals along its path, or these brought no progress
+  std::uint64_t lost_place = 0;    ///< a level above it, or another part of the guide, refuted a place on its path
+  std::uint64_t presumed_valid = 0;  ///< a configuration that its path presumes valid was found invalid
+  std::uint64_t changed_world = 0;   ///< the instance that it is projected from has other obstacles
+  std::uint64_t further_path = 0;    ///< its guide asked for another path
+  std::uint64_t finer_check = 0;     ///< of the root: the path found was invalid when it was checked finer
+  /// Whether a search for a path that replaces a refuted one found none: it is not solved again after that.
+  bool exhausted = false;
+  /// Whether its path was refuted when it had been solved again as often as its guide allows.
+  bool limit_reached = false;
+};
+
+/// A path that a run found, shorter than all before it.
+struct Improvement {
+  std::uint64_t validity_checks = 0;  ///< of all levels until then
+  double cpu_seconds = 0.0;
+  double length = 0.0;  ///< in the metric
+};
+
 /// What one level of a hierarchy did in one run. Level 0 is the root, the configuration space of the real robot.
 struct LevelRecord {
   int level = 0;        ///< position in the run's list, depth first
@@ -30,6 +53,7 @@ struct LevelRecord {
   bool presumed = false;                   ///< its validity was presumed, not checked
   std::string planner;                     ///< the planner's name, as a script writes it
   std::uint64_t solves = 0;                ///< how often the instance was solved (re-solves included)
+  Resolves resolves;                       ///< why it was solved again
   int solved_as = -1;  ///< levels whose first solve had ended before this one's; -1: it was never solved
   /// Whether a guide, or a path that a guide left, drew proposals for it.
   bool guided = false;
@@ -96,6 +120,7 @@ struct RunRecord {
   std::uint64_t shortcut_checks = 0;  ///< validity checks that shortcutting spent, not in the sums above
   std::uint64_t refuted_paths = 0;    ///< found before `path`, and refuted when they were checked finer
   std::uint64_t path_checks = 0;      ///< validity checks of paths found, finer; neither they nor their time are above
+  std::vector<Improvement> improvements;  ///< the root's paths before shortcutting, the first one and each shorter one
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in the order in which they were taken
 };

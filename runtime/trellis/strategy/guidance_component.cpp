@@ -61,7 +61,9 @@ class ComponentGuidance final : public Prepared {
 
   Advance prepare(const Slice& slice) override {
     // What was found in another world is searched for again.
-    if (heuristic_ && level_ && parent_.instance().scene != projected_) renewing_ = true;
+    if (heuristic_ && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
+      renewed_for_ = &Resolves::changed_world;
+    }
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
     // What was refuted stays so, whatever has changed since.
     if (heuristic_ && !renewing_ && outdated && !renewable()) make_heuristic();
@@ -75,6 +77,7 @@ class ComponentGuidance final : public Prepared {
     for (;;) {
       if (heuristic_ && !renewing_) {
         renewing_ = true;
+        renewed_for_ = refuted_by_;
         --resolves_left_;
         guide_->before_resolve();
       }
@@ -89,6 +92,7 @@ class ComponentGuidance final : public Prepared {
       if (again && !found_) {
         resolves_left_ = 0;
         guide_->no_other_path();
+        level_->resolves().exhausted = true;
       }
       make_heuristic();
       counted_ = false;
@@ -96,7 +100,10 @@ class ComponentGuidance final : public Prepared {
       if (!heuristic_->stale()) return advance;
       ++refuted_;
       counted_ = true;
-      if (!renewable()) return advance;
+      if (!renewable()) {
+        note_limit();
+        return advance;
+      }
     }
   }
   [[nodiscard]] double work() const override { return level_ ? level_->work() : 0.0; }
@@ -142,18 +149,18 @@ class ComponentGuidance final : public Prepared {
     guide_->learn(outcome);
     if (!heuristic_) return;
     heuristic_->observe(outcome, mine);
-    count_refutation();
+    count_refutation(&Resolves::rejections);
   }
 
   void lost(View place) override {
     guide_->avoid(place);
-    if (heuristic_) count_refutation();
+    if (heuristic_) count_refutation(&Resolves::lost_place);
   }
 
   void found_invalid(View q) override {
     if (!heuristic_ || renewing_) return;
     guide_->found_invalid(q);
-    count_refutation();
+    count_refutation(&Resolves::presumed_valid);
   }
 
   void found(double length) override {
@@ -185,8 +192,18 @@ class ComponentGuidance final : public Prepared {
   }
 
  private:
-  void count_refutation() {
-    if (heuristic_->stale() && !std::exchange(counted_, true)) ++refuted_;
+  using Reason = std::uint64_t Resolves::*;
+
+  /// \param reason  what the heuristic was just reported
+  void count_refutation(Reason reason) {
+    if (!heuristic_->stale()) return;
+    if (!std::exchange(stale_, true)) refuted_by_ = reason;
+    if (!std::exchange(counted_, true)) ++refuted_;
+    if (!renewable()) note_limit();
+  }
+  /// h is refuted and S is not solved again.
+  void note_limit() {
+    if (level_ && !level_->resolves().exhausted) level_->resolves().limit_reached = true;
   }
 
   void make(const GuideSpec& spec) {
@@ -236,6 +253,8 @@ class ComponentGuidance final : public Prepared {
     // What the nodes left are worth is kept; the rest has to be earned again.
     const double lost = std::exchange(lost_, 0.0);
     if (lost > 0.0) progress_ -= std::max(0.0, lost - heuristic_->connected());
+    stale_ = heuristic_->stale();
+    if (stale_) refuted_by_ = &Resolves::invalid_path;
   }
   /// Tells what guides S of the places that S lost, and of what S presumed valid and was found invalid.
   void tell() {
@@ -275,12 +294,14 @@ class ComponentGuidance final : public Prepared {
     if (more_ == 0) {
       first_ = level_->advance(renewing_ ? guide_->effort_again() : guide_->effort(), slice);
       if (first_ == Advance::unfinished) return first_;
+      if (renewing_) ++(level_->resolves().*renewed_for_);
       more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
     }
     while (more_ > 0) {
       const Slice left{slice.proposals, slice.work - (level_->work() - begun)};
       if (left.work <= 0.0) return Advance::unfinished;
       if (level_->advance(static_cast<double>(more_), left) == Advance::unfinished) return Advance::unfinished;
+      ++level_->resolves().further_path;
       more_ = guide_->another(level_->found() ? &level_->solution() : nullptr);
     }
     return first_;
@@ -306,8 +327,11 @@ class ComponentGuidance final : public Prepared {
   std::int64_t resolves_left_ = 0;
   std::uint64_t refuted_ = 0;
   bool counted_ = false;   ///< that the h in use was refuted
+  bool stale_ = false;     ///< that the h in use is refuted, and `refuted_by_` says by what
   bool renewing_ = false;  ///< a re-solve has begun
-  bool found_ = false;     ///< the last search found a path, or there is none to be found
+  Reason refuted_by_ = &Resolves::rejections;
+  Reason renewed_for_ = &Resolves::rejections;  ///< of the re-solve that has begun
+  bool found_ = false;                          ///< the last search found a path, or there is none to be found
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,13 @@
 #include <trellis/strategy/split_search.hpp>
 
 namespace trellis {
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  constexpr double nanosecond = 1e-9;
+  return static_cast<double>(now.tv_sec) + nanosecond * static_cast<double>(now.tv_nsec);
+}
 
 Level::Level(Run& run, Level* parent, std::string key, std::string name, std::unique_ptr<Instance> instance,
              const PlannerSpec& planner, std::shared_ptr<const Guide> lift)
@@ -39,6 +47,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
   guidance_.limit_slice([this] { return work_limit_ - work(); });
+  if (parent == nullptr) guidance_.report_paths([this](double length) { note_improvement(length); });
   run.levels.push_back(this);
 }
 
@@ -148,6 +157,8 @@ void Level::refute(View invalid, const Instance& finer) {
   instance.revision += epoch + 1 - std::min(epoch + 1, instance.epoch());
   found_ = false;
   record_.solution = {};
+  ++record_.resolves.finer_check;
+  run_.improvements.clear();
 }
 
 LevelRecord Level::take_record() {
@@ -177,6 +188,14 @@ LevelRecord Level::take_record() {
   // The levels below draw their lifts from streams that are named by it.
   record_.key = std::move(key);
   return taken;
+}
+
+void Level::note_improvement(double length) {
+  auto& improvements = run_.improvements;
+  if (!improvements.empty() && !(length < improvements.back().length)) return;
+  std::uint64_t checks = 0;
+  for (const Level* level : run_.levels) checks += level->instance_->checks.validity;
+  improvements.push_back({checks, thread_seconds() - run_.cpu_begin, length});
 }
 
 void Level::pause() {

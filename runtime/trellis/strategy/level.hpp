@@ -34,6 +34,9 @@ class Clock {
   std::chrono::steady_clock::time_point since_;
 };
 
+/// CPU time of the calling thread, seconds.
+double thread_seconds();
+
 /// What all levels of one run share.
 struct Run {
   std::string problem;  ///< its name
@@ -45,7 +48,9 @@ struct Run {
   std::vector<Level*> levels;  ///< in the order of their numbers
   std::vector<Turn> turns;
   Level* at_work = nullptr;
-  int first_solves = 0;  ///< levels whose first solve has ended
+  int first_solves = 0;                   ///< levels whose first solve has ended
+  double cpu_begin = 0.0;                 ///< of the thread
+  std::vector<Improvement> improvements;  ///< of the root's path
   RunShared shared;
 };
 
@@ -167,8 +172,11 @@ class LevelGuidance final : public Guidance {
     counted_.checks += looked;
   }
   void found(double length) override {
+    if (path_found_) path_found_(length);
     if (guide_ != nullptr) guide_->found(length);
   }
+  /// `report` is called with the length of each path that the level's planner finds.
+  void report_paths(std::function<void(double)> report) { path_found_ = std::move(report); }
 
   /// Whether a proposal of a source is a guided one: not the goal, nor a uniform one.
   [[nodiscard]] static bool is_guided(Source source) { return source >= 2; }
@@ -278,6 +286,7 @@ class LevelGuidance final : public Guidance {
   InformedPath informed_;
   std::unique_ptr<Prepared> guide_;
   std::function<double()> slice_left_;
+  std::function<void(double)> path_found_;
   double direct_ = instance_.to_goal(instance_.start);
   BothSpent spent_;
   Spent counted_;          ///< of the level, that `spent_` holds
@@ -362,6 +371,8 @@ class Level {
   /// Adds time spent for this level outside its solves: making its instance by f.
   void charge(double seconds) { record_.search.seconds += seconds; }
 
+  /// Why the instance was solved again; whoever asks for another solve counts it here.
+  [[nodiscard]] Resolves& resolves() { return record_.resolves; }
   /// Whether the last solve found a path.
   [[nodiscard]] bool found() const { return found_; }
   [[nodiscard]] Instance& instance() { return *instance_; }
@@ -378,6 +389,8 @@ class Level {
  private:
   [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
+  /// Records a path of the root that is shorter than those before it.
+  void note_improvement(double length);
   /// A level below is asked for its solution in the middle of this one's solve.
   void pause();
   void end_turn(Configurations path, bool solve_ended);

@@ -630,13 +630,14 @@ function drawRun() {
   }
   pen.font = '600 12px system-ui, sans-serif';
   pen.textBaseline = 'bottom';
-  const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', colours.ends]);
-  for (const [q, name, fill] of [[problem.start, 'start', null], ...goals]) {
+  // As in the figures: the start is filled, a goal is an outline.
+  const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', null]);
+  for (const [q, name, fill] of [[problem.start, 'start', colours.ends], ...goals]) {
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
     const px = problem.position.length >= 2 ? q[problem.position[0]] : robot ? robot.base[0] : 0;
     const py = problem.position.length >= 2 ? q[problem.position[1]] : robot ? robot.base[1] : 0;
     const x = frame.X(px), y = frame.Y(py);
-    if (problem.position.length < 2 && fill) continue;
+    if (problem.position.length < 2 && !fill) continue;
     pen.beginPath(); pen.arc(x, y, 3, 0, 7);
     pen.fillStyle = fill || colours.free; pen.fill();
     pen.strokeStyle = colours.ends; pen.lineWidth = 1.5; pen.stroke();
@@ -978,11 +979,20 @@ function showWorth() {
   figures.replaceChildren();
   const table = $('levels-' + where);
   if (table) worth.append(table.content.cloneNode(true));
-  for (const text of read('figures-' + where) || []) {
+  showFigures(figures, 'figures-' + where);
+  $('compared').replaceChildren();
+  $('comparison').hidden = !showFigures($('compared'), 'comparison-' + state.scene);
+}
+
+/// Appends the figures of a record, and says how many.
+function showFigures(to, id) {
+  const all = read(id) || [];
+  for (const text of all) {
     const svg = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
     if (svg.nodeName !== 'svg') continue;
-    figures.append(make('figure', null, document.importNode(svg, true)));
+    to.append(make('figure', null, document.importNode(svg, true)));
   }
+  return all.length;
 }
 
 // Tables ------------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <trellis/draw/canvas.hpp>
+
+/// Heat strips: shares of samples along an axis beside those of a target, a strip for each set of samples.
+namespace trellis::draw {
+
+struct Strip {
+  std::string name{};
+  std::vector<double> edges{};   ///< of the bins: one more than there are bins
+  std::vector<double> share{};   ///< of the samples, per bin
+  std::vector<double> target{};  ///< the target's share of each bin
+};
+
+struct StripFigure {
+  std::string title{};
+  std::string caption{};
+  std::string x_label{};
+  std::vector<Strip> strips{};  ///< from the top
+  double width = 504.0;         ///< points
+};
+
+/// The colour of a bin: white where the samples have the target's share, `palette::loss` where they have less and grey
+/// where they have more, full at a quarter and at four times. A bin of no target has no ratio: the colour of the paper.
+Colour strip_colour(double share, double target);
+
+/// Draws a figure on white. All strips have one axis. A bin of the target without any sample is crossed out. Its height
+/// is what its strips and texts need. Throws Fault for a strip whose vectors do not fit each other.
+Canvas plot(const StripFigure& figure);
+
+}  // namespace trellis::draw

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/report/latex.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <sstream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace trellis {
+
+namespace {
+
+/// What LaTeX would take for a sign of its own, and the signs that are no letters of its fonts.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 22> signs = {{{"\\", "\\textbackslash{}"},
+                                                                                  {"%", "\\%"},
+                                                                                  {"&", "\\&"},
+                                                                                  {"#", "\\#"},
+                                                                                  {"$", "\\$"},
+                                                                                  {"_", "\\_"},
+                                                                                  {"{", "\\{"},
+                                                                                  {"}", "\\}"},
+                                                                                  {"~", "\\textasciitilde{}"},
+                                                                                  {"^", "\\textasciicircum{}"},
+                                                                                  {"<", "$<$"},
+                                                                                  {">", "$>$"},
+                                                                                  {"|", "$|$"},
+                                                                                  {"±", "$\\pm$"},
+                                                                                  {"≥", "$\\geq$"},
+                                                                                  {"≤", "$\\leq$"},
+                                                                                  {"×", "$\\times$"},
+                                                                                  {"−", "$-$"},
+                                                                                  {"–", "--"},
+                                                                                  {"’", "'"},
+                                                                                  {"…", "\\ldots{}"},
+                                                                                  {"·", "$\\cdot$"}}};
+
+/// Appends the sign at `at` and returns how many bytes it took.
+std::size_t add_sign(std::string_view text, std::size_t at, std::string& out) {
+  const auto* const found = std::find_if(signs.begin(), signs.end(),
+                                         [&](const auto& sign) { return text.substr(at).starts_with(sign.first); });
+  if (found == signs.end()) {
+    out += text[at];
+    return 1;
+  }
+  out += found->second;
+  return found->first.size();
+}
+
+/// Text with its bold and code; `<br>` becomes `line_break`.
+std::string inline_text(std::string_view text, std::string_view line_break) {
+  std::string out;
+  bool bold = false;
+  bool code = false;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::string_view rest = text.substr(at);
+    if (!code && rest.front() == '\\' && rest.size() > 1) {
+      at += 1 + add_sign(text, at + 1, out);
+    } else if (rest.front() == '`') {
+      out += code ? "}" : "\\texttt{";
+      code = !code;
+      ++at;
+    } else if (!code && rest.starts_with("**")) {
+      out += bold ? "}" : "\\textbf{";
+      bold = !bold;
+      at += 2;
+    } else if (!code && rest.starts_with("<br>")) {
+      out += line_break;
+      at += 4;
+    } else {
+      at += add_sign(text, at, out);
+    }
+  }
+  if (code) out += '}';
+  if (bold) out += '}';
+  return out;
+}
+
+/// The cells of a table's row: what stands between its bars, those that are escaped or in code left alone.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::string cell;
+  bool code = false;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    if (line[i] == '`') code = !code;
+    if (line[i] == '\\' && !code && i + 1 < line.size()) {
+      cell += line.substr(i, 2);
+      ++i;
+    } else if (line[i] == '|' && !code) {
+      const std::size_t from = cell.find_first_not_of(' ');
+      const std::size_t to = cell.find_last_not_of(' ');
+      cells.push_back(from == std::string::npos ? "" : cell.substr(from, to - from + 1));
+      cell.clear();
+    } else {
+      cell += line[i];
+    }
+  }
+  return cells;
+}
+
+std::string cell_text(const std::string& cell) {
+  const std::string text = inline_text(cell, " \\\\ ");
+  return cell.find("<br>") == std::string::npos ? text : "\\shortstack[r]{" + text + "}";
+}
+
+bool is_rule(const std::string& line) { return line.find_first_not_of("|-: ") == std::string::npos; }
+
+/// The first row is the heading, the second one the rule below it.
+std::string table(const std::vector<std::string>& lines) {
+  constexpr std::size_t widest = 7;  // columns that a page has room for
+  const std::size_t columns = cells_of(lines.front()).size();
+  const bool wide = columns > widest;
+  std::string out = "\\par\\medskip\\noindent\n";
+  if (wide) out += "\\resizebox{\\linewidth}{!}{%\n";
+  out += fmt::format("\\begin{{tabular}}{{l{}}}\n\\toprule\n", std::string(columns > 0 ? columns - 1 : 0, 'r'));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i == 1 && is_rule(lines[i])) {
+      out += "\\midrule\n";
+      continue;
+    }
+    const std::vector<std::string> cells = cells_of(lines[i]);
+    for (std::size_t c = 0; c < cells.size(); ++c) out += (c == 0 ? "" : " & ") + cell_text(cells[c]);
+    out += " \\\\\n";
+  }
+  out += "\\bottomrule\n\\end{tabular}";
+  return out + (wide ? "}\n\n" : "\n\n");
+}
+
+}  // namespace
+
+std::string latex(const std::string& markdown) {
+  std::string out = "% \\usepackage{booktabs} and, for wide tables, \\usepackage{graphicx}\n\n";
+  std::istringstream text(markdown);
+  std::vector<std::string> rows;
+  const auto end_table = [&] {
+    if (!rows.empty()) out += table(rows);
+    rows.clear();
+  };
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with('|')) {
+      rows.push_back(line);
+      continue;
+    }
+    end_table();
+    const std::size_t level = line.find_first_not_of('#');
+    if (line.empty() || level == std::string::npos) continue;
+    constexpr std::array<const char*, 3> sections = {"section", "subsection", "subsubsection"};
+    if (level > 0 && level <= sections.size() && line[level] == ' ') {
+      out += fmt::format("\\{}*{{{}}}\n\n", sections.at(level - 1), inline_text(line.substr(level + 1), " "));
+    } else {
+      out += inline_text(line, "\\\\") + "\n\n";
+    }
+  }
+  end_table();
+  return out;
+}
+
+}  // namespace trellis

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include <trellis/strategy/executor.hpp>
+
+namespace trellis {
+
+struct LevelSummary;
+
+/// A reason to solve a level again.
+struct ResolveReason {
+  const char* name;  ///< in the JSON document
+  const char* text;  ///< in reports
+  std::uint64_t Resolves::*count;
+};
+inline constexpr std::array<ResolveReason, 7> resolve_reasons = {{
+    {"invalid_path", "its path proved invalid in C", &Resolves::invalid_path},
+    {"rejections", "C rejected guided proposals", &Resolves::rejections},
+    {"lost_place", "another level refuted a place on its path", &Resolves::lost_place},
+    {"presumed_valid", "a configuration that it presumes valid is invalid", &Resolves::presumed_valid},
+    {"changed_world", "its obstacles changed", &Resolves::changed_world},
+    {"further_path", "its guide asked for another path", &Resolves::further_path},
+    {"finer_check", "its path proved invalid in a finer check", &Resolves::finer_check},
+}};
+
+/// "solved again 12 times: its path proved invalid in C (9), C rejected guided proposals (3); no other path in 1 run".
+/// "" where it was not solved again and nothing refuted its path for good.
+std::string resolves_text(const LevelSummary& level);
+
+}  // namespace trellis
