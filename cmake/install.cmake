@@ -11,7 +11,6 @@ install(DIRECTORY stdlib ${program} FILES_MATCHING PATTERN "*.lua")
 install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt)
 install(FILES .luacheckrc ${program} RENAME luacheckrc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
-install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)
 
 set(printed ${PROJECT_BINARY_DIR}/dsl)

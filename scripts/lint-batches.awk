@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Puts together what scripts/lint gives to clang-tidy in one run. Reads "SOURCE<tab>COMPILE COMMAND" of all sources,
-# "SOURCE<tab>FILE" of all of ours that they include, and "SOURCE<tab>KEY" of the sources to look at. Prints one batch a
+# "SOURCE<tab>FILE" of all of ours that they include, and "SOURCE<tab>KEY" of the sources to check. Prints one batch a
 # line: "SOURCE<tab>KEY<tab>SOURCE<tab>KEY...".
 #
 # The sources of a batch are compiled alike, have `most` lines in all, and what is in the unnamed namespaces of one has
