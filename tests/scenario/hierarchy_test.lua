@@ -31,7 +31,7 @@ pays("in the trap", scenes.trap(), 15, 0.5)
 pays("around the cup", scenes.cup(), 15, 0.5)
 pays("in a maze", worlds.maze { cells = 12, seed = 2 }, 6, 0.9)
 pays("through rows of false gaps", worlds.false_gaps { rows = 4, kind = "mixed", gaps = 8, seed = 2 }, 15, 0.5)
-pays("in rooms", worlds.rooms { rooms = 4, seed = 2 }, 10, 0.5)
+pays("in rooms", worlds.rooms { rooms = 4, seed = 2 }, 20, 0.5)
 
 -- The medial axis leads through gaps that the robot does not pass. The smaller robot finds that out with fewer checks.
 scenario "a smaller robot between the skeleton and the planner pays where gaps are false" (function()

@@ -139,9 +139,11 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
 }
 
 void Level::refute(View invalid, const Instance& finer) {
+  // As many paths are refuted before the resolution counts as too coarse for the world.
+  constexpr std::uint64_t at_most = 4;
   Instance& instance = *instance_;
   const std::uint64_t epoch = instance.epoch();
-  if (std::exchange(refuted_, true)) {
+  if (++record_.resolves.finer_check > at_most) {
     instance.validity = finer.validity;
     instance.resolution = finer.resolution;
   } else {
@@ -157,7 +159,6 @@ void Level::refute(View invalid, const Instance& finer) {
   instance.revision += epoch + 1 - std::min(epoch + 1, instance.epoch());
   found_ = false;
   record_.solution = {};
-  ++record_.resolves.finer_check;
   run_.improvements.clear();
 }
 

@@ -358,9 +358,9 @@ class Level {
   void replace_instance(std::unique_ptr<Instance> instance);
 
   /// Refutes the path found: a finer check found one of its configurations invalid. The next solve finds another path,
-  /// and keeps what of the search is still valid. The first time that configuration is excluded, with what is nearer to
-  /// it than the finer resolution. The second time the resolution is too coarse for the world: from then on the level
-  /// checks motions at the finer one.
+  /// and keeps the nodes of the search whose motions do not pass by that configuration: it is excluded, with what is
+  /// nearer to it than the finer resolution. Where that happens more than a few times, the resolution is too coarse for
+  /// the world: from then on the level checks motions at the finer one, those of the search so far included.
   /// \param invalid  a configuration of the level's space
   /// \param finer    the level's instance with a finer resolution
   void refute(View invalid, const Instance& finer);
@@ -419,7 +419,6 @@ class Level {
   std::optional<double> solve_begun_;      ///< proposals when the unfinished solve began
   std::size_t noted_ = 0;                  ///< proposals and nodes when its last turn ended
   bool found_ = false;
-  bool refuted_ = false;  ///< a path found was refuted
 };
 
 }  // namespace trellis
