@@ -122,7 +122,8 @@ std::string costs_text(const CostData& data, const std::string& baseline, std::s
 /// All of it, in Markdown. From "## Every figure" on a row stands for each problem and strategy.
 std::string costs_markdown(const CostData& data, const std::string& baseline);
 /// One figure a line: group, tuned, problem, strategy, against, reference, quantity, runs, solved, reference_solved,
-/// both_solved, median, reference_median, ratio_of_medians, ratio_of_totals, paired_ratio, lo, hi, sign_p, holm_p, effect.
+/// both_solved, median, reference_median, ratio_of_medians, ratio_of_totals, paired_ratio, lo, hi, sign_p, holm_p,
+/// effect.
 std::string costs_csv(const CostData& data, const std::string& baseline);
 /// A strategy's colour in all figures that compare strategies, and on the page. The baseline has its own.
 draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy);
