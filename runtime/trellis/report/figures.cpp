@@ -38,7 +38,7 @@ class Averaged {
   /// "means over 2 of 20 runs, too few for whiskers".
   /// \param marks  what shows the intervals; "": nothing does
   [[nodiscard]] std::string text(std::size_t runs, const std::string& marks) const {
-    const std::string means = (marks.empty() ? "Means over " : "means over ") + averaged_text(least_, most_, runs);
+    std::string means = (marks.empty() ? "Means over " : "means over ") + averaged_text(least_, most_, runs);
     if (marks.empty()) return means;
     if (most_ < least_for_interval) return fmt::format("{}, too few for {}", means, marks);
     return fmt::format("{}; {}: 95 % Student interval", means, marks);

@@ -242,7 +242,7 @@ std::string warnings_html(const Experiment& experiment, const ExperimentResult& 
     for (const auto& [strategy, spec] : experiment.strategies) {
       if (is_ablation(experiment, strategy)) continue;
       const std::string why = unsolved_text(select_runs(result, problem, strategy), spec);
-      if (!why.empty()) add(problem, strategy + ": " + why);
+      if (!why.empty()) add(problem, fmt::format("{}: {}", strategy, why));
     }
     for (const std::string& warning : guide_warnings(experiment, result, problem, findings[p].comparisons)) {
       add(problem, "warning: " + warning);

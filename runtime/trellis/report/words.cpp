@@ -114,7 +114,7 @@ char mark_of(const std::string& flag) {
 std::string short_level(const std::string& name, std::size_t longest) {
   if (name.size() <= longest) return name;
   const std::size_t end = name.find_first_of(" ({");
-  const std::string head = name.substr(0, end);
+  std::string head = name.substr(0, end);
   if (end == std::string::npos) return head;
   // The first argument, where it is a number.
   const std::size_t from = name.find_first_not_of(" ({", end);
