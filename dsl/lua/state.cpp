@@ -65,9 +65,9 @@ int run_body(lua_State* state) {
 }  // namespace
 
 int Guard::run(lua_State* state, const Callback& body) {
-  // Raising is left until the handlers are done: Lua raises by an exception of its own, and the message is destroyed
-  // as it passes. That exception is no std::exception and meets no handler here.
-  constexpr std::uint64_t least = 50;  // what a call across the border costs at the least, in instructions
+  // Raise after the handlers have ended: Lua raises with its own exception type, and unwinding destroys the message.
+  // That exception is no std::exception, so no handler here catches it.
+  constexpr std::uint64_t least = 50;  // minimal cost of a call between Lua and C++, in instructions
   spend(state, least);
   std::string message;
   try {

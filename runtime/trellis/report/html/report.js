@@ -255,7 +255,7 @@ function parseSelect(text) {
   const [level, role, index] = text.split(':');
   return { level: Number(level), role, index: Number(index) };
 }
-/// Selects a sample, or none where there is no such one; shows its layer, and the replay goes on to it.
+/// Selects a sample, or none where there is no such one; shows its layer, and the replay continues to it.
 function setSelect(s, draw = true) {
   const level = s && run && run.levels[s.level];
   const list = level && (s.role === 'tree' ? level.nodes : s.role === 'expansion' ? level.proposals : null);
@@ -406,7 +406,7 @@ function drawTree(level, n) {
     if (level.parents) {
       for (let i = from; i < to; i++) {
         const up = level.parents[i];
-        // A node that was hung anew may have a parent that is yet to come.
+        // A rewired node may have a parent that the replay has not reached.
         if (up !== i && up < n) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
       }
     }
@@ -665,7 +665,7 @@ function drawDriven(robot) {
   pen.stroke();
 }
 
-/// b - a, the short way round on a periodic axis.
+/// b - a, within half a period on a periodic axis.
 const difference = (axis, a, b) => {
   const period = axis.hi - axis.lo;
   return axis.periodic ? b - a - period * Math.round((b - a) / period) : b - a;
