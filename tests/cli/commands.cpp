@@ -327,7 +327,7 @@ TEST_CASE("check finds what a run would meet late: names in functions, guides th
       "(uniform = 1, goal_bias = 0.05) (strategy 'unheard')\n");
 }
 
-TEST_CASE("the program tells its version and its words") {
+TEST_CASE("the program prints its version and its words") {
   const Place place;
   CHECK(place.run({"version"}).out == "trellis " TRELLIS_VERSION "\n");
   const auto all = place.run({"help"});
@@ -521,7 +521,7 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 
-TEST_CASE("what a script gives and nobody uses is told once, after the report") {
+TEST_CASE("unused parts of a script are reported once, after the report") {
   const Place place;
   place.script("unused.lua",
                "local mine = target { sample = function(c) return c.path[1] end,\n"

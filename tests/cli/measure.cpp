@@ -252,7 +252,7 @@ TEST_CASE("each estimator can be asked, or all of them") {
   CHECK(all["estimators"]["legacy"]["D"] == legacy["D"]);
 }
 
-TEST_CASE("columns are found by name, and the file's ways are understood") {
+TEST_CASE("columns are found by name, and variants of the format are read") {
   const Place place;
   const Json plain = measured(place, capsule(), "x,y\n1,9\n2,5\n3,5\n4,5.25\n");
   for (const std::string csv :
@@ -281,7 +281,7 @@ TEST_CASE("the table is printed, and the document written beside it") {
   CHECK(place.run({"measure", "case.json", "--json", "-"}).out.starts_with("{\n"));
 }
 
-TEST_CASE("what looks like a mistake in the samples is told beside the figures") {
+TEST_CASE("possible mistakes in the samples are reported beside the values") {
   const Place place;
   std::string twice = uniform_csv(300);
   const std::string once = twice.substr(twice.find('\n') + 1);
@@ -516,7 +516,7 @@ TEST_CASE("bad input gives one message with what and where, and no figure") {
   }
 }
 
-TEST_CASE("a case that is no JSON object is told from one that is") {
+TEST_CASE("a case that is no JSON object is an error") {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"", "case.json: the file is empty; expected a JSON object"},
       {"[1, 2]", "case.json: a case must be a JSON object, got [1,2]"},

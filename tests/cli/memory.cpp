@@ -86,7 +86,7 @@ TEST_CASE("a script may go by the library that its own run makes") {
   CHECK_THAT(first.err, Contains("new and added"));
 }
 
-TEST_CASE("libraries that cannot be used are told before anything runs") {
+TEST_CASE("unusable libraries are reported before the first run") {
   const Place place;
   place.script("solve.lua", solve);
   place.script("use.lua", go_by);
@@ -202,7 +202,7 @@ TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches
              Contains("--cells"));
 }
 
-TEST_CASE("what cannot be trained on is told") {
+TEST_CASE("unusable training data are reported") {
   const Place place;
   CHECK_THAT(place.run({"train", "--data", "none", "--out", "a.model"}).err, Contains("there is no folder 'none'"));
   fs::create_directories(place / "data");

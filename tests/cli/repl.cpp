@@ -73,7 +73,7 @@ TEST_CASE("expressions print themselves") {
   CHECK_THAT(sitting.enter("scenes.cup()"), Contains("problem 'cup' in SE(2)"));
 }
 
-TEST_CASE("help tells about words, values and the session's own functions") {
+TEST_CASE("help describes words, values and the session's own functions") {
   const Place place;
   Sitting sitting(place);
   CHECK_THAT(sitting.enter("help(skeleton() >> rrt {})"),
@@ -85,7 +85,7 @@ TEST_CASE("help tells about words, values and the session's own functions") {
   CHECK_THAT(sitting.enter("help(7)"), Contains("nothing is known about 7"));
 }
 
-TEST_CASE("an input goes on for as long as it is not whole") {
+TEST_CASE("an input continues until it is complete") {
   const Place place;
   Sitting sitting(place);
   sitting.terminal.type("function twice(n)\n");
@@ -173,7 +173,7 @@ TEST_CASE("Ctrl-C ends what runs and leaves the session") {
   CHECK_THAT(sitting.enter("#samples() > 0"), Contains("true"));
 }
 
-TEST_CASE("a run is planned and looked at") {
+TEST_CASE("a run is planned and inspected") {
   const Place place;
   Sitting sitting(place);
   sitting.enter("nested = skeleton() >> shrink(0.5) >> rrt { step = 0.5 }");
@@ -253,7 +253,7 @@ TEST_CASE("the history is kept for the next session") {
   CHECK_THAT(next.enter("first_thing"), Contains("\n11\r\n"));
 }
 
-TEST_CASE("a local that is lost is told of once") {
+TEST_CASE("the loss of a local variable is reported once") {
   const Place place;
   Sitting sitting(place);
   CHECK_THAT(sitting.enter("local y = 1"), Contains("'local y' has ended"));

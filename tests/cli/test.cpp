@@ -82,7 +82,7 @@ TEST_CASE("a scenario that holds says so, in figures") {
   CHECK_THAT(outcome.out, EndsWith("\npassed: 1 scenario, 5 expectations\n"));
 }
 
-TEST_CASE("each matcher can fail, and tells what helps") {
+TEST_CASE("each matcher can fail, and prints its evidence") {
   const Place place;
   place.script("pair.lua", pair_script);
   place.script("it_test.lua", scenario("nothing of this holds", two_trials() + R"(
@@ -175,7 +175,7 @@ TEST_CASE("an error in a scenario fails that one, and the next ones still run") 
   CHECK_THAT(outcome.out, EndsWith("\nFAILED: 5 scenarios (4 failed), 2 expectations\n"));
 }
 
-TEST_CASE("a script that is wrong is told on stderr, and the other files are tried") {
+TEST_CASE("an error in a script is reported on stderr, and the other files run") {
   const Place place;
   place.script("pair.lua", pair_script);
   place.script("good_test.lua", scenario("all is well", two_trials("2") + "expect(plain, solves(at_least(1)))"));

@@ -250,7 +250,7 @@ TEST_CASE("angles of any size") {
   }
 }
 
-TEST_CASE("a motion across the end of the angle's period goes the short way") {
+TEST_CASE("a motion across the end of the angle's period takes the shorter direction") {
   // Pointing left, a little up and down; the long way round would hit the box on the right.
   const Shape bar = Box2{{0, -0.05}, {1, 0.05}};
   for (const auto& backend : backends) {

@@ -22,7 +22,7 @@ TEST_CASE("each of a character's eight dots can be set by itself") {
   }
 }
 
-TEST_CASE("a line shows in all characters on its way") {
+TEST_CASE("a line shows in all characters that it crosses") {
   Braille picture(4, 1);
   picture.line({0, 0.5}, {8, 0.5}, {});
   CHECK(picture.text(false) == "⠉⠉⠉⠉\n");

@@ -136,7 +136,7 @@ TEST_CASE("by default h is along the path that was found") {
   }
 }
 
-TEST_CASE("f is told by the names of axes: what S lacks is lifted uniformly, and the density is exact") {
+TEST_CASE("f by the names of axes: the axes that S lacks are lifted uniformly, and the density is exact") {
   const std::string point = "guiding_space { name = 'point', space = {'x', 'y'}, robot = robot.point() }";
   const RunRecord run = run_of(point);
   CHECK(run.solved);
@@ -230,7 +230,7 @@ TEST_CASE("h may be a function that draws, with its density") {
                  Contains("where it drew a sample: it returned 0, expected a finite number greater than 0"));
 }
 
-TEST_CASE("h is told what became of its proposals, may change by that, and asks for another solution") {
+TEST_CASE("h receives the outcomes of its proposals, may adapt to them, and requests another solution") {
   const RunRecord run = run_of(
       "(function() local n, kinds = 0, {}\n"
       "return guiding_space { name = 'told', valid = 'free', resolves = 2,\n"
@@ -293,7 +293,7 @@ TEST_CASE("a distribution that a script returns hears of everything that it woul
   }
 }
 
-TEST_CASE("where the planner lost nodes a script is told so, hears of those that are left, and makes h anew") {
+TEST_CASE("where the planner lost nodes a script is notified, receives the others, and recomputes h") {
   // What blocks the way is dropped, and comes back: the tree in that space loses branches.
   const std::string strategy = "g >> drop { planner = rrt { step = 0.5, bound = 1 } } >> rrt { step = 0.5, bound = 1 }";
   const auto guide = [](const std::string& restart, const std::string& more) {
@@ -353,7 +353,7 @@ TEST_CASE("what a function leaves behind reaches no other run, and any number of
   CHECK(one[0] != one[2]);
 }
 
-TEST_CASE("a script that defines other guides when it is loaded again is told so") {
+TEST_CASE("a script that defines other guides when it is loaded again is an error") {
   dsl::SessionOptions options;
   options.trust = true;
   const std::string fickle = script(
@@ -389,7 +389,7 @@ TEST_CASE("what is wrong with a guide is said where it is written") {
   CHECK_THAT(test::failure("lifted(3)"), Contains("lifted: takes a distribution over S"));
 }
 
-TEST_CASE("what goes wrong in a guide's function is told with the level, the run and the line") {
+TEST_CASE("an error in a guide's function names the level, the run and the line") {
   const std::string at = "test.lua:3: in g >> rrt, level 1 (problem 'room', seed 1): ";
   const auto fails = [](const std::string& fields) {
     return run_failure("guiding_space { name = 'g', " + fields + " }");

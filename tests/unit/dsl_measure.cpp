@@ -280,7 +280,7 @@ TEST_CASE("a user's target scores an experiment, the same each time, after its s
   }
 }
 
-TEST_CASE("a user's functions are told the path, the problem and its space") {
+TEST_CASE("a user's functions receive the path, the problem and its space") {
   const std::string density = ", log_density = function() return -math.log(100) end";
   const auto told = [&](const std::string& what) {
     const std::string message = run_failure("sample = function(c) error(tostring(" + what + "), 0) end" + density);
@@ -305,7 +305,7 @@ TEST_CASE("a user's functions are told the path, the problem and its space") {
   CHECK(told("math.type(c.normal())") == "float");
 }
 
-TEST_CASE("what is wrong in a user's function is told with the function, the draw and the line") {
+TEST_CASE("an error in a user's function names the function, the draw and the line") {
   const std::string sample = "sample = function(c) return { 10 * c.random(), 10 * c.random() } end, ";
   const std::string density = ", log_density = function() return -math.log(100) end";
   const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -348,7 +348,7 @@ TEST_CASE("what is wrong in a user's function is told with the function, the dra
   }
 }
 
-TEST_CASE("what is wrong in a user's density is told with the sample and the level that it was asked for") {
+TEST_CASE("an error in a user's density names the sample and its level") {
   // The density fails when it is called for the n-th time; the draws come first, then each level's samples.
   const auto message = [](int n, const std::string& what) {
     const auto program = load(
@@ -386,7 +386,7 @@ TEST_CASE("what is wrong in a user's density is told with the sample and the lev
   CHECK(endless.find(" and comes to no end; is there a loop without end?") != std::string::npos);
 }
 
-TEST_CASE("help tells of targets, estimators and the construct of a target of one's own") {
+TEST_CASE("help describes targets, estimators and the construct of a user's target") {
   const std::string all = dsl::vocabulary_text();
   for (const char* word : {"targets:", "estimators:", "tube", "near_optimal", "progress", "knn", "exact", "kde",
                            "histogram", "legacy", "target", "ablations"}) {

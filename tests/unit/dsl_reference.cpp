@@ -49,7 +49,7 @@ void check_option(const dsl::Word& word, const Option& option) {
 
 }  // namespace
 
-TEST_CASE("every word tells all that there is to know") {
+TEST_CASE("every word has a complete description") {
   REQUIRE(dsl::words().size() > 60);
   std::vector<std::string> names;
   for (const dsl::Word& word : dsl::words()) {

@@ -163,7 +163,7 @@ TEST_CASE("names that nothing has are found in functions that are never called")
   CHECK(unknown(text).front().starts_with("test.lua:406: unknown name 'nowhere'"));
 }
 
-TEST_CASE("whoever runs a script can end it") {
+TEST_CASE("the caller can end a script") {
   int asked = 0;
   dsl::Session session("", {.interrupted = [&asked] { return ++asked > 3; }});
   CHECK_THROWS_AS(session.evaluate("while true do pcall(function() while true do end end) end", "test.lua"),
@@ -201,7 +201,7 @@ TEST_CASE("memory has a limit, and the interpreter lives on") {
   CHECK(session.evaluate("return 1", "test.lua").front() == "1");
 }
 
-TEST_CASE("recursion without end is an error") {
+TEST_CASE("infinite recursion is an error") {
   CHECK(failure("local function f() return 1 + f() end f()").find("stack overflow") != std::string::npos);
   CHECK(failure("local t = {} t.__index = function(_, k) return t[k] end setmetatable(t, t) return t.x")
             .find("overflow") != std::string::npos);

@@ -382,7 +382,7 @@ TEST_CASE("every figure is the same to the last bit whatever the number of jobs"
   CHECK(once == Bytes(run(experiment, options)));
 }
 
-TEST_CASE("near_optimal is the ellipse about start and goal where nothing stands in the way", "[scoring]") {
+TEST_CASE("near_optimal is the ellipse about start and goal in an empty world", "[scoring]") {
   Experiment experiment = open_experiment();
   experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 20.0)}};
   NearOptimalSettings settings;

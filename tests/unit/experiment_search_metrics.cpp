@@ -317,7 +317,7 @@ TEST_CASE("metrics of runs: trees are one component, and shares add up", "[exper
   }
 }
 
-TEST_CASE("few motions are looked at for each node", "[experiment][search_metrics]") {
+TEST_CASE("few motions are checked for each node", "[experiment][search_metrics]") {
   const auto walled = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                          {1, 4, 0}, {9, 4, 0});
   for (const auto* planner : {"rrt", "rrt_connect", "prm"}) {

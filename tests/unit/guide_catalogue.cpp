@@ -168,7 +168,7 @@ TEST_CASE("every path found among hulls is valid among the obstacles", "[guide][
   CHECK(solved >= 60);
 }
 
-TEST_CASE("where the hulls close the only way they are refined until it is open", "[guide][aggregate]") {
+TEST_CASE("where the hulls close the only passage they are refined until it is open", "[guide][aggregate]") {
   const auto problem = test::simple_passage_problem();
   const Work w = work("aggregate", {{"error", 1.0}}, problem);
   CHECK(w.found.solved());
@@ -181,7 +181,7 @@ TEST_CASE("where the hulls close the only way they are refined until it is open"
   CHECK(freed.found.solved());
 }
 
-TEST_CASE("a dropped obstacle comes back when C finds it in the way, and no other", "[guide][drop]") {
+TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][drop]") {
   const auto problem = test::cup_problem();
   auto w = work("drop",
                 {{"obstacles", std::vector<std::string>{"obstacle 1", "obstacle 2"}}, {"follow", std::string("tube")}},
@@ -241,7 +241,7 @@ TEST_CASE("what is presumed valid and found invalid at one place, time and again
   }
 }
 
-TEST_CASE("drop knows the world's obstacles by name", "[guide][drop]") {
+TEST_CASE("drop identifies the world's obstacles by name", "[guide][drop]") {
   const auto parent = make_instance(test::cup_problem());
   const auto make = [&](const std::string& name) {
     const GuideKind& kind = *find_guide("drop");
@@ -323,7 +323,7 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
   }
 }
 
-TEST_CASE("informed goes by the best path that it is told of, while that holds", "[guide][informed]") {
+TEST_CASE("informed uses the best reported path as long as it is valid", "[guide][informed]") {
   const auto problem = test::point_problem(5);
   const Work w = work("informed", {}, problem);
   const Configuration corner = {9.5, 0.5};
@@ -390,7 +390,7 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
   }
 }
 
-TEST_CASE("the point's way is the shortest on the grid, and keeps clear of obstacles", "[guide][workspace]") {
+TEST_CASE("the point's path is the shortest on the grid, and has clearance to obstacles", "[guide][workspace]") {
   const Work w = work("workspace", {{"cell", 0.5}}, test::cup_problem());
   REQUIRE(w.found.solved());
   const auto& space = w.sub->space;

@@ -120,7 +120,7 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
   }
 }
 
-TEST_CASE("a stored path is followed from the query's start to its goal, whichever way round it was stored",
+TEST_CASE("a stored path is followed from the query's start to its goal, in either stored direction",
           "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}});
@@ -157,7 +157,7 @@ TEST_CASE("of several paths the one is followed that the present world violates 
   CHECK(farthest(cheap.sub->space, cheap.h->lifted_path(), way(under)) < 0.3);
 }
 
-TEST_CASE("only what could be the way that needs least repair is checked", "[guide][experience]") {
+TEST_CASE("only candidates for the path with the least repair are checked", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored one({{stored, way(under)}});
   const Stored both({{stored, way(under)}, {stored, way(over)}});
@@ -168,7 +168,7 @@ TEST_CASE("only what could be the way that needs least repair is checked", "[gui
   CHECK(alone.sub->checks.validity == beside.sub->checks.validity);
 }
 
-TEST_CASE("ways from A to B and from B to C make one from A to C", "[guide][experience]") {
+TEST_CASE("paths from A to B and from B to C make one from A to C", "[guide][experience]") {
   const Points ab = {{1, 1}, {1, 9}, {5, 9}};
   const Points bc = {{9, 1}, {9, 9}, {5.1, 9}};  // stored from C to B, and ends a little beside
   const Stored library({{plane({}, {1, 1}, {5, 9}), way(ab)}, {plane({}, {9, 1}, {5.1, 9}), way(bc)}});
@@ -196,7 +196,7 @@ TEST_CASE("only paths of the same space and robot are retrieved", "[guide][exper
   CHECK(retrieve(wider, {{"db", library.file()}}).found.status == Status::no_path);
 }
 
-TEST_CASE("several ways guide at once, each another one", "[guide][experience]") {
+TEST_CASE("several distinct paths guide at once", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   const auto r = retrieve(
@@ -212,7 +212,7 @@ TEST_CASE("several ways guide at once, each another one", "[guide][experience]")
   CHECK(above < 600);
 }
 
-TEST_CASE("a way on which the planner is stuck is left for another one", "[guide][experience]") {
+TEST_CASE("a path without progress of the planner is replaced by another one", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});

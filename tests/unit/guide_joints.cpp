@@ -81,7 +81,7 @@ TEST_CASE("without its last joints an arm is cut off", "[guide][joints]") {
   }
 }
 
-TEST_CASE("a joint in the middle takes what hangs on it along", "[guide][joints]") {
+TEST_CASE("a joint in the middle moves the links that it carries", "[guide][joints]") {
   const auto problem = arm_problem();
   const auto parent = make_instance(problem);
   for (const auto& axes : std::vector<std::vector<std::string>>{{"theta", "theta3"}, {"4", "1"}}) {
@@ -110,7 +110,7 @@ TEST_CASE("without its angle a body is the largest disc inside it", "[guide][joi
   CHECK(sub->start == Configuration{1, 8.5});
 }
 
-TEST_CASE("what joints cannot keep is told", "[guide][joints]") {
+TEST_CASE("joints that cannot be kept are reported", "[guide][joints]") {
   CHECK_THAT(fault_of({"theta2"}, arm_problem()), Contains("nothing of the robot 'arm' is placed by theta2 alone"));
   CHECK_THAT(fault_of({"x", "theta"}, test::cup_problem()), Contains("keep x and y too"));
   CHECK_THAT(fault_of({"thetta2"}, arm_problem()), Contains("no axis 'thetta2'") &&

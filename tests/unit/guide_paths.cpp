@@ -94,7 +94,7 @@ double least_distance(const Space& space, View q, const Configurations& path) {
 
 }  // namespace
 
-TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][waypoints]") {
+TEST_CASE("waypoints are proposed in turn, each until it is reached", "[guide][waypoints]") {
   for (const auto* name : {"shrink", "identity", "lazy"}) {
     CAPTURE(name);
     auto w = work(name, waypoints, test::cup_problem());
@@ -135,7 +135,7 @@ TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][
   }
 }
 
-TEST_CASE("a way-point without progress makes h stale, and another path goes on where the planner is",
+TEST_CASE("a waypoint without progress makes h stale, and another path continues from the planner's nodes",
           "[guide][waypoints]") {
   auto options = waypoints;
   options.emplace_back("evidence", std::int64_t{30});
@@ -153,7 +153,7 @@ TEST_CASE("a way-point without progress makes h stale, and another path goes on 
   CHECK(dynamic_cast<WaypointHeuristic&>(*next).waypoint() >= 4);
 }
 
-TEST_CASE("what h along way-points or several paths enters into a record is its density at every step",
+TEST_CASE("the recorded density of h along waypoints or several paths is correct at every step",
           "[guide][waypoints][paths][density]") {
   auto both = waypoints;
   both.emplace_back("paths", std::int64_t{2});
@@ -206,7 +206,7 @@ TEST_CASE("what h along way-points or several paths enters into a record is its 
   }
 }
 
-TEST_CASE("several paths keep apart but near their ends, and what was excluded is valid again", "[guide][paths]") {
+TEST_CASE("several paths are separated except near their ends, and exclusions end", "[guide][paths]") {
   const auto problem = test::cup_problem();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     auto w = work("shrink",

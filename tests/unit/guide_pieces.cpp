@@ -55,7 +55,7 @@ std::pair<double, double> mass(const Space& space, const std::function<double(Vi
 
 }  // namespace
 
-TEST_CASE("axes are told by their names, whatever their order", "[guide][projection]") {
+TEST_CASE("axes are identified by their names in any order", "[guide][projection]") {
   const AxisProjection f(se2, some_axes({2, 0}));
   Configuration s(2);
   f.project(Configuration{1, 2, 3}, s);
@@ -148,7 +148,7 @@ TEST_CASE("a sum of distributions draws by its weights and has their density", "
   CHECK(sum.density(Configuration{8, 8, 0}) == Approx(3.0 * sum.density(Configuration{2, 2, 0})));
 }
 
-TEST_CASE("pieces are told from each other, and lie in the space", "[guide]") {
+TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
   const auto path = path_of({{1, 1, 0}, {2, 2, 0}});
   CHECK(along(path, plain())->description().identity == along(path, plain())->description().identity);
   CHECK(along(path, plain())->description().identity !=

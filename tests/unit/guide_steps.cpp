@@ -59,7 +59,7 @@ TEST_CASE("proposals are a step ahead of the node that came farthest along the p
   CHECK(h.progress() == Approx(front - 1.0).margin(0.2));
 }
 
-TEST_CASE("two trees go on from both ends of a path", "[guide][steps]") {
+TEST_CASE("two trees continue from both ends of a path", "[guide][steps]") {
   const auto problem = test::cup_problem();
   auto h = follow(problem.space, straight());
   Stream stream(1, "0", "steps");

@@ -426,7 +426,7 @@ TEST_CASE("The bound by the mass in the target is Clopper and Pearson's") {
   CHECK(bound(50, 50) == 1.0);
 }
 
-TEST_CASE("What samples are too few to tell is flagged") {
+TEST_CASE("Results of too few samples are flagged") {
   // As many uniform samples would put 10 into the capsule at N = 114.
   const double needed = 10.0 * std::exp(capsule().uniform());
   CHECK(needed == Approx(10 * 100 / (8 + pi / 4)).epsilon(0.01));

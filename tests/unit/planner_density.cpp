@@ -113,14 +113,14 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
   CHECK(h.asked == 4);
   CHECK(record.terms() == 2);
 
-  SECTION("a copy goes its own way") {
+  SECTION("a copy is independent") {
     const DensityRecord copy = record;
     const double before = copy.at({});
     for (int i = 0; i < 100; ++i) record.served(h);
     CHECK(copy.at({}) == before);
     CHECK(copy.total() == 20);
   }
-  SECTION("compacting changes no value, and the record goes on") {
+  SECTION("compacting changes no value, and the record continues") {
     record.compact();
     CHECK(record.terms() == 1);
     CHECK(record.at({}) == Approx(sum / served).epsilon(1e-12));
@@ -147,7 +147,7 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
   }
 }
 
-TEST_CASE("a record of ever new densities does not grow without end", "[planner][density]") {
+TEST_CASE("a record of ever new densities has bounded size", "[planner][density]") {
   DensityRecord record;
   Told h;
   h.uniform = 0.0;

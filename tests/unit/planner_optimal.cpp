@@ -114,7 +114,7 @@ TEST_CASE("round one corner the paths come near the shortest", "[planner][optima
   }
 }
 
-TEST_CASE("in an empty world the way is straight", "[planner][optimal]") {
+TEST_CASE("in an empty world the path is straight", "[planner][optimal]") {
   const Problem problem = point_among("empty", {}, {1, 2}, {9, 8});
   for (const auto& planner : optimal_planners()) {
     CAPTURE(planner);
@@ -126,7 +126,7 @@ TEST_CASE("in an empty world the way is straight", "[planner][optimal]") {
   }
 }
 
-TEST_CASE("a tree of RRT* holds what its path is as long as, and no neighbour's way is shorter",
+TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a shorter path",
           "[planner][optimal][tree]") {
   const Problem problem = test::cup_problem();
   const auto& space = problem.space;
@@ -201,7 +201,7 @@ TEST_CASE("Lazy-PRM* finds the paths of PRM* and checks a fraction of its edges"
   }
 }
 
-TEST_CASE("asked again, an optimal planner goes on with what it has", "[planner][optimal]") {
+TEST_CASE("a resumed optimal planner continues with its tree or roadmap", "[planner][optimal]") {
   for (const auto& planner : optimal_planners()) {
     CAPTURE(planner);
     const Run once = run(planner, test::cup_problem(), 2, 300);

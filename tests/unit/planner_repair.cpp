@@ -153,8 +153,7 @@ TEST_CASE("a roadmap keeps its vertices when the instance changes", "[planner][r
   }
 }
 
-TEST_CASE("where only configurations were excluded, a roadmap checks nothing that it knows",
-          "[planner][repair][roadmap]") {
+TEST_CASE("where only configurations were excluded, a roadmap rechecks nothing", "[planner][repair][roadmap]") {
   for (const std::string planner : {"prm", "lazy_prm"}) {
     CAPTURE(planner);
     auto run = make_run(planner, 2);
@@ -178,7 +177,7 @@ TEST_CASE("where only configurations were excluded, a roadmap checks nothing tha
   }
 }
 
-TEST_CASE("the repair of a tree pauses and goes on where it was", "[planner][repair]") {
+TEST_CASE("the repair of a tree pauses and resumes", "[planner][repair]") {
   for (const auto& planner : trees()) {
     CAPTURE(planner);
     auto whole = make_run(planner, 5);

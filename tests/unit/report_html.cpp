@@ -140,7 +140,7 @@ std::size_t held(const std::string& html) {
 
 }  // namespace
 
-TEST_CASE("the page is one file, well formed, and asks nobody for anything", "[report][html]") {
+TEST_CASE("the page is one file, well formed, and makes no requests", "[report][html]") {
   const Experiment experiment = small();
   const ExperimentResult result = run(experiment);
   const std::string html = report_html(experiment, result, {.script = "small.lua"});
@@ -234,7 +234,7 @@ TEST_CASE("the page holds the records", "[report][html]") {
   CHECK(data["robots"].size() == 3);
 }
 
-TEST_CASE("a rejected proposal is told apart by its own validity", "[report][html]") {
+TEST_CASE("rejected proposals are distinguished by their own validity", "[report][html]") {
   Experiment experiment = small();
   experiment.strategies = {{"rrt", fixture::plain()}};
   experiment.measure.reset();

@@ -295,7 +295,7 @@ TEST_CASE("a car with a trailer is placed as the format means it", "[scene][read
   CHECK(norm(centre - Vec2{1 - 0.5 * std::cos(1.2), 2 - 0.5 * std::sin(1.2)}) < 1e-12);
 }
 
-TEST_CASE("a malformed circle world is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed circle world is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   folder.write("w_queries.txt", queries);
   const auto world = [&](const std::string& content) { return fault_of(folder.write("w_obstacles.txt", content)); };
@@ -324,7 +324,7 @@ TEST_CASE("a malformed circle world is told with file, line and what was expecte
              Contains("lonely_queries.txt") && Contains("cannot be opened"));
 }
 
-TEST_CASE("a malformed dynobench scene is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed dynobench scene is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   const std::string model = folder.write("shared/models/car1_v0.yaml", car_model);
   const auto fault = [&](const std::string& from, const std::string& to) {
@@ -422,7 +422,7 @@ TEST_CASE("SBPL's own arms start where they are free", "[scene][readers]") {
   }
 }
 
-TEST_CASE("a malformed arm of SBPL's is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed arm of SBPL's is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   const auto fault = [&](const std::string& from, const std::string& to) {
     return fault_of(folder.write("bad.cfg", replaced(arm_file, from, to)));

@@ -244,7 +244,7 @@ TEST_CASE("discs are discs, not polygons", "[scene][skeleton]") {
     }
     CHECK(least == Approx(0.5 * gap).epsilon(1e-9));
   }
-  SECTION("discs that overlap less than their polygons show close the way") {
+  SECTION("discs that overlap less than their polygons close the passage") {
     const auto ways = [](double gap) {
       // The polygons' flat sides face each other: between them the way seems open in any case.
       const double angle = 3.14159265358979 / 24, apart = 4.0 + gap;
@@ -334,7 +334,7 @@ TEST_CASE("the skeleton is the same every time and in any order of the obstacles
   CHECK(same(first, medial_axis(brute::box_world(boxes))));
 }
 
-TEST_CASE("a world's skeleton is made once, whoever asks", "[scene][skeleton]") {
+TEST_CASE("a world's skeleton is computed once for all callers", "[scene][skeleton]") {
   World world = trap();
   std::vector<std::shared_ptr<const Skeleton>> found(8);
   {

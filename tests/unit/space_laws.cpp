@@ -47,7 +47,7 @@ TEST_CASE("the metric of every space is a metric", "[space][laws]") {
   }
 }
 
-TEST_CASE("interpolation goes the short way at constant speed and ends exactly", "[space][laws]") {
+TEST_CASE("interpolation takes the shortest motion at constant speed and ends exactly", "[space][laws]") {
   for (const auto& space : spaces()) {
     CAPTURE(space.name());
     Stream stream(2, space.name(), "interpolation");

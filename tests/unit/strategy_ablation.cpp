@@ -60,7 +60,7 @@ TEST_CASE("a blend is ablated part by part and keeps its settings", "[ablation]"
                             "blend { skeleton(), uniform() >> shrink(0.5), floor = 0.4 } >> rrt()"});
 }
 
-TEST_CASE("what was taken out and what is left are told as they are written", "[ablation]") {
+TEST_CASE("the removed guide and the remaining strategy have their script texts", "[ablation]") {
   const auto all = ablations(guide("skeleton") >> shrink(0.5) >> guide("lazy") >> rrt());
   CHECK(names(all) == Texts{"without lazy()", "skipping lazy()", "without shrink(0.5)", "skipping shrink(0.5)",
                             "without skeleton()"});

@@ -203,7 +203,7 @@ TEST_CASE("the searches of a race have slices that double, and rest once one has
   CHECK(run.levels[2].solves == 1);
 }
 
-TEST_CASE("a race goes on when its winner is refuted", "[combinators][race]") {
+TEST_CASE("a race continues when its winner is refuted", "[combinators][race]") {
   const auto problem = test::make_problem("slit", test::rectangle_world({{4, 0, 6, 4.97}, {4, 5.03, 6, 10}}),
                                           test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
   const std::vector<Options::Entry> hasty = {
@@ -320,7 +320,7 @@ TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][
   CHECK(spent.levels[0].search.proposals.size() == 500);
 }
 
-TEST_CASE("what never draws is told", "[combinators][check]") {
+TEST_CASE("a guide that never draws is reported", "[combinators][check]") {
   const auto told = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
   REQUIRE(told(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
   CHECK_THAT(told(schedule({guide("uniform"), shrink(0.5)})).front(),

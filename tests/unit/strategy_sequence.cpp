@@ -254,7 +254,7 @@ TEST_CASE("a skeleton goes round what another space's evidence refuted", "[strat
   CHECK(height() > 8.5);
 }
 
-TEST_CASE("h of a space that is searched late goes on from where the search stands", "[strategy][sequence]") {
+TEST_CASE("h of a space that is searched late continues from the state of the search", "[strategy][sequence]") {
   const auto problem =
       test::make_problem("empty", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
   for (const std::string name : {"shrink", "identity", "widen"}) {

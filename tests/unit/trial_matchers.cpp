@@ -71,7 +71,7 @@ Problem prison() {
 
 }  // namespace
 
-TEST_CASE("a trial runs once, whoever asks, and comes out the same on any number of threads") {
+TEST_CASE("a trial runs once for all callers, with the same result on any number of threads") {
   const Trial copy = plain();
   CHECK(&copy.runs() == &plain().runs());
   CHECK(plain().text() == "plain on simple_passage, 12 seeds (1–12)");
@@ -170,7 +170,7 @@ TEST_CASE("spends: more than another, which is what misleads") {
   CHECK_FALSE(judge(plain(), spends(more_than(guided()).validity_checks().by(1e6))).holds);
 }
 
-TEST_CASE("spends: more than one that found no path is more than can be told") {
+TEST_CASE("spends: more than a run without a path cannot be shown") {
   // Nobody knows what hopeless would have spent; and it has itself spent no more than its budget.
   CHECK_FALSE(judge(plain(), spends(more_than(hopeless()).validity_checks())).holds);
   CHECK_FALSE(judge(hopeless(), spends(more_than(plain()).validity_checks())).holds);
@@ -205,7 +205,7 @@ TEST_CASE("spends: budgets, of all levels and of one") {
   CHECK_THAT(little.text, Contains("nodes at the median of 6 runs, at most "));
 }
 
-TEST_CASE("levels are found by their numbers, names and ways, and mistakes are told") {
+TEST_CASE("levels are found by their numbers, names and paths, and errors are reported") {
   const Trial nested = trial_of("nested", guide("shrink") >> guide("lazy") >> rrt(), 1);
   const auto& runs = nested.runs();
   CHECK(find_level(runs, "root") == "0");
@@ -266,7 +266,7 @@ TEST_CASE("is_deterministic: counts make a budget that reproduces, seconds do no
   CHECK_THAT(said.text, Contains("timed is deterministic: made again on "));
 }
 
-TEST_CASE("trials that cannot be compared are told so") {
+TEST_CASE("trials that cannot be compared are an error") {
   const Trial shorter = trial_of("plain", rrt(), 5);
   CHECK_THROWS_WITH(judge(guided(), spends(fewer_than(shorter).nodes())), Contains("their seeds differ"));
   const Trial elsewhere = trial_of("plain", rrt(), 12, test::cup_problem());
