@@ -213,12 +213,12 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
   }
 }
 
-SCENARIO("planners that go on after their first path, and how little the lazy ones check for it", "[examples]") {
+SCENARIO("anytime planners, and how little the lazy ones check", "[examples]") {
   GIVEN("a robot beside a block, 3000 proposals, 30 seeds") {
     const Script script = load(example("optimal.lua"));
     const Trial eager = script.trial("prm_star", seeds(30));
     // A point has 4.83 m round the block at the least, and the robot has to turn.
-    THEN("the first paths of RRT and PRM are long, those of the planners that go on short") {
+    THEN("the first paths of RRT and PRM are long, those of the anytime planners short") {
       CHECK_THAT(script.trial("rrt", seeds(30)), FindsPaths(above(7.0)));
       CHECK_THAT(script.trial("prm", seeds(30)), FindsPaths(above(7.0)));
       for (const auto* name : {"rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
@@ -300,7 +300,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
         CHECK(std::count_if(runs.begin(), runs.end(), [](const Json& run) { return run["solved"] == true; }) >= least);
       }
     }
-    THEN("a lazy roadmap's tree is the nodes that were looked at, and expansion does not apply to it") {
+    THEN("a lazy roadmap's tree contains the validated nodes, and expansion does not apply to it") {
       for (const auto* name : {"lazy_prm", "parasol_lazy_prm"}) {
         for (const auto& level : levels_of(name)) {
           if (level["solved"] != true) continue;

@@ -68,7 +68,7 @@ SCENARIO("samples near what is invalid are not worth their checks where there is
       THEN("it costs checks") { CHECK_THAT(guided, Spends(more_than(plain).validity_checks()) && LosesLittle(plain)); }
     }
   }
-  GIVEN("a tree that finds its way by itself") {
+  GIVEN("a tree that finds a path without guidance") {
     WHEN("it is guided by obstacle_based in an open world") {
       const Problem problem = open_world();
       const Trial guided = tried(guide("obstacle_based") >> tree(), problem);
