@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis measure`: the figures of samples that any program drew, and what is said of input that gives none.
+// `trellis measure`: the values for samples of other programs, and the diagnostics of invalid input.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -181,7 +181,7 @@ TEST_CASE("a scene decides what is valid, by name, by file and by script") {
   Json by_script = passage();
   by_script["free"] = "scene.lua";
   CHECK(measured(place, by_script, csv) == named);
-  // Paths are meant from the case file's folder.
+  // Paths are relative to the case file's folder.
   fs::create_directories(place / "deep");
   fs::copy(place / "scene.lua", place / "deep/other.lua");
   place.script("deep/samples.csv", csv);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis repl`: sessions as somebody types them at a terminal, and as lines are piped to it.
+// `trellis repl`: interactive sessions at a terminal, and piped lines.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -187,7 +187,7 @@ TEST_CASE("a run is planned and inspected") {
   CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
   CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));
-  // The problem of the run before is the usual one; a planner is a strategy.
+  // The problem of the previous run is the default; a planner is a strategy.
   CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2: rrt() on cup, seed 1"));
   CHECK_THAT(sitting.enter("#runs()"), Contains("\n2\r\n"));
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways of combining guides, and guides of one's own: what each is good for, and where it misleads, by the validity
-// checks of 30 runs, all levels together, beside those of the same planner without guidance, and beside the parts
-// alone.
+// Combinators of guides, and user-defined guides: where each saves checks, and where it misleads, by the validity
+// checks of 30 runs, all levels together, relative to the same planner without guidance and to the single guides.
 #include <string>
 
 #include "support/catch.hpp"
@@ -14,7 +13,7 @@ using namespace trellis::testing;
 
 namespace {
 
-// In the cup both are worth something; before the pickets both mislead.
+// In the cup both save checks; before the pickets both mislead.
 GuideSpec one() { return guide("skeleton"); }
 GuideSpec other() { return guide("lazy"); }
 

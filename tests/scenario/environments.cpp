@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that change the environment, or nothing: what each is good for, and where it misleads, by the validity checks
-// of 30 runs, all levels together, beside those of the same planner without it.
+// Guides that change the environment, or nothing: where each saves checks, and where it misleads, by the validity
+// checks of 30 runs, all levels together, relative to the same planner without it.
 #include "support/catch.hpp"
 #include "support/trials.hpp"
 
@@ -10,7 +10,7 @@ using namespace trellis::testing;
 
 namespace {
 
-/// Boxes at random between start and goal.
+/// Random boxes between start and goal.
 Problem field() {
   Rectangles all;
   Stream stream(7, "", "field");
@@ -21,7 +21,7 @@ Problem field() {
   }
   return boxes("field", all, {1, 5, 0}, {9, 5, 0});
 }
-/// Two rows of boxes with the straight way between them.
+/// Two rows of boxes on both sides of the straight line between start and goal.
 Problem avenue() {
   Rectangles all;
   for (int i = 0; i < 7; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that change the robot: what each is good for, and where it misleads, by the validity checks of 30 runs, all
-// levels together, beside those of the same planner without it.
+// Guides that change the robot: where each saves checks, and where it misleads, by the validity checks of 30 runs, all
+// levels together, relative to the same planner without it.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ using namespace trellis::testing;
 
 namespace {
 
-/// Iterative relaxation: the robots of a quarter, a half and three quarters of the size, each guided by the path of the
-/// one before, and half of what each proposes is uniform.
+/// Iterative relaxation: robots of a quarter, a half and three quarters of the size, each guided by the path of the
+/// previous one; half of the proposals of each are uniform.
 /// \param planner  of each smaller robot
 GuideSpec relaxation(const PlannerSpec& planner) {
   const auto level = [&](double scale) {
@@ -28,7 +28,7 @@ Problem arm_problem(const std::string& name, const Arm& arm, const Rectangles& b
                     const Configuration& goal) {
   return make_problem(name, rectangle_world(boxes), Robot::arm(arm), start, goal);
 }
-/// An arm of four links, with a bar or a box somewhere about.
+/// An arm of four links, with a bar or a box nearby.
 Problem four_links(const Rectangles& boxes, const Configuration& goal) {
   const Arm arm{.links = {1.2, 1.2, 1.2, 1}, .widths = {0.1, 0.1, 0.1, 0.1}, .base = {5, 1}};
   return arm_problem("four links", arm, boxes, {0.9, 0.3, 0.2, 0.1}, goal);
@@ -40,7 +40,7 @@ PlannerSpec driving(std::vector<Options::Entry> options) {
   return PlannerSpec::make("kinodynamic_rrt", options);
 }
 
-/// A car that only goes forwards, and a goal behind it, headed as it is: it has to drive a whole turn.
+/// A forward-only car, and a goal behind it with the same heading: it has to drive a full turn.
 Problem goal_behind() {
   Problem problem =
       make_problem("goal behind", World(Box2{{0, 0}, {10, 10}}, {}), rectangle_robot(0.5, 0.3), {5, 5, 0}, {3, 5, 0});
@@ -217,7 +217,7 @@ SCENARIO("pca: a subspace that contains a path, and a motion that needs none", "
     const Problem problem = four_links({{3.6, 4.8, 4.4, 5.2}}, {1.4, 0.2, 0.2, 0.1});
     THEN("the fit costs more checks than there were to save") {
       const Trial plain = tried(tree(0.2), problem);
-      // What f spends on the fit is spent before the search begins: no bound holds it back.
+      // f spends checks on the fit before the search begins, so no bound limits them.
       CHECK_THAT(tried(flat() >> tree(0.2), problem), Spends(more_than(plain).validity_checks()));
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Biases without a space behind them (S = {0}): what each is good for, and where it misleads, by the validity checks of
-// 30 runs beside those of the same planner without it.
+// Biases without a space (S = {0}): where each saves checks, and where it misleads, by the validity checks of 30 runs
+// relative to the same planner without it.
 #include "support/catch.hpp"
 #include "support/trials.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Arms, and guides that drop joints of theirs, in the language.
+// Arms, and guides that drop their joints, in the language.
 #include <string>
 
 #include "support/catch.hpp"

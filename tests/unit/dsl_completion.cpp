@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What can be written next, as a prompt offers it.
+// Completions at a prompt.
 #include <algorithm>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that scripts write: what they are, what they do in a run, and what is said of those that are wrong.
+// User-defined guides: their definition, their behaviour in a run, and the diagnostics of errors.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,7 +24,7 @@ const std::string room =
     "local room = problem { name = 'room', world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7} },\n"
     "  robot = robot.rectangle(0.6, 0.2), start = {1, 1, 0}, goal = {9, 1, 0} }\n";
 
-/// An experiment on the room, after a line of the script's own.
+/// An experiment on the room, after a line of the script.
 std::string script(const std::string& guide, const std::string& strategy, const std::string& more = "") {
   return room + guide + "\nreturn experiment { problems = room, strategies = { it = " + strategy +
          " }, measure = false" + more + " }\n";
@@ -41,7 +41,7 @@ RunRecord run_of(const std::string& guide, const std::string& strategy = "g >> r
   return execute(experiment.strategies.front().second, experiment.problems.front(), seed);
 }
 
-/// What a run fails with, "" where it does not.
+/// Returns the error of a run, "" if there is none.
 std::string run_failure(const std::string& guide, const std::string& strategy = "g >> rrt {}") {
   try {
     run_of(guide, strategy);
@@ -184,7 +184,7 @@ TEST_CASE("f and its fibres may be functions") {
   CHECK(run.levels[1].start == Configuration{9, 1, 0});
   CHECK(run.levels[1].root_nodes[0][0] == Approx(1.0));
   CHECK(run.levels[1].search.checks.validity > 0);
-  // Its density would need that of the fibre.
+  // Its density would require that of the fibre.
   CHECK_FALSE(run.levels[0].proposal_density);
   CHECK_FALSE(run.levels[1].root_proposal_density);
   CHECK_THAT(run_failure("guiding_space { name = 'skew', project = function(x, y, t) return x, y, t end,\n"
@@ -204,7 +204,7 @@ TEST_CASE("S may be an explicit graph, searched exactly") {
   CHECK(run.solved);
   REQUIRE(run.levels.size() == 2);
   CHECK(run.levels[1].planner == "graph_search");
-  // The dearer way, as its edges are made cheap.
+  // The longer path, because its edges are made cheap.
   CHECK(all(run.levels[1].solution.path) == std::vector<double>{1, 1, 5, 9, 9, 1});
 }
 
@@ -294,7 +294,7 @@ TEST_CASE("a distribution that a script returns hears of everything that it woul
 }
 
 TEST_CASE("where the planner lost nodes a script is notified, receives the others, and recomputes h") {
-  // What blocks the way is dropped, and comes back: the tree in that space loses branches.
+  // `drop` removes the blocking obstacle, which returns: the tree in that space loses branches.
   const std::string strategy = "g >> drop { planner = rrt { step = 0.5, bound = 1 } } >> rrt { step = 0.5, bound = 1 }";
   const auto guide = [](const std::string& restart, const std::string& more) {
     return "(function() local lost = false\n"

@@ -196,7 +196,7 @@ TEST_CASE("scene files are looked for, and read, with options") {
 
 TEST_CASE("help has every word and each of its options") {
   const std::string all = dsl::vocabulary_text();
-  // A name is followed by what it means, on a line of its own where it is long.
+  // The meaning follows the name, on its own line where it is long.
   const auto has = [](const std::string& text, const std::string& name) {
     return text.find("  " + name + " ") != std::string::npos || text.find("  " + name + "\n") != std::string::npos;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Targets, estimators, and how an experiment says what it measures.
+// Targets, estimators, and the measure of an experiment.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,7 +24,7 @@ namespace {
 
 dsl::Program load(const std::string& text) { return dsl::Session("").load(text, "test.lua"); }
 
-/// An experiment of one RRT on a point among nothing, with more fields.
+/// An experiment of one RRT for a point in an empty world, with more fields.
 std::string experiment(const std::string& fields) {
   return "return experiment { problems = problem { name = 'room', world = world { bounds = {0, 0, 10, 10} }, "
          "robot = robot.point(), start = {2, 5}, goal = {8, 5} }, strategies = { rrt = rrt { step = 0.5 } }, " +
@@ -36,7 +36,7 @@ const Measure& measure_of(const dsl::Program& program) {
   return *program.experiment.measure;
 }
 
-/// The message of an experiment whose target's functions are these, "" where it runs.
+/// Returns the message of an experiment with these functions of a target, "" if it runs.
 std::string run_failure(const std::string& functions) {
   const auto program = load(experiment("cross = 0,\nmeasure = target { " + functions + ", points = 64, pool = 64 }"));
   try {
@@ -47,7 +47,7 @@ std::string run_failure(const std::string& functions) {
   return "";
 }
 
-/// T uniform within 0.5 of the path, as a script would write it: drawn by rejection. Its volume is that of a capsule.
+/// T uniform within 0.5 of the path, as in a user's script: by rejection sampling. Its volume is that of a capsule.
 constexpr const char* own_tube = R"(
 local function distance(q, path)
   local best = math.huge

@@ -20,7 +20,7 @@ Experiment experiment(const StrategySpec& strategy) {
   return e;
 }
 
-/// Has no proposal of a guide enter the tree of a level.
+/// Removes all proposals of a guide from the tree of a level.
 void turn_away(ExperimentResult& result, const std::string& key) {
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) {
@@ -55,7 +55,7 @@ TEST_CASE("a guide that never drew is reported where no path was found", "[exper
   CHECK(unused_guides(e, result) ==
         std::vector<std::string>{
             "script.lua:7: strategy 'guided', rrt, level 0: shrink(0.5) drew none of the 80 proposals in 2 runs"});
-  // One that a path was found without is as it should be.
+  // A guide whose strategy found a path is not reported.
   const auto quick = experiment(sequence({written("lazy", 1), written("shrink", 2)}, 50'000) >>
                                 PlannerSpec::make("rrt", {{"step", 0.5}}));
   CHECK(unused_guides(quick, run(quick)).empty());

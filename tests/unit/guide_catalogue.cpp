@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the guides of the catalogue do beyond the laws that all of them keep.
+// Properties of the guides of the catalogue beyond the laws of all guides.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -69,7 +69,7 @@ void block(Work& w, const Configuration& at) {
   w.h->observe(outcome, true);
 }
 
-/// Boxes, discs and polygons that are not convex, between start and goal at the left and right.
+/// Boxes, discs and non-convex polygons, between start and goal at the left and right.
 Problem mixed_field(std::uint64_t seed) {
   Stream stream(seed, "", "mixed field");
   std::vector<Obstacle> obstacles;
@@ -119,7 +119,7 @@ TEST_CASE("hulls hold what they stand for, and a smaller error makes more of the
       for (int i = 0; i < 2000; ++i) {
         const Configuration p = {stream.uniform(0, 10), stream.uniform(0, 10)};
         if (among_hulls->valid(p)) REQUIRE(real->valid(p));
-        // Within the error of what is real, up to the tenth of it that the outline is looked at with.
+        // Within the error of the true obstacles, up to the sampling interval of the outline, a tenth of it.
         if (!among_hulls->valid(p) && error > 0.0) CHECK(real->clearance(p) <= 1.1 * error + 0.01);
       }
     }
@@ -194,7 +194,7 @@ TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][d
   CHECK_FALSE(w.sub->valid(in_third));
   REQUIRE(w.found.solved());
   const auto spent = w.parent->checks.validity;
-  // What is in the way elsewhere stays out.
+  // A blocking obstacle elsewhere stays removed.
   block(w, {4.5, 1.75, 0.5});
   CHECK(w.parent->checks.validity == spent);
   CHECK_FALSE(w.h->stale());
@@ -210,7 +210,7 @@ TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][d
     }
   }
   CHECK(w.h->stale());
-  CHECK(w.parent->checks.validity > spent);  // looking for what is in the way is on C's account
+  CHECK(w.parent->checks.validity > spent);  // finding the blocking obstacles counts in C
   w.guide->before_resolve();
   CHECK_FALSE(w.sub->valid(in_first));
   CHECK(w.sub->valid(in_second));
@@ -235,7 +235,7 @@ TEST_CASE("what is presumed valid and found invalid at one place, time and again
     const Configurations refuted = w.guide->refuted_places();
     REQUIRE(refuted.size() == 1);
     CHECK(std::hypot(refuted[0][0] - place[0], refuted[0][1] - place[1]) < 1e-9);
-    // Another search in S finds another path, or none; what was counted is forgotten.
+    // Another search in S finds another path, or none, and clears the counts.
     w.guide->before_resolve();
     if (!w.sub->graph) CHECK_FALSE(w.sub->valid(place));
   }
@@ -397,7 +397,7 @@ TEST_CASE("the point's path is the shortest on the grid, and has clearance to ob
   for (std::size_t i = 1; i < w.found.path.size(); ++i) {
     CHECK(w.sub->motion(w.found.path[i - 1], w.found.path[i]).valid);
   }
-  // The graph with every edge looked at, searched exactly.
+  // The graph with every edge validated, searched exactly.
   auto all = std::make_shared<Graph>(*w.sub->graph);
   std::erase_if(all->edges, [&](const Graph::Edge& e) {
     return !w.sub->motion(std::as_const(all->vertices)[e.from], std::as_const(all->vertices)[e.to]).valid;

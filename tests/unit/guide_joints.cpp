@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Some of the degrees of freedom: which robot is left, and what is valid for it.
+// A subset of the degrees of freedom: the reduced robot, and its validity.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -51,7 +51,7 @@ std::string fault_of(const std::vector<std::string>& axes, const Problem& proble
   return "";
 }
 
-/// Of this many configurations of S, those in which it says otherwise than a checker of its own.
+/// The number of configurations of S, among this many, in which it differs from a separate checker.
 int differences(Instance& sub, const Robot& robot, const World& world) {
   const auto scene = std::make_shared<const Scene>(Scene{world, robot});
   const auto checker = make_checker("planar", scene, sub.space, sub.resolution);
@@ -88,7 +88,7 @@ TEST_CASE("a joint in the middle moves the links that it carries", "[guide][join
     const auto sub = keeping(axes)->project(*parent);
     REQUIRE(sub->space.dimension() == 2);
     CHECK(sub->space.axes()[0].name == "theta");
-    // Whatever the other angle is, the first link is all that is looked at.
+    // At any other angle, it checks the first link only.
     Stream stream(1, "joints", "middle");
     const auto link = std::make_shared<const Scene>(Scene{problem.scene->world, arm_of(1)});
     const auto checker = make_checker("planar", link, default_space(link->robot, link->world, 1.0), 0.05);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distributions that h is put together from, projections by the names of axes, and what is lifted.
+// Distributions of which h is composed, projections by the names of axes, and lifts.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -159,7 +159,7 @@ TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
   CHECK_THROWS_WITH(along(path_of({{1, 1, 0}, {2, 20, 0}}), plain())->over(*parent, reached),
                     "along: point 2 of the path, (2, 20, 0), is outside of the space SE(2)");
   CHECK_THROWS_WITH(ball({1, 1}, 0.5)->over(*parent, reached), Contains("ball: its centre has 2 coordinates"));
-  // Nothing to go by.
+  // Without any information.
   CHECK(along(Configurations(3), plain())->over(*parent, reached)->density(parent->start) ==
         Approx(std::exp(-parent->space.log_volume())));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One goal of a set of them.
+// Goals of a goal region.
 #include <cstdlib>
 #include <filesystem>
 #include <string>

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The path number n of a family: straight ways at different heights, all alike but for that.
+/// The path number n of a family: straight lines at different heights, otherwise equal.
 Configurations numbered(int n, int points = 8) {
   Configurations path(3);
   for (int i = 0; i < points; ++i) path.push(Configuration{0.5 + i, 0.25 + 0.01 * n, 1e-3 * n + 0.1 * i});
@@ -110,7 +110,7 @@ TEST_CASE("a path is added only when it is new, in either direction and with any
   CHECK_FALSE(library.add(stored(10), space(), 0.3));
   CHECK(library.add(stored(10), space(), 0.05));
   CHECK(library.add(stored(60), space(), 0.3));
-  // The same way of another robot is another experience.
+  // The same path of another robot is another experience.
   other = stored(0);
   other.robot = identity(Robot::disc(0.3));
   CHECK(library.add(other, space(), 0.3));
@@ -244,7 +244,7 @@ TEST_CASE("killed at any time, a library opens and has every path that was commi
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-      // Tells each path as soon as `add` has returned, and goes on until it is killed.
+      // Reports each path as soon as `add` has returned, and continues until it is killed.
       try {
         Library library(file, Library::Mode::write);
         for (int n = static_cast<int>(library.paths().size());; ++n) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a learner is shown, what it learns, and what becomes of it in a file.
+// The training data of a model, its predictions, and its file.
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -30,7 +30,7 @@ TrainingSettings quick(std::uint64_t seed = 1) {
   return settings;
 }
 
-/// Learnt of gaps in the upper half.
+/// Trained on gaps in the upper half.
 const Model& learnt() {
   static const Model model = Model::train(test::family(test::upper_gaps, 1, 25), quick(), "upper gaps");
   return model;

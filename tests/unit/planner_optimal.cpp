@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What asymptotically optimal planners promise: paths that get shorter, and come near the shortest.
+// Properties of asymptotically optimal planners: paths become shorter, and approach the shortest one.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@ using namespace trellis;
 
 namespace {
 
-/// Uniform, and told of the paths found.
+/// Uniform; receives the paths found.
 class Told final : public Guidance {
  public:
   explicit Told(const Space& space) : uniform_(space) {}
@@ -68,7 +68,7 @@ Problem point_among(const std::string& name, const test::Rectangles& rectangles,
   return test::make_problem(name, test::rectangle_world(rectangles), Robot::point(), start, goal);
 }
 
-/// The shortest way leads along the upper edge of the block, 8.63 m; the one along the lower edge has 9.62 m.
+/// The shortest path leads along the upper edge of the block, 8.63 m; the one along the lower edge has 9.62 m.
 Problem corner() { return point_among("corner", {{4, 2, 5, 6}}, {1, 4.5}, {9, 4.5}); }
 double round_corner() { return std::hypot(3.0, 1.5) + 1.0 + std::hypot(4.0, 1.5); }
 
@@ -166,7 +166,7 @@ TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a s
         REQUIRE(std::isfinite(length[at][out.search.parents[at]]));
         way += length[at][out.search.parents[at]];
       }
-      // A node whose parent's way became shorter hands that on to its own, but not to their other neighbours.
+      // A node passes a shorter path of its parent on to its own children, but not to their other neighbours.
       CHECK(way >= cost[row] * (1.0 - 1e-9));
       same += way <= cost[row] * (1.0 + 1e-9) ? 1 : 0;
     }

@@ -188,7 +188,7 @@ TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the 
             check_path(problem, out.solution.path);
             CHECK_FALSE(out.search.expands);
             REQUIRE(out.search.looked_at.size() == out.search.nodes.size());
-            // Each node looked at is one check beside those of edges; those of the path were looked at.
+            // Each validated node is one check beside those of edges; the path's nodes are validated.
             const auto looked_at = std::count(out.search.looked_at.begin(), out.search.looked_at.end(), 1);
             CHECK(static_cast<std::uint64_t>(looked_at) <= out.checks.validity);
             CHECK(looked_at >= static_cast<std::ptrdiff_t>(out.solution.path.size()));

@@ -361,7 +361,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   CHECK(better.solved.difference.value == Approx(-0.2));
   CHECK(better.solved.difference.lo >= -1.0);
   CHECK(better.solved.less == 1);
-  // A strategy with a guide taken out stands beside the whole one.
+  // An ablation is listed beside the complete strategy.
   const Comparison& without = compared[1];
   CHECK(without.baseline == "better");
   CHECK(without.text == "without lazy()");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page as a file. What a browser makes of it is tested in tests/browser.
+// The page as a file. tests/browser tests it in a browser.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -339,7 +339,7 @@ TEST_CASE("of a long search the page holds a part, whose trees and turns are who
   CHECK(page["turns"].back()[1] == proposals.size() / d);
   CHECK(page["turns"].back()[2] == nodes.size() / d);
 
-  // Each node held is one of the search, in its order, and its parent one of its ancestors there.
+  // Each node on the page is one of the search, in its order, and its parent one of its ancestors there.
   std::vector<std::uint32_t> rows;
   std::uint32_t row = 0;
   for (std::size_t k = 0; k < nodes.size(); k += d, ++row) {

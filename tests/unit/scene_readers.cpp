@@ -123,7 +123,7 @@ TEST_CASE("the circle world and its queries", "[scene][readers]") {
     }
   }
 
-  // As many independent ways around as there are groups of touching discs off the boundary.
+  // The number of independent cycles equals the number of groups of touching discs off the boundary.
   const Skeleton skeleton = medial_axis(world);
   std::vector<Disc> discs;
   for (const auto& obstacle : world.obstacles()) discs.push_back(std::get<Disc>(obstacle.shape));
@@ -169,7 +169,7 @@ TEST_CASE("every dynobench scene is read, its start and goal inside the boundary
         std::vector<Pose2> poses(robot.bodies().size());
         robot.place(q, poses);
         for (std::size_t b = 0; b < poses.size(); ++b) {
-          // Small bodies against large boxes: points along the outline tell an overlap.
+          // Small bodies against large boxes: points along the outline detect an overlap.
           const auto& v = std::get<Polygon>(robot.bodies()[b].parts[0]).vertices;
           for (std::size_t i = 0; i < v.size(); ++i) {
             for (const double t : {0.0, 0.25, 0.5, 0.75}) {
@@ -387,7 +387,7 @@ TEST_CASE("an arm of SBPL's: its base, angles, goal cell and cells", "[scene][re
   std::vector<Pose2> poses(2);
   p.scene->robot.place(p.start, poses);
   CHECK(norm(poses[p.reach->body](p.reach->point) - Vec2{3.5, 2.0}) < 1e-12);
-  // The cells that are taken, whatever rectangles they are put into.
+  // The occupied cells, for any decomposition into rectangles.
   for (int column = 0; column < 5; ++column) {
     for (int row = 0; row < 4; ++row) {
       const bool taken = (row == 0 && column == 4) || (row == 1 && column >= 3);

@@ -83,7 +83,7 @@ std::vector<std::pair<std::size_t, Vec2>> marks_of(const Robot& robot, Stream& s
   return marks;
 }
 
-// The length of the way of every point along the motion, by small steps, never exceeds the bound.
+// The length of the path of every point along the motion, by small steps, never exceeds the bound.
 void check_displacement(const Robot& robot, const Space& space, std::uint64_t seed) {
   Stream stream(seed, "0", "displacement");
   double tightest = 0.0;

@@ -339,7 +339,7 @@ TEST_CASE("a level that is solved again says why", "[executor][resolves]") {
           all.changed_world += level.resolves.changed_world;
           exhausted = exhausted || level.resolves.exhausted;
         }
-        // Nothing asks the root for another solve.
+        // No level requests another solve of the root.
         CHECK(resolves(run.levels.front()) == 0);
       }
     }

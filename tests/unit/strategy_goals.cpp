@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Problems with several goals, any of which will do.
+// Problems with several goals, each of which solves them.
 #include <algorithm>
 #include <string>
 #include <vector>
