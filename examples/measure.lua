@@ -39,8 +39,8 @@ targets.passage = target {
     end
     return -log_volume(context.space)
   end,
-  delta = 0.25,   -- what counts as covered by a sample
-  points = 1024,  -- a script's functions are slower than Trellis's own: 1024 points are enough to look at
+  delta = 0.25,   -- the radius of coverage by a sample
+  points = 1024,  -- a script's functions are slower than Trellis's own: 1024 points suffice
   pool = 2048,
 }
 
@@ -52,8 +52,8 @@ return experiment {
   },
   seeds      = 3,
   measure    = targets.passage,                   -- or targets.tube, targets.near_optimal, targets.progress
-  estimators = { exact(), knn {}, histogram {} }, -- the first that has a figure gives the headline
+  estimators = { exact(), knn {}, histogram {} }, -- the first that has a value gives the headline
   cross      = 2,                                 -- score each run on the targets of two other seeds as well
-  baseline   = "rrt",                             -- what the others are compared with
-  ablate     = { "nested" },                      -- and what is left of it without each of its guides
+  baseline   = "rrt",                             -- the reference of the comparisons
+  ablate     = { "nested" },                      -- adds this strategy without each of its guides
 }

@@ -58,7 +58,7 @@ void Braille::line(Point from, Point to, const Ink256& ink) {
   double begin = 0.0;
   double end = 1.0;
   const auto cut = [&](double at, double way, double limit) {
-    // at + t * way <= limit
+    // Restricts [begin, end] to the parameters on the inner side of the limit.
     if (way == 0.0) return at <= limit;
     const double t = (limit - at) / way;
     if (way > 0.0) {

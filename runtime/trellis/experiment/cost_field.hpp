@@ -68,7 +68,8 @@ class CostField {
   void sample(std::size_t count, std::uint64_t seed);
   void join(const std::vector<Configurations>& known);
   [[nodiscard]] Ways search(std::uint32_t root) const;
-  /// Returns the least cost from the root of `ways` straight to q from a node near it, or from that node's parent.
+  /// Returns the least cost from the root of the shortest paths to q, by a straight motion from a node near q or from
+  /// that node's parent.
   [[nodiscard]] double reach(const Ways& ways, View q) const;
 
   CostFieldInstance instance_;

@@ -79,7 +79,7 @@ struct AxisKernel {
 /// Computes the factor of the images of a leaf's kernels along one axis: 1 + the sum of exp(-(v^2 - u^2) / 2h^2), with
 /// u the distance from the kernel's own point and v from an image, which is never nearer. The difference of squares is
 /// a product in every case. The leaf's box, from lo to hi, decides which images count for any of its points.
-/// \param way    |u|
+/// The caller passes |u|.
 /// \param limit  the exponent beyond which an image is negligible
 TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* points, double lo, double hi,
                               const Block& way, double limit, Block& factor) {

@@ -267,7 +267,7 @@ Search thinned(const Search& search, const HeldRows& held) {
   return out;
 }
 
-/// \param held  nullptr: all rows
+/// Packs a level with the selected rows; nullptr selects all rows.
 Json level_json(const LevelResult& level, const Search& search, const HeldRows* held, const Problem& problem,
                 RobotTable& robots) {
   const LevelRecord& record = level.record;
@@ -304,7 +304,7 @@ Json level_json(const LevelResult& level, const Search& search, const HeldRows* 
           {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
 }
 
-/// \param held  of each level; empty: all rows
+/// Packs the turns of a run with the selected rows of each level; an empty list selects all rows.
 Json turns_json(const RunResult& run, const std::vector<HeldRows>& held) {
   Json out = Json::array();
   const auto add = [&](const Turn& turn) {
