@@ -171,7 +171,7 @@ int dispatch(int argc, char** argv) {
       "of the command line: man, the manual page, or the completion for bash, fish or zsh");
 
   command::name_values(app);
-  const std::string usage = app.help();  // once parsed, it is the command's
+  const std::string usage = app.help();  // after parsing, help() returns that of the subcommand
   const auto unknown_option = [&](const std::string& word) {
     std::vector<std::string> known;
     for (const auto* parsed : app.get_subcommands()) {

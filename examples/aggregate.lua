@@ -3,8 +3,8 @@
 --
 --   trellis run examples/aggregate.lua
 --
--- A pile of boxes with gaps that the robot cannot pass and pockets that it could lose itself in. Among hulls there is
--- only the way round.
+-- A pile of boxes with gaps that are too narrow for the robot, and pockets that are dead ends. Among the hulls only the
+-- route around the pile remains.
 
 local pile = { bounds = {0, 0, 10, 10} }
 for column = 0, 3 do
@@ -24,7 +24,7 @@ return experiment {
     { "rrt",       rrt { step = 0.5 } },
     { "aggregate", aggregate(0.3) >> rrt { step = 0.5 } },
     { "coarser",   aggregate(1) >> rrt { step = 0.5 } },
-    -- what is found in S holds in C: its points can be proposed themselves
+    -- a path found in S is valid in C: the guide proposes its points themselves
     { "waypoints", aggregate { 0.3, follow = "waypoints" } >> rrt { step = 0.5 } },
   },
   seeds   = 3,

@@ -4,9 +4,9 @@
 --   trellis run examples/arms.lua --json costs.json
 --   trellis compare costs.json --out costs       prints ratios, and writes tables and figures
 --
--- `skeleton()` follows the medial axis of what the arm reaches with its tip; inverse kinematics gives the joints for
--- each point, one after another. It saves checks where the tip has to find its way (the gaps, the boxes), and costs
--- some where the arm has to fold first (the narrow shelf).
+-- `skeleton()` follows the medial axis of the space that the tip of the arm reaches; inverse kinematics computes the
+-- joint angles for each point, one after another. It saves checks where the path of the tip is hard to find (the gaps,
+-- the boxes), and costs checks where the arm has to fold first (the narrow shelf).
 
 local function arm(name, links, width, base, boxes, start, goal)
   boxes.bounds = {0, 0, 10, 10}

@@ -1,14 +1,14 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Every guiding space that there is, alone with an RRT on one scene: which of them help here, and at what cost.
+-- Every guiding space, alone with an RRT on one scene: the report shows which of them save checks here.
 --
 --   trellis run examples/catalogue.lua
 --
--- docs/catalogue.md says what f and h of each are. experience() has nothing to go by until paths were stored, and
--- learned() until a model was trained: docs/experience.md.
+-- docs/catalogue.md describes f and h of each. experience() requires stored paths, and learned() a trained model:
+-- docs/experience.md.
 
 local tree = rrt { step = 0.5 }
 
--- One of a script's own: the robot at two thirds of its size.
+-- A user-defined guide: the robot at two thirds of its size.
 local smaller = guiding_space {
   name = "smaller",
   robot = function(instance) return instance.robot:scaled(2 / 3) end,
@@ -53,7 +53,7 @@ return experiment {
     { "schedule",    schedule { shrink(0.4), shrink(0.8) } >> tree },
     { "race",        race { skeleton(), shrink(0.5) } >> tree },
     { "split",       shrink(0.5) >> split { tree } },
-    -- a script's own
+    -- user-defined
     { "guiding_space", smaller >> tree },
   },
   seeds   = 3,

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Obstacles left out of S by name; each comes back when it refutes a path in C.
+-- Obstacles removed from S by name; each returns when it refutes a path in C.
 --
 --   trellis run examples/drop.lua
 --
--- Two walls with doors: where the doors stand open, the way found without them holds in C at once.
+-- Two walls with doors: if the doors are open, the path found without them is valid in C at once.
 
 local doors = world {
   bounds = {0, 0, 10, 10},
@@ -24,7 +24,7 @@ return experiment {
   strategies = {
     { "rrt",         rrt { step = 0.5 } },
     { "doors",       drop { "left door", "right door" } >> rrt { step = 0.5 } },
-    -- without names every obstacle is left out
+    -- without names the guide removes every obstacle
     { "all of them", drop() >> rrt { step = 0.5 } },
   },
   seeds   = 3,

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Guiding spaces of one's own: f and h written here, and composed like built-in ones. See docs/guiding_space.md.
+-- User-defined guiding spaces: f and h in Lua, composed like built-in ones. See docs/guiding_space.md.
 
 -- As the built-in shrink { 0.5, follow = "tube", resolves = 0 }: the robot at half its size in the same world.
 local half = guiding_space {
@@ -18,8 +18,8 @@ local point = guiding_space {
   heuristic = function(found) return lifted(along(found.path, { radius = 0.5 })) end,
 }
 
--- A bias with no space behind it: S = {0}. Draws on the straight way from start to goal, off it by a normal distance
--- on each axis, and has no density in closed form.
+-- A bias without a space: S = {0}. Samples the straight line from start to goal, with a normal offset on each axis; its
+-- density has no closed form.
 local straight = guiding_space {
   name = "straight",
   space = {},

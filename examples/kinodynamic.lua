@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A robot that cannot move straight to where it should go: it is driven. A motion model says how; kinodynamic_rrt plans
--- with it, and what guides it may forget about it.
+-- Kinodynamic planning: the robot cannot move straight to every configuration. kinodynamic_rrt plans with its motion
+-- model; guides may relax the model.
 --
 --   trellis run examples/kinodynamic.lua
 --   trellis help motion      trellis help kinodynamic_rrt      trellis help holonomic
 
--- An aisle with a bend: the direct way to the goal ends at a wall.
+-- An aisle with a bend: the straight line to the goal ends at a wall.
 local depot = world {
   bounds = {0, 0, 8, 6},
   box {2.4, 0, 2.8, 4.4, name = "long rack"},
@@ -13,7 +13,7 @@ local depot = world {
 }
 
 -- Velocities are part of the state of the second-order model, and follow the configuration in start and goal: (x, y,
--- theta, v, omega). Controls that are held for whole steps hit no goal exactly, so the goal is a region.
+-- theta, v, omega). Controls that are constant for whole steps hit no goal exactly, so the goal is a region.
 local cart = problem {
   name = "cart",
   world = depot,
@@ -49,11 +49,11 @@ return experiment {
   problems   = { cart, sledge, car },
   strategies = {
     { "unguided",      kinodynamic_rrt {} },
-    -- The same robot without its motion model finds a path first.
+    -- The guide plans for the same robot without its motion model first.
     { "holonomic",     holonomic() >> kinodynamic_rrt {} },
     -- The path of the reference point, triangle by triangle.
     { "decomposition", decomposition() >> kinodynamic_rrt {} },
-    -- And both: the medial axis guides the robot without wheels, whose path guides the one with them.
+    -- Both: the medial axis guides the holonomic robot, whose path guides the kinodynamic one.
     { "nested",        skeleton() >> holonomic() >> kinodynamic_rrt {} },
   },
   seeds = 5,

@@ -1,23 +1,23 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- What samples are measured against, by which estimators, and what each guide of a strategy is worth.
+-- The targets of the sampling efficiency, its estimators, and the contribution of each guide of a strategy.
 --
 --   trellis run examples/measure.lua
 --   trellis run examples/measure.lua --cross 0          each run on its own path only
 --   trellis help tube      trellis help target      trellis help knn      trellis help experiment
 --
--- The sampling efficiency is the divergence, in nats, of the samples from a target distribution T that says where
--- samples are of use. Reports print nats above uniform sampling: by how much less that divergence is; more is better.
+-- The sampling efficiency is the divergence, in nats, of the samples from a target distribution T of useful samples.
+-- Reports print nats above uniform sampling: by how much that divergence is smaller; more is better.
 
 local targets = {
   -- T uniform within 0.5 m of the path that the run found. The default.
   tube = tube { delta = 0.5 },
-  -- T uniform on what lies on paths of at most 1.2 times the optimal length.
+  -- T uniform on the configurations of paths of at most 1.2 times the optimal length.
   near_optimal = near_optimal { epsilon = 0.2 },
-  -- T uniform on the motions that come closer to the goal.
+  -- T uniform on the motions that make progress towards the goal.
   progress = progress { step = 0.5 },
 }
 
--- A target of one's own: the narrow passage, wherever the path goes. `sample` draws from T; `log_density` is the
+-- A user-defined target: the narrow passage, wherever the path leads. `sample` draws from T; `log_density` is the
 -- logarithm of T's density with respect to volume in metric coordinates, where an angle counts 1 / pi metres a radian.
 local lower, upper = {4, 4.85, -0.3}, {6, 5.15, 0.3}
 
@@ -39,8 +39,8 @@ targets.passage = target {
     end
     return -log_volume(context.space)
   end,
-  delta = 0.25,   -- what counts as covered by a sample
-  points = 1024,  -- a script's functions are slower than Trellis's own: 1024 points are enough to look at
+  delta = 0.25,   -- the radius of coverage by a sample
+  points = 1024,  -- a script's functions are slower than Trellis's own: 1024 points suffice
   pool = 2048,
 }
 
@@ -52,8 +52,8 @@ return experiment {
   },
   seeds      = 3,
   measure    = targets.passage,                   -- or targets.tube, targets.near_optimal, targets.progress
-  estimators = { exact(), knn {}, histogram {} }, -- the first that has a figure gives the headline
+  estimators = { exact(), knn {}, histogram {} }, -- the first that has a value gives the headline
   cross      = 2,                                 -- score each run on the targets of two other seeds as well
-  baseline   = "rrt",                             -- what the others are compared with
-  ablate     = { "nested" },                      -- and what is left of it without each of its guides
+  baseline   = "rrt",                             -- the reference of the comparisons
+  ablate     = { "nested" },                      -- adds this strategy without each of its guides
 }

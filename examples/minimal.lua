@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- The least that can be run: a strategy and a problem.
+-- The smallest experiment: a strategy and a problem.
 --
 --   trellis run examples/minimal.lua
 --   trellis run examples/minimal.lua --seeds 10

@@ -4,14 +4,14 @@
 --   trellis run examples/mixtures.lua
 --   trellis check examples/mixtures.lua      prints the hierarchies as trees
 
--- `+` mixes distributions. Weights are made to sum to 1, so 0.7*a + 0.3*b is 7*a + 3*b.
+-- `+` mixes distributions. The weights are normalised, so 0.7*a + 0.3*b is 7*a + 3*b.
 local biased = (0.7 * skeleton() + 0.2 * goal_bias(0.2) + 0.1 * bridge_test()) >> rrt { step = 0.5 }
 
--- `..` lets guides take turns of 200 proposals, each informing the next; `sequence` sets how long a turn is.
+-- `..` alternates between guides in turns of 200 proposals, each informing the next; `sequence` sets the turn's length.
 local turns = (skeleton() .. shrink(0.5)) >> rrt { step = 0.5 }
 local short = sequence { skeleton(), shrink(0.5), turn = 50 } >> rrt { step = 0.5 }
 
--- What stands in front of a mixture guides each of its parts that searches a space: this is
+-- A guide before a mixture guides each of its parts that searches a space: this is
 -- (skeleton() >> shrink(0.7)) + (skeleton() >> lazy()).
 local nested = skeleton() >> (shrink(0.7) + lazy()) >> rrt { step = 0.5 }
 

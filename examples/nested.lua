@@ -10,7 +10,7 @@
 --   shrink(0.5)   the same world with a robot of half the size: which of these paths a robot can take
 --   lazy()        the world without obstacles; the edges of its path are validated for the robot, each once
 --
--- The report has a row for each level: what it cost, and how well its samples tell where the final path lies (the
+-- The report has a row for each level: its cost, and how well its samples predict where the final path lies (the
 -- sampling efficiency, in nats above uniform sampling, more is better), in its own space and lifted to the robot's.
 
 local nested = skeleton() >> shrink(0.5) >> lazy() >> rrt { step = 0.5 }

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- What nested.lua is meant to show, as scenarios.
+-- The claims of nested.lua, as scenarios.
 --
 --   trellis test examples/nested_test.lua
 --
@@ -14,7 +14,7 @@ scenario "skeletons that feed shrunken robots that feed lazy checks sample bette
   expect(nested, has_efficiency("root", above(rrt)))
 end)
 
--- A fifth of the checks and less. Unguided runs differ much from seed to seed, so many seeds make the interval short.
+-- At most a fifth of the checks. Unguided runs vary much between seeds, so many seeds make the interval short.
 scenario "what they cost is less than what they save" (function()
   local passage = given { script = "nested.lua" }
   local nested, rrt = when { passage.nested, passage.rrt, seeds = 60 }

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Planners that go on after their first path, to shorter and shorter ones, with the same number of proposals each.
+-- Anytime planners: they shorten their path after the first one, with the same number of proposals each.
 --
 --   trellis run examples/optimal.lua
 --
--- RRT and PRM end with the first path they find. RRT* and PRM* come near the shortest one, and pay for every motion to
--- a neighbour. The lazy ones leave such a motion unchecked until a shortest path goes along it: Lazy-PRM* finds the
--- paths of PRM*. `informed()` is told of each path found and draws from what a shorter one could pass through. Compare
+-- RRT and PRM stop at their first path. RRT* and PRM* converge to the shortest one, and validate every motion to a
+-- neighbour. The lazy ones validate such a motion only when it lies on a shortest path: Lazy-PRM* finds the paths of
+-- PRM*. `informed()` receives each path found and samples the set of states that a shorter one could visit. Compare
 -- path lengths and validity checks in the summary.
 
 local around = problem {

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A world and a robot of one's own.
+-- A user-defined world and robot.
 --
 --   trellis run examples/own_scene.lua
 --   trellis help world      trellis help robot.rigid      trellis help problem
@@ -13,7 +13,7 @@ local yard = world {
   polygon { {7, 2}, {9, 2.5}, {8.2, 3.4}, {9, 5}, {7.4, 4.2}, name = "rock" },
 }
 
--- Lists of obstacles are opened, so a loop can make them. math.random follows the run's seed (--seed).
+-- Lists of obstacles are flattened, so a loop can create them. math.random follows the run's seed (--seed).
 local trees = {}
 for i = 1, 6 do
   trees[i] = disc { 1.5 + 0.45 * i, 6.5 + 0.4 * math.random(), 0.12, name = "tree " .. i }

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- The published experiment once more, with the methods as the library that its authors used is known to do them: no
--- effective goal bias, regions never dropped (docs/methods.md). They bear the methods' own names here, so that they
--- stand beside the published figures.
+-- The published experiment again, with the methods as in the library that its authors used: no
+-- effective goal bias, regions never dropped (docs/methods.md). The methods have their own names here, so that reports
+-- list them beside the published values.
 --
 --   trellis run examples/parasol.lua --out DIR
 

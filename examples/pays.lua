@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Does guidance pay? The costs of guided strategies beside RRT-Connect without guides, in rows of false gaps.
+-- Does guidance pay? The costs of guided strategies relative to RRT-Connect without guides, in rows of false gaps.
 --
 --   trellis run examples/pays.lua --json costs.json
 --   trellis compare costs.json --out costs       prints ratios, and writes tables and figures
 --
--- scripts/pays does so with every world and strategy; docs/pays.md has what comes out.
+-- scripts/pays does this with every world and strategy; docs/pays.md has the results.
 
 return pays.experiment {
   only       = {"gaps"},

@@ -1,11 +1,11 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A learnt subspace: an arm of four links is searched in the plane that goes through start and goal and along which the
--- valid configurations spread most.
+-- A learnt subspace: the guide searches an arm of four links in the plane through start and goal along which the
+-- valid configurations vary most.
 --
 --   trellis run examples/pca.lua
 --
--- The arm has to draw in a little to pass below the bar. What the plane is fitted to costs validity checks, and they
--- are its level's: see the table of the levels.
+-- The arm has to retract a little to pass below the bar. Fitting the plane costs validity checks, which count in its
+-- level: see the table of the levels.
 
 local arm = problem {
   name = "four_links",

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Biases without a space behind them (S = {0}), each as the only guide of an RRT.
+-- Biases without a space (S = {0}), each as the only guide of an RRT.
 --
 --   trellis run examples/samplers.lua
 --
@@ -15,13 +15,13 @@ local samplers = {
   obstacle_based = obstacle_based(),
   medial_axis = medial_axis(),
   halton = halton(),
-  -- what a path shorter than 13 m may pass through
+  -- states that a path shorter than 13 m may visit
   informed = informed { cost = 13 },
 }
 
 local strategies = {}
 for name, guide in pairs(samplers) do strategies[name] = guide >> rrt { step = 0.5 } end
--- A search that goes on after its first path tells it how long that was: here each of S's, once the tree in C is stuck.
+-- An anytime search reports each path length to it: here those of S, once the tree in C makes no progress.
 strategies.shorter = informed() >> identity { planner = rrt { step = 0.5 }, evidence = 20 } >> rrt { step = 0.5 }
 
 return experiment {

@@ -3,8 +3,8 @@
 --
 --   trellis run examples/two_joint_arm.lua --figures pictures
 --
--- pictures/two_joint_arm/lazy/motion.svg shows the arm along the path that lazy() found, and beside it the space of its
--- two angles, a torus: what is invalid in it, that path, and what the planner draws from because of it.
+-- pictures/two_joint_arm/lazy/motion.svg shows the arm along the path of lazy(), and beside it the space of its
+-- two angles, a torus: the invalid configurations, that path, and the density of the planner's proposals.
 --
 -- `joints { first = 1 }` keeps the first joint: S is a circle, and the arm in it has one link.
 

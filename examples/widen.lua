@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Obstacles eroded, so that a narrow passage is a wide one in S: the path through it is found there, and followed in C.
+-- Eroded obstacles, so that a narrow passage is wide in S: the guide finds a path through it there, and C follows it.
 --
 --   trellis run examples/widen.lua
 --
--- Each obstacle is eroded by itself. Walls less than twice as thick as the distance vanish, and the path found
--- through them misleads: that is the cup, whose walls are 0.5 thick.
+-- It erodes each obstacle separately. Walls less than twice as thick as the distance vanish, and the path through them
+-- misleads: this happens in the cup, whose walls are 0.5 thick.
 
 return experiment {
   problems   = { scenes.simple_passage(), scenes.cup() },

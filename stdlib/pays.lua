@@ -25,7 +25,7 @@ local dynobench = {
 local function image_file(family, number) return ("mp_datasets/%s/validation/%d.png"):format(family, number) end
 local function dynobench_file(name) return "dynobench/" .. name .. ".yaml" end
 
--- Worlds of files that are there. An image has no robot: the paper's crosses it from corner to corner.
+-- Worlds from existing files. An image has no robot: the paper's robot crosses it from corner to corner.
 local function from_files()
   local all = {}
   for _, family in ipairs(families) do
@@ -48,7 +48,7 @@ local function from_files()
   return all
 end
 
--- The strategies were tuned on the groups that say so; the others are held out.
+-- The strategies were tuned on the groups with `tuned`; the other groups are held out.
 local function all_groups(catalogue, mazes)
   local groups = { { "paper", paper.scenes(), tuned = true } }
   if catalogue then
@@ -97,7 +97,7 @@ local function all_groups(catalogue, mazes)
   return groups
 end
 
--- Whether a list of names holds this one; blanks do not count. `found` notes the names that were met.
+-- Whether a list of names contains this one; ignores blanks. `found` records the matched names.
 local function chosen(names, name, found)
   if not names then return true end
   for _, wanted in ipairs(names) do

@@ -52,7 +52,7 @@ local function method(name, what, parasol, make)
   }, make)
 end
 
--- What every method has that ends in an RRT.
+-- The options of every method that ends in an RRT.
 local tree = { "rrt", step = 0.5, goal_bias = 0.05 }
 
 -- The planner at the root, instead of `default`.
@@ -78,7 +78,7 @@ method("rrt", {
   return rrt { step = o.step, goal_bias = o.goal_bias }
 end)
 
--- The library checks each edge to its end and adds no nodes near removed edges unless it is told to.
+-- By default the library checks each edge to its end and adds no nodes near removed edges.
 method("lazy_prm", {
   "a roadmap in the world without obstacles, repaired where its shortest path is blocked",
   source = "Bohlin and Kavraki 2000, Path planning using lazy PRM",
@@ -95,7 +95,7 @@ local regions = {
   "skeleton", region = 2, explore = 0.5, decay = 0.9, penetration = 0.5, alignment = 0.1, drop = 1000,
 }
 
--- Nothing but the regions: the graph is searched once.
+-- Only the regions: the graph is searched once.
 define("regions", {
   "dynamic regions along the skeleton of the workspace: the guide of dr_rrt", source = denny, returns = "guide",
   usage = "strategies.regions() >> shrink(0.5) >> rrt_connect {}", options = regions,

@@ -37,7 +37,7 @@ local function integer(x) return math.tointeger(x) or math.floor(x) end
 
 local function robot_of(size) return robot.rectangle(0.6 * size, 0.2 * size) end
 
--- A function that makes a problem of what `make(options, random)` returns: bounds, obstacles, start and goal.
+-- A function that returns a problem from the result of `make(options, random)`: bounds, obstacles, start and goal.
 local function generated(name, summary, usage, options, make)
   options[#options + 1] = {
     name = "size", unit = "times 0.6 x 0.2 m", default = 1, lo = 0.01, hi = 10, doc = "the robot's size",

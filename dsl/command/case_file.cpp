@@ -40,14 +40,14 @@ std::string describe(const Json& value) {
   return text + "...";
 }
 
-/// "3:17", the place of a byte (from 1) in a text.
+/// Returns "3:17", the line and column of a byte (from 1) in a text.
 std::string place_of(const std::string& text, std::size_t byte) {
   const std::string_view before = std::string_view(text).substr(0, byte > 0 ? byte - 1 : 0);
-  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 where there is none
+  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 on the first line
   return fmt::format("{}:{}", std::count(before.begin(), before.end(), '\n') + 1, before.size() - line_begin + 1);
 }
 
-/// What an exception of the parser says behind the first `mark`.
+/// Returns the part of a parser's exception message behind the first `mark`.
 std::string_view behind(const Json::exception& error, std::string_view mark) {
   const std::string_view text = error.what();
   const auto at = text.find(mark);
@@ -119,7 +119,7 @@ class Reader {
   }
 
   [[nodiscard]] bool has(const char* key) const { return document_.contains(key); }
-  /// The value of a key; `expects` is what `reject` says of it.
+  /// Returns the value of a key; `reject` uses `expects` in its message.
   const Json* find(const char* key, std::string expects) {
     expects_ = std::move(expects);
     const auto it = document_.find(key);
@@ -346,7 +346,7 @@ class Reader {
   fs::path folder_;
   dsl::SessionOptions scripts_;
   Json document_;
-  std::string expects_;  // of the key looked at last
+  std::string expects_;  // of the most recently read key
 };
 
 }  // namespace

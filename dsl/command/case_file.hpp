@@ -13,7 +13,7 @@
 
 namespace trellis::command {
 
-/// What `trellis measure` is asked: samples, the space that they lie in, and the path that they are measured against.
+/// The input of `trellis measure`: samples, their space, and the reference path.
 struct Case {
   std::string file;  ///< as typed
   Space space;
@@ -21,13 +21,14 @@ struct Case {
   std::vector<std::size_t> position;  ///< axes of the position, for the planar distance
   TubeSettings tube;
   std::string samples;  ///< the CSV file
-  std::string free;     ///< what decides validity, as the file has it; "" without
+  std::string free;     ///< the entry that decides validity, as in the file; "" without
   Target::Valid valid;  ///< empty without
   std::uint64_t seed = 1;
 };
 
-/// Reads a case (docs/formats.md), `scripts` for one that decides validity. Files that it names are found from its
-/// folder; the samples are not read yet. Throws Error that names the file and the key for anything malformed.
+/// Reads a case (docs/formats.md); `scripts` are the options of a script that decides validity. Paths in the file are
+/// relative to its folder. Does not read the samples yet.
+/// \throws Error that names the file and the key for malformed content.
 Case read_case(const std::string& file, const dsl::SessionOptions& scripts);
 
 }  // namespace trellis::command

@@ -51,7 +51,7 @@ std::string summary(const std::string& script, const Experiment& experiment) {
                             measure.metrics ? ", with metrics of the search" : "");
 }
 
-/// Checks one script without planning; whether nothing is wrong with it.
+/// Checks one script without planning; returns whether it has no fault.
 bool check_script(const std::string& script, const dsl::SessionOptions& options, std::string& text) {
   const std::string source = dsl::without_shebang(dsl::read_file(script));
   dsl::Session session(std::filesystem::path(script).parent_path().string(), options);
@@ -59,7 +59,7 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
   std::vector<std::string> faults = session.unknown_names(source, script);
   std::vector<std::string> warnings;
   for (const auto& [name, strategy] : experiment.strategies) {
-    std::set<std::string> spaces;  // one problem tells for all in such a space
+    std::set<std::string> spaces;  // check one problem per space
     for (const Problem& problem : experiment.problems) {
       if (!spaces.insert(problem.space.name()).second) continue;
       try {
@@ -89,7 +89,7 @@ int check(const std::vector<std::string>& scripts, const ScriptOptions& options)
       if (!check_script(scripts[i], session, text)) status = their_fault;
       print_all((i > 0 ? "\n" : "") + text);
     } catch (const Error& error) {
-      // The other scripts are checked all the same.
+      // Continue with the other scripts.
       fmt::print(stderr, "trellis: {}\n", error.what());
       status = their_fault;
     }

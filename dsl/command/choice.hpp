@@ -7,8 +7,8 @@
 
 namespace trellis::command {
 
-// What --problem and --strategy leave of an experiment: the one of that name, or all where it is "". Throw Error that
-// names the nearest right name.
+// Apply --problem and --strategy to an experiment: return the one of that name, or all for "". They throw Error that
+// names the nearest valid name.
 
 void choose_problem(Experiment& experiment, const std::string& name);
 void choose_strategy(Experiment& experiment, const std::string& name);

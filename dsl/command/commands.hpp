@@ -10,18 +10,18 @@ class App;
 
 namespace trellis::command {
 
-/// What the command line answers with; `trellis test` says with 1 that something did not hold. The last one is the
-/// shell's convention for a Ctrl-C.
+/// The exit statuses of the command line; `trellis test` returns 1 for a failed expectation. The last one is the
+/// shell's convention for Ctrl-C.
 enum Exit : int { success = 0, our_fault = 1, tests_failed = 1, their_fault = 2, was_interrupted = 130 };
 
-/// What a script may do and spend.
+/// Permissions and limits of a script.
 struct ScriptOptions {
-  std::string memory;        ///< MiB as typed, "" without
-  std::string instructions;  ///< as typed, "" without
+  std::string memory;        ///< MiB as typed, "" if not given
+  std::string instructions;  ///< as typed, "" if not given
   bool trust = false;
 };
 
-/// How figures and tables are set, for papers.
+/// The style of figures and tables, for papers.
 struct FigureOptions {
   std::string column;  ///< width in millimetres as typed, "" for each figure's own
   bool untitled = false;
@@ -33,20 +33,20 @@ struct FigureOptions {
 struct RunOptions {
   std::string script;
   ScriptOptions scripts;
-  std::string seeds;  ///< as typed, "" without
+  std::string seeds;  ///< as typed, "" if not given
   std::string seed;
-  std::string only;      ///< one seed, as typed, "" without
+  std::string only;      ///< one seed, as typed, "" if not given
   std::string problem;   ///< a name, "" for all
   std::string strategy;  ///< likewise
   std::string jobs;
   std::string cross;
-  std::string json;     ///< a file, "" without
-  std::string html;     ///< a file, "" without
-  std::string samples;  ///< a folder, "" without
-  std::string figures;  ///< a folder, "" without
-  std::string out;      ///< a folder for tables, figures and the document, "" without
-  std::string learn;    ///< a library of paths, "" without
-  std::string novelty;  ///< metres as typed, "" without
+  std::string json;     ///< a file, "" if not given
+  std::string html;     ///< a file, "" if not given
+  std::string samples;  ///< a folder, "" if not given
+  std::string figures;  ///< a folder, "" if not given
+  std::string out;      ///< a folder for tables, figures and the document, "" if not given
+  std::string learn;    ///< a library of paths, "" if not given
+  std::string novelty;  ///< metres as typed, "" if not given
   std::string palette;  ///< of the figures, "" for the default
   FigureOptions style;
   std::string report;  ///< a kind of report, "" for the overview
@@ -59,7 +59,7 @@ struct TrainOptions {
   std::string data;                   ///< a folder of families
   std::string out;                    ///< a file
   std::vector<std::string> families;  ///< none: all
-  std::string seed;                   ///< as typed, "" without
+  std::string seed;                   ///< as typed, "" if not given
   std::string samples;
   std::string cells;
   std::string rounds;
@@ -69,22 +69,22 @@ struct TrainOptions {
 
 struct MeasureOptions {
   std::string file;       ///< the case
-  std::string json;       ///< a file, "-" for stdout, "" without
+  std::string json;       ///< a file, "-" for stdout, "" if not given
   std::string estimator;  ///< a name, "all", "" for the default
   ScriptOptions scripts;
 };
 
 struct CompareOptions {
   std::vector<std::string> files;  ///< documents of trellis run --json
-  std::string baseline;            ///< a strategy, "" for the one that they name
-  std::string out;                 ///< a folder, "" without
+  std::string baseline;            ///< a strategy, "" for the one that the documents name
+  std::string out;                 ///< a folder, "" if not given
   FigureOptions style;
 };
 
 struct VerifyOptions {
   std::vector<std::string> files;  ///< documents of trellis run --json
-  std::string script;              ///< instead of the one that the documents name, "" without
-  std::string seed;                ///< of math.random while the script loads, as typed, "" without
+  std::string script;              ///< replaces the script that the documents name, "" if not given
+  std::string seed;                ///< of math.random while the script loads, as typed, "" if not given
   ScriptOptions scripts;
 };
 
@@ -92,7 +92,7 @@ struct ExplainOptions {
   std::string script;
   std::string strategy;  ///< a name, "" for all
   std::string problem;   ///< likewise
-  std::string json;      ///< a file, "-" for stdout, "" without
+  std::string json;      ///< a file, "-" for stdout, "" if not given
   std::string width;     ///< columns as typed, "" for the terminal's
   ScriptOptions scripts;
 };
@@ -100,40 +100,41 @@ struct ExplainOptions {
 struct TestOptions {
   std::vector<std::string> files;
   ScriptOptions scripts;
-  std::string junit;   ///< a file, "" without
-  std::string seeds;   ///< as typed, "" without
-  std::string jobs;    ///< as typed, "" without
-  std::string filter;  ///< what the names of scenarios are to contain
+  std::string junit;   ///< a file, "" if not given
+  std::string seeds;   ///< as typed, "" if not given
+  std::string jobs;    ///< as typed, "" if not given
+  std::string filter;  ///< a part of the names of the scenarios to run
 };
 
-// Each command returns the exit status, and throws Error for what the user can mend.
+// Each command returns the exit status, and throws Error for faults that the user can correct.
 
-/// Runs a script's experiment, prints the report and writes the files that were asked for.
+/// Runs a script's experiment, prints the report and writes the requested files.
 int run(const RunOptions& options);
-/// Measures samples of any program's against a tube, as a case file says, and prints the figures.
+/// Measures samples of any program relative to a tube, as a case file states, and prints the values.
 int measure(const MeasureOptions& options);
 /// Compares the costs of the strategies in documents of results, prints them, and writes tables and figures.
 int compare(const CompareOptions& options);
-/// Validates the paths in documents of results again, at a finer resolution and by the other collision backend, and
+/// Validates the paths in documents of results again, at a finer resolution and with the other collision backend, and
 /// prints each fault.
 int verify(const VerifyOptions& options);
-/// Prints what is in a library of paths: a line for each problem, or for each path.
+/// Prints the content of a library of paths: a line for each problem, or for each path.
 int experience(const std::string& file, bool list);
 /// Loads scripts without planning and prints their strategies as trees.
 int check(const std::vector<std::string>& scripts, const ScriptOptions& options);
-/// Prints what the strategies of a script will run on its problems, level by level, without planning.
+/// Prints the hierarchy and settings of a script's strategies on its problems, level by level, without planning.
 int explain(const ExplainOptions& options);
-/// Runs the scenarios of scripts, and prints what holds and what does not.
+/// Runs the scenarios of scripts, and prints which expectations are met.
 int test(const TestOptions& options);
-/// Trains a heuristic to imitate exact search on a folder of worlds, writes it, and prints what it is worth on others.
+/// Trains a heuristic to imitate exact search on a folder of worlds, writes it, and prints its performance on other
+/// worlds.
 int train(const TrainOptions& options);
-/// Writes NAME.lua, a small script to begin with, and NAME_test.lua, its scenarios, where there are no such files.
+/// Writes NAME.lua, a small example script, and NAME_test.lua, its scenarios, unless such files exist.
 int create(const std::string& name);
-/// An interactive session, after a script where one is named; lines from stdin where that is no terminal.
+/// Runs an interactive session, after a script if one is given; reads lines from stdin if that is no terminal.
 int repl(const std::string& script, const ScriptOptions& options);
-/// Prints what is known about a word of the language; `usage` and all words where it is "".
+/// Prints the help on a word of the language; for "", `usage` and all words.
 int help(const std::string& topic, const std::string& usage);
-/// Prints all words, or the command line, in a form for other programs: one of `reference_forms`, "" is the first.
+/// Prints all words, or the command line, in a format for other programs: one of `reference_forms`, the first for "".
 int reference(const std::string& form, const CLI::App& app);
 const std::vector<std::string>& reference_forms();
 int version();

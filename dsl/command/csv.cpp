@@ -30,18 +30,18 @@ std::string_view trimmed(std::string_view text) {
 std::string quoted(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string shown(text.substr(0, longest));
-  // What is no text would cut the message short or upset the terminal.
+  // Control characters would cut the message or disturb the terminal.
   std::replace_if(
       shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   return fmt::format("'{}{}'", shown, text.size() > longest ? "..." : "");
 }
 
-/// The text of a file, line by line.
+/// Iterates over the lines of a text.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
 
-  /// The next line without its end; false behind the last one.
+  /// Reads the next line without its end; returns false after the last one.
   bool next(std::string_view& line) {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find('\n');
@@ -136,7 +136,7 @@ class Reader {
     for (std::size_t cell = 0; cell < order_.size(); ++cell) {
       while (at != end && is_padding(*at)) ++at;
       double& value = row[order_[cell]];
-      // A sign that from_chars does not know.
+      // from_chars does not accept this sign.
       const bool plus = end - at > 1 && at[0] == '+' && at[1] != '-';
       const auto [stop, error] = std::from_chars(at + (plus ? 1 : 0), end, value);
       const char* rest = stop;
@@ -171,7 +171,7 @@ class Reader {
   const std::string& path_;
   const std::vector<std::string>& columns_;
   std::string header_;
-  std::vector<std::size_t> order_;  // the place of each of the file's columns in `columns_`
+  std::vector<std::size_t> order_;  // index in `columns_` of each of the file's columns
 };
 
 }  // namespace

@@ -24,7 +24,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-/// What is told of the paths of one problem.
+/// The printed data on the paths of one problem.
 struct Row {
   std::set<std::uint64_t> worlds;
   std::size_t paths = 0;

@@ -22,7 +22,7 @@ namespace trellis::command {
 
 namespace {
 
-/// Problems in the same space, in which a strategy has the same hierarchy; the first one is explained.
+/// Problems in the same space, in which a strategy has the same hierarchy; the command explains the first one.
 struct Similar {
   const Problem* first = nullptr;
   std::vector<std::string> others;  ///< names
@@ -71,7 +71,7 @@ int explain(const ExplainOptions& options) {
         explained.push_back(
             {name, strategy.text(), group.first->name, group.others, trellis::explain(strategy, *group.first)});
       } catch (const Error& error) {
-        // The other strategies are explained all the same.
+        // Continue with the other strategies.
         fmt::print(stderr, "trellis: {}\n", error.what());
         status = their_fault;
       }

@@ -16,7 +16,7 @@ namespace trellis::command {
 
 namespace {
 
-constexpr double least_column = 60.0;  ///< mm; names and numbers need as much
+constexpr double least_column = 60.0;  ///< mm; names and numbers require this width
 constexpr double most_column = 400.0;
 
 const std::vector<std::string>& formats() {

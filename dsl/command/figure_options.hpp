@@ -8,13 +8,14 @@
 
 namespace trellis::command {
 
-/// How figures are set. Throws Error for a width out of range, and for options of figures where nothing is drawn.
+/// Returns the style of figures. \throws Error for a width out of range, and for options of figures if the command
+/// draws none.
 FigureStyle figure_style(const FigureOptions& options, bool drawn);
 
 /// Writes FOLDER/table.md, or FOLDER/table.tex for LaTeX.
 void write_tables(const FigureOptions& options, const std::string& folder, const std::string& markdown);
 
-/// Throws Error for a format that does not exist, and for one where no table is written.
+/// \throws Error for an unknown format, and for a format if the command writes no table.
 void check_format(const FigureOptions& options, bool written);
 
 }  // namespace trellis::command

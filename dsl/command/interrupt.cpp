@@ -26,7 +26,7 @@ extern "C" void on_interrupt(int) {
   }
   if (running && !asked.exchange(true)) return;
   constexpr std::string_view message = "\ntrellis: interrupted\n";
-  // Nothing can be done about a failure here.
+  // There is no recovery from a failure here.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
   ::_exit(was_interrupted);
 }
@@ -36,7 +36,7 @@ extern "C" void on_interrupt(int) {
 void catch_interrupts() {
   struct sigaction before {};
   ::sigaction(SIGINT, nullptr, &before);
-  if (before.sa_handler == SIG_IGN) return;  // as nohup and shells set it for jobs in the background
+  if (before.sa_handler == SIG_IGN) return;  // nohup, and shells for background jobs, set it so
   struct sigaction action {};
   action.sa_handler = on_interrupt;
   ::sigaction(SIGINT, &action, nullptr);

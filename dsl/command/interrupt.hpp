@@ -3,11 +3,12 @@
 
 namespace trellis::command {
 
-/// Ctrl-C. From `catch_interrupts` on it ends the program at once with the shell's status 130; while an
-/// InterruptibleRun lives, the first one only sets `requested`, so that the run can clean up, and a second one ends it.
+/// Handles Ctrl-C. After `catch_interrupts` it ends the program at once with the shell's status 130. While an
+/// InterruptibleRun exists, the first Ctrl-C only sets `requested`, so that the run can clean up, and a second one ends
+/// the program.
 void catch_interrupts();
 
-/// While one lives, a Ctrl-C ends nothing: it is noted until somebody takes note of it. For sessions at a terminal.
+/// While one exists, a Ctrl-C ends nothing: the session reads and clears the request. For sessions at a terminal.
 class InterruptibleSession {
  public:
   InterruptibleSession();
@@ -15,7 +16,7 @@ class InterruptibleSession {
   InterruptibleSession(const InterruptibleSession&) = delete;
   InterruptibleSession& operator=(const InterruptibleSession&) = delete;
 
-  /// Whether there was one since the last call of forget(). Safe from any thread.
+  /// Whether there was one since the last call of forget(). Thread-safe.
   [[nodiscard]] static bool requested();
   static void forget();
 };
@@ -27,7 +28,7 @@ class InterruptibleRun {
   InterruptibleRun(const InterruptibleRun&) = delete;
   InterruptibleRun& operator=(const InterruptibleRun&) = delete;
 
-  /// Safe from any thread.
+  /// Thread-safe.
   [[nodiscard]] static bool requested();
 };
 

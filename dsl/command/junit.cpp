@@ -11,8 +11,7 @@ namespace trellis::command {
 
 namespace {
 
-/// The length of the character that UTF-8 has at the beginning of the text; 0 where it has none, or one that XML does
-/// not allow.
+/// Returns the length of the UTF-8 character at the beginning of the text; 0 if it is invalid or not allowed in XML.
 std::size_t character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -29,7 +28,7 @@ std::size_t character(std::string_view text) {
   return surrogate || too_long || code > 0x10FFFFU || code == 0xFFFEU || code == 0xFFFFU ? 0 : length;
 }
 
-/// What XML cannot hold becomes the sign for that, U+FFFD.
+/// Replaces characters that XML does not allow by U+FFFD.
 std::string escaped(std::string_view text) {
   std::string all;
   while (!text.empty()) {
@@ -52,7 +51,7 @@ std::string escaped(std::string_view text) {
   return all;
 }
 
-/// In an attribute, lines would become spaces.
+/// XML would turn line breaks in an attribute into spaces.
 std::string attribute(std::string_view text) {
   std::string all;
   for (const char c : escaped(text)) all += c == '\n' ? std::string("&#10;") : c == '\t' ? "&#9;" : std::string(1, c);

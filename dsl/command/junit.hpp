@@ -6,13 +6,13 @@
 
 namespace trellis::command {
 
-/// A scenario as JUnit has it.
+/// The result of a scenario in JUnit's terms.
 struct JunitCase {
   std::string name;
   double seconds = 0.0;
-  std::string failure;  ///< what did not hold, a line; "" where all did
-  std::string error;    ///< what went wrong instead, "" without
-  std::string text;     ///< all that was said of it
+  std::string failure;  ///< the failed expectation, a line; "" for none
+  std::string error;    ///< the error, "" for none
+  std::string text;     ///< the complete output
 };
 
 /// A file of scenarios.

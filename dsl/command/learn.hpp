@@ -8,8 +8,8 @@
 
 namespace trellis::command {
 
-/// Adds the paths of the runs that solved their problems to a library, in the order of the runs, each only where it is
-/// new: farther than `novelty` metres from all that are there (none: default_novelty). Says on stderr how many were.
+/// Adds the paths of the solved runs to a library, in the order of the runs, if they are new: farther than `novelty`
+/// metres from all stored paths (none: default_novelty). Prints on stderr how many it added.
 void learn(const Experiment& experiment, const ExperimentResult& result, const std::string& file,
            std::optional<double> novelty, bool quiet);
 

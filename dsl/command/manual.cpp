@@ -17,12 +17,12 @@ namespace trellis::command {
 
 namespace {
 
-/// An option or argument of a verb, as far as it is told to others.
+/// An option or argument of a command, for the manual and the completions.
 struct Switch {
   std::string name;  ///< "seeds", of an argument "SCRIPT"
   std::string type;  ///< "FILE", "safe|paper", "" of a flag
   std::string description;
-  bool argument = false;  ///< given by its place
+  bool argument = false;  ///< positional
   bool required = false;
   bool many = false;
 
@@ -85,7 +85,7 @@ std::string synopsis(const CLI::App& verb) {
   return text + (options ? " [\\fIoptions\\fR]" : "");
 }
 
-/// Sections that no description of the command line holds.
+/// Sections that do not come from the descriptions of the command line.
 constexpr std::string_view closing = R"(.SH EXIT STATUS
 .TP
 .B 0
@@ -126,7 +126,7 @@ tells about a word of the language.
 // Shells
 // -------------------------------------------------------------------------------------------------------------
 
-/// The pattern of the files that an argument names, "" where it names none.
+/// Returns the pattern of the files that an argument accepts, "" if it accepts none.
 std::string pattern_of(const Switch& argument) {
   if (argument.name == "SCRIPT") return "*.lua";
   if (argument.name == "CASE") return "*.json";
@@ -135,7 +135,7 @@ std::string pattern_of(const Switch& argument) {
 
 bool takes_word(const Switch& argument) { return argument.name == "TOPIC"; }
 
-/// In single quotes of a shell.
+/// Quotes a text with single quotes for a shell.
 std::string in_quotes(std::string_view text) {
   std::string all = "'";
   for (const char c : text) all += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -234,7 +234,7 @@ std::string fish(const CLI::App& app) {
   return text;
 }
 
-/// Without what has a meaning in a description of zsh's.
+/// Removes characters that have a meaning in zsh's descriptions.
 std::string zsh_text(std::string_view text) {
   std::string all;
   for (const char c : text) {
@@ -342,7 +342,7 @@ void name_values(CLI::App& app) {
       const bool argument = option->get_positional();
       if (!argument && option->get_lnames().empty()) continue;
       const std::string word = argument ? option->get_name(true) : option->get_lnames().front();
-      // What `--out` of most verbs fills is a folder.
+      // For most commands, `--out` is a folder.
       const auto own = names.find(verb->get_name() + " " + word);
       const auto name = own != names.end() ? own : names.find(word);
       if (name != names.end() && option->get_expected_max() > 0) option->type_name(name->second);

@@ -8,20 +8,20 @@ namespace CLI {
 class App;
 }
 
-// What is made from the command line's own description: the manual page, and what shells complete it with. The type
-// name of an option says what its value is: FILE, FOLDER, or alternatives as "safe|paper".
+// The manual page and the shell completions, generated from the description of the command line. The type name of an
+// option describes its value: FILE, FOLDER, or alternatives as "safe|paper".
 
 namespace trellis::command {
 
-/// Names the values of all options and arguments, for help and for what follows.
+/// Sets the type names of all options and arguments, for help, manual and completions.
 void name_values(CLI::App& app);
 
-/// The manual page trellis(1), in roff.
+/// Returns the manual page trellis(1), in roff.
 std::string manual(const CLI::App& app);
 
-/// The shells that there is a completion for.
+/// Returns the shells with a completion.
 const std::vector<std::string>& shells();
-/// The completion of verbs, options, files and words of the language for one of `shells`.
+/// Returns the completion of commands, options, files and words of the language for one of `shells`.
 std::string shell_completion(const std::string& shell, const CLI::App& app);
 
 }  // namespace trellis::command

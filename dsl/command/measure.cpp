@@ -30,16 +30,16 @@ using Json = nlohmann::ordered_json;
 constexpr const char* default_estimator = "knn";
 constexpr const char* no_density = "the density that the samples were drawn from is not known: a file holds none";
 
-/// What one estimator made of the samples.
+/// The result of one estimator for the samples.
 struct Answer {
   std::string estimator;
   std::optional<Estimate> estimate;
-  std::string reason;  ///< why there is none
+  std::string reason;  ///< why it has no value
 };
 
 struct Measured {
   Efficiency headline;
-  std::vector<Answer> answers;  ///< of all estimators; empty unless all were asked
+  std::vector<Answer> answers;  ///< of all estimators; empty unless the user requests all
   double log_volume = 0.0;      ///< log|T|
   std::size_t outside = 0;      ///< samples outside of the space
   std::vector<std::string> notes;
@@ -63,7 +63,7 @@ std::vector<EstimatorSpec> specs_of(const std::string& asked) {
   return specs;
 }
 
-/// What looks like a mistake and may be none.
+/// Returns notes on possible mistakes in the input.
 std::vector<std::string> notes_on(const Space& space, const Configurations& samples) {
   constexpr double many_turns = 4.0;
   std::vector<std::string> notes;
@@ -84,7 +84,7 @@ std::vector<std::string> notes_on(const Space& space, const Configurations& samp
   return notes;
 }
 
-/// Throws Error where there are no samples, no target, or no figure by the first estimator.
+/// \throws Error if there are no samples, no target, or no value from the first estimator.
 Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
   std::vector<std::string> names;
   for (const Axis& axis : c.space.axes()) names.push_back(axis.name);
@@ -139,7 +139,7 @@ Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
   return result;
 }
 
-/// The plain grid is not defended: its one figure stands as D.
+/// The plain grid is not defended: reports its single value as D.
 Estimate as_it_is(Estimate estimate) {
   if (!estimate.estimator.starts_with("legacy")) return estimate;
   estimate.value = estimate.gain = std::numeric_limits<double>::quiet_NaN();
@@ -239,7 +239,7 @@ std::string meaning_of(const std::string& flag) {
   return it != meanings.end() ? fmt::format("{}: {}", flag, it->second) : flag;
 }
 
-/// A bar for each part of the path, the highest share of either profile a full one.
+/// Returns a bar for each part of the path, scaled to the highest share of both profiles.
 std::string bars(const std::vector<double>& shares, double full) {
   constexpr std::array<std::string_view, 9> blocks = {"·", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   std::string text;

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// @NAME@ stands for the script's path as it was given, @TITLE@ for its name.
+/// Placeholders: @NAME@ for the given path of the script, @TITLE@ for its name.
 constexpr std::string_view script = R"LUA(-- @TITLE@: a strategy of guiding spaces, compared with its planner alone.
 --
 --   trellis run @NAME@                       plans, and prints the report
@@ -58,7 +58,7 @@ return experiment {
 }
 )LUA";
 
-/// @FILE@ stands for the script's name in its folder.
+/// Placeholder: @FILE@ for the script's name in its folder.
 constexpr std::string_view test_script = R"LUA(-- @TITLE@: what the strategies of @FILE@ are to achieve.
 --
 --   trellis test @NAME@                      runs the scenarios, and says what holds
@@ -87,7 +87,7 @@ void replace_all(std::string& text, std::string_view what, std::string_view with
   }
 }
 
-/// Throws Error for a name that no module could have: such a script could not be required by another.
+/// \throws Error for a name that no module can have: `require` could not load such a script.
 void check_name(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto good = [&](char c) { return letter(c) || (c >= '0' && c <= '9'); };
@@ -104,7 +104,7 @@ void check_name(const std::string& name) {
   throw Error(fmt::format("new: '{}' exists already, and is left as it is; choose another name", path.string()));
 }
 
-/// Made anew or not at all, whatever appears in between.
+/// Creates the file atomically; fails if it exists.
 void write_new(const fs::path& path, const std::string& text) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbx"), std::fclose);
   if (!file && errno == EEXIST) refuse(path);

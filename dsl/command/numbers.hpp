@@ -7,13 +7,12 @@
 
 namespace trellis::command {
 
-/// The integer that was typed for an option; none for "". Decimal digits only: no sign, fraction, exponent, or leading
-/// zero that another program would read as octal. Throws Error that names the option and what it takes.
+/// Parses the integer of an option; none for "". Accepts decimal digits only: no sign, fraction, exponent, or leading
+/// zero, which other programs read as octal. \throws Error that names the option and its range.
 std::optional<std::uint64_t> integer_option(const std::string& option, const std::string& typed, std::uint64_t least,
                                             std::uint64_t most);
 
-/// The number of at least `least` that was typed for an option; none for "". Throws Error that names the option and
-/// what it takes.
+/// Parses a number of at least `least` for an option; none for "". \throws Error that names the option and its range.
 std::optional<double> number_option(const std::string& option, const std::string& typed, double least);
 
 }  // namespace trellis::command

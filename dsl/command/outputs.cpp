@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread yet
 
-/// Makes and removes a file in the folder: permissions alone do not tell, as on file systems that are read only.
+/// Creates and removes a file in the folder: permissions do not show a read-only file system.
 void try_folder(const fs::path& folder, const std::string& output) {
   const std::string probe = (folder / fmt::format(".trellis-{}", ::getpid())).string();
   const int file = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -43,7 +43,7 @@ void require_writable_file(const std::string& path) {
   if (fs::is_directory(status)) fail(path, reason_of(EISDIR));
   if (fs::exists(status) && ::access(path.c_str(), W_OK) != 0) fail(path, reason_of(errno));
   if (fs::exists(status) && !fs::is_regular_file(status)) return;  // a terminal, a pipe: written as a stream
-  // The file that a link names is replaced, not the link.
+  // Replace the target of a link, not the link.
   const fs::path target = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : fs::path(path);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, error)) fail(path, fmt::format("there is no folder '{}'", folder.string()));
@@ -65,7 +65,7 @@ OutputFolder::OutputFolder(const std::string& path) {
 }
 
 OutputFolder::~OutputFolder() {
-  // Only where it is empty still: remove() takes nothing else.
+  // remove() deletes only an empty folder.
   std::error_code ignored;
   if (!made_.empty()) fs::remove(made_, ignored);
 }

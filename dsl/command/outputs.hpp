@@ -5,11 +5,11 @@
 
 namespace trellis::command {
 
-/// Finds out, before anything runs, whether a file can be written. Throws Error that says why not.
+/// Checks before a run that a file is writable. \throws Error that states why it is not.
 void require_writable_file(const std::string& path);
 
-/// The same for a folder that files are put into, which is made where it does not exist. Unless it is kept, what was
-/// made goes again with the object.
+/// The same for an output folder, which it creates if necessary. The destructor removes a created folder unless the
+/// caller keeps it.
 class OutputFolder {
  public:
   /// \param path  "" for none
@@ -21,10 +21,10 @@ class OutputFolder {
   void keep() { made_.clear(); }
 
  private:
-  std::string made_;  // the folder, where it did not exist before
+  std::string made_;  // the created folder, "" if it existed before
 };
 
-/// Prints to stdout. Throws Error where it cannot be written, as on a full disc.
+/// Prints to stdout. \throws Error if that fails, as on a full disc.
 void print_all(const std::string& text);
 
 }  // namespace trellis::command

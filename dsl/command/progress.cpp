@@ -36,7 +36,7 @@ void Progress::draw(const std::string& what) {
 }
 
 int report_width(int otherwise) {
-  constexpr int least = 80;  // a table narrower than this cannot be read
+  constexpr int least = 80;  // a narrower table is not readable
   winsize size{};
   if (::isatty(STDOUT_FILENO) != 1 || ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
     return otherwise;

@@ -7,7 +7,7 @@
 
 namespace trellis::command {
 
-/// A progress bar on stderr, where that is a terminal; nothing elsewhere. Gone when the object goes.
+/// A progress bar on stderr if that is a terminal; otherwise prints nothing. The destructor erases it.
 class Progress {
  public:
   explicit Progress(bool wanted);
@@ -16,7 +16,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(std::size_t done, std::size_t all);
-  /// What is done meanwhile, beside the bar: "drawing trap".
+  /// Shows the current activity beside the bar: "drawing trap".
   void show(const std::string& what);
 
  private:
@@ -31,7 +31,7 @@ class Progress {
   Clock::time_point start_ = Clock::now();
 };
 
-/// The columns of the terminal that stdout is, `otherwise` where it is none.
+/// Returns the width of the terminal at stdout in columns, `otherwise` if stdout is no terminal.
 int report_width(int otherwise);
 
 }  // namespace trellis::command

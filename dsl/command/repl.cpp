@@ -39,14 +39,14 @@ bool coloured() {
 
 int repl(const std::string& script, const ScriptOptions& options) {
   dsl::SessionOptions session = session_options(options);
-  // Whoever sits here ends what takes too long, and loses no session by it.
+  // The user can stop a long input with Ctrl-C and keep the session.
   session.interrupted = InterruptibleSession::requested;
   session.stuck = nullptr;
   Console console(std::filesystem::path(script).parent_path().string(), coloured(), session);
-  std::string input;  // the lines of it so far
+  std::string input;  // its previous lines
   LineReader lines([&](const std::string& before) { return console.complete(input + before); });
   const std::string greeting = script.empty() ? "" : console.load(script);
-  // Where nobody sits at a terminal a Ctrl-C ends the program, as it does elsewhere.
+  // Without a terminal, a Ctrl-C ends the program, as in other commands.
   std::optional<InterruptibleSession> patient;
   if (lines.interactive()) {
     patient.emplace();
@@ -86,13 +86,13 @@ int repl(const std::string& script, const ScriptOptions& options) {
     }
     if (got == LineReader::Got::end) {
       if (input.empty()) break;
-      // At a terminal the end drops what was begun; what was piped says what is missing.
+      // At a terminal, the end of input discards an incomplete input; for piped input it is an error.
       if (!lines.interactive()) run(input, false);
       input.clear();
       if (!lines.interactive()) break;
       continue;
     }
-    // What was pasted, or comes from the history, may have several lines: each is taken as if it had been typed.
+    // Pasted text, or an entry of the history, may have several lines: process each as if typed.
     if (input.empty() && console.together(line)) {
       take(line);
       continue;

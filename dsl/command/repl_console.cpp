@@ -46,7 +46,7 @@ Screen screen(bool colour) {
   return {.columns = size.ws_col, .rows = size.ws_row, .colour = colour};
 }
 
-/// Whether a text in Lua is right; pushes its function where it is. `why`: the message where it is not.
+/// Whether a Lua text compiles; if so, pushes its function. `why`: the message if not.
 bool loads(Stack& stack, const std::string& text, const std::string& name, std::string& why) {
   try {
     stack.load(text, name);
@@ -59,7 +59,7 @@ bool loads(Stack& stack, const std::string& text, const std::string& name, std::
 
 bool ends_early(const std::string& message) { return message.ends_with("<eof>"); }
 
-/// A message without a traceback that leads nowhere but to the place that it names already.
+/// Removes a traceback that only shows the position in the message.
 std::string told(const std::string& message) {
   constexpr std::string_view heading = "\nstack traceback:";
   const std::size_t at = message.find(heading);
@@ -70,7 +70,7 @@ std::string told(const std::string& message) {
     const std::size_t end = std::min(message.find('\n', line + 1), message.size());
     const std::string_view frame(message.data() + line, end - line);
     line = end;
-    // An input is called from nowhere, and ends in the call that it returns.
+    // The input itself has no caller; a tail call ends it.
     if (frame.starts_with("\n\t[C]: in ?") || frame.find("(...tail calls...)") != std::string_view::npos) continue;
     text += frame;
     if (!frame.starts_with("\n\t[C]")) ++frames;
@@ -84,7 +84,7 @@ void complain(const std::string& message) {
   std::fflush(stderr);
 }
 
-/// A value as it is printed: a verb without its call tells how it is called.
+/// Prints a value; for a session command without call parentheses, its usage.
 std::string shown(Stack& stack, Value value) {
   if (value.type() != Type::function) return value_text(stack, value);
   for (const Verb& verb : verbs()) {
@@ -100,7 +100,7 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// The path of a table's field or a global in a message: script.strategies.nested, script.strategies["a b"].
+/// Returns the path of a table's field or a global in a message: script.strategies.nested, script.strategies["a b"].
 std::string field_path(const std::string& table, const std::string& name) {
   const auto all = dsl::tokens(name);
   const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
@@ -112,12 +112,12 @@ std::string environment(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// Waits until an editor that the user named is done with a file.
+/// Runs the user's editor on a file and waits for it.
 void open_editor(const std::string& path) {
   std::string editor = environment("VISUAL");
   if (editor.empty()) editor = environment("EDITOR");
   if (editor.empty()) editor = "vi";
-  // The name may come with options, so a shell takes it apart.
+  // The variable may contain options, so a shell parses it.
   const std::string command = editor + " \"$1\"";
   const pid_t child = ::fork();
   if (child < 0) throw Error(fmt::format("edit: cannot start '{}': {}", editor, std::strerror(errno)));  // NOLINT
@@ -148,7 +148,7 @@ std::string Console::load(const std::string& path) {
   const std::string text = dsl::without_shebang(dsl::read_file(path));
   std::string bound;
   session_.run(text, path, [&](Stack& stack) {
-    if (stack.size() == 0) return;  // it may be there for its globals
+    if (stack.size() == 0) return;  // the script may only define globals
     bench_.script = dsl::read_program(stack, 1);
     const Experiment& experiment = bench_.script->experiment;
     stack.resize(0);
@@ -203,7 +203,7 @@ Console::Verdict Console::run(const std::string& input, bool more) {
           throw lua::Located(no_chunk);
         }
       }
-      // What edit() offers is the input before the one that calls it.
+      // edit() offers the input before the one that calls it.
       const std::string own = std::exchange(bench_.last_input, last_input);
       stack.call(0);
       if (!bench_.edits) bench_.last_input = own;
@@ -252,7 +252,7 @@ bool Console::together(const std::string& text) {
 void Console::accept(const std::string& input) {
   const auto all = dsl::tokens(input);
   if (all.empty()) return;
-  // What only prints is no statement, what returns would end the script, and scripts do not know the verbs.
+  // Inputs that only print are no statements, `return` would end the script, and scripts have no session commands.
   bool statement = !bench_.used && all.front().text != "return";
   if (statement) {
     session_.with([&](Stack& stack) {
@@ -278,7 +278,7 @@ Completion Console::complete(const std::string& text) {
   auto all = dsl::tokens(text);
   if (!all.empty() && all.back().unfinished) {
     if (all.back().kind != dsl::Token::Kind::string) return {};
-    // Within a text: the words that the language knows there, the verbs for help, files for everything else.
+    // Inside a string: the words that the language allows there, the session commands for help, files otherwise.
     Completion found = {.words = dsl::completions(text).words};
     std::size_t before = all.size() - 1;
     if (before > 0 && all[before - 1].text == "(") --before;
@@ -311,7 +311,7 @@ Completion Console::complete(const std::string& text) {
     word = all.back().text;
     all.pop_back();
   }
-  // The names that lead to it, the last one first.
+  // The names of the chain, the last one first.
   std::vector<std::string> path;
   const std::string_view sign = all.empty() ? "" : all.back().text;
   const bool field = sign == "." || sign == ":";

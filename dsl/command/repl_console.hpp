@@ -9,29 +9,29 @@
 
 namespace trellis::command {
 
-/// The interpreter of a session at a terminal, or of lines that are piped to it.
+/// The interpreter of a session at a terminal, or of piped lines.
 class Console {
  public:
-  /// \param folder  where modules and scenes are looked for
-  /// \param colour  whether what is printed may be coloured
+  /// \param folder  the folder of modules and scenes
+  /// \param colour  whether the output may have colours
   Console(const std::string& folder, bool colour, const dsl::SessionOptions& options);
 
-  /// Runs a script and binds what it returns to the global `script`; says what there is. Throws Error.
+  /// Runs a script and assigns its result to the global `script`; prints a summary. \throws Error.
   std::string load(const std::string& path);
 
   enum class Verdict { done, failed, incomplete };
   /// Runs an input, an expression or a chunk, and prints its values or its error.
-  /// \param more  there may be more lines: an input that ends too early is incomplete, not wrong
+  /// \param more  whether more lines may follow: then an input that ends too early is incomplete, not an error
   Verdict run(const std::string& input, bool more);
 
-  /// Whether the lines of a text are one input: a chunk that declares locals, which line by line would be lost.
+  /// Whether the lines of a text form one input: a chunk with local variables, which separate lines would lose.
   bool together(const std::string& text);
 
-  /// What may follow; `text` is the input up to the cursor, its earlier lines included.
+  /// Returns completions; `text` is the input up to the cursor, including its earlier lines.
   Completion complete(const std::string& text);
 
   [[nodiscard]] bool over() const { return bench_.over; }
-  /// Opens an editor where an input asked for one. Returns what it left to be run, "" for nothing.
+  /// Opens an editor if an input requested one. Returns the edited text to run, "" for none.
   std::string edited();
 
  private:

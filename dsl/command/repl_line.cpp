@@ -15,7 +15,7 @@
 #include <iostream>
 #include <system_error>
 
-// These expect <cstdio> before them.
+// These headers require <cstdio> before them.
 #include <readline/history.h>
 #include <readline/readline.h>
 
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr int most_remembered = 5000;
 
-// readline calls functions without a place for what they need.
+// readline calls functions without a context argument, so the context is global.
 Completer& completer() {
   static Completer one;
   return one;
@@ -77,7 +77,7 @@ std::string environment(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// TRELLIS_HISTORY where it is set, empty for none; else trellis/history in the folder for state that XDG names.
+/// Returns TRELLIS_HISTORY if set, empty for none; else trellis/history in the XDG state folder.
 std::string history_file() {
   if (std::getenv("TRELLIS_HISTORY") != nullptr)
     return environment("TRELLIS_HISTORY");  // NOLINT(concurrency-mt-unsafe)
@@ -96,11 +96,11 @@ std::string history_file() {
 void begin_history(const std::string& file) {
   using_history();
   stifle_history(most_remembered);
-  // With the times of inputs in the file, those of several lines come back whole.
+  // With timestamps in the file, inputs of several lines keep their lines.
   history_comment_char = '#';
   history_write_timestamps = 1;
   if (file.empty()) return;
-  // What was typed is nobody else's business. append_history adds to a file that is there.
+  // Only the user may read the history. append_history requires an existing file.
   const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (made >= 0) ::close(made);
   read_history(file.c_str());
@@ -113,7 +113,7 @@ LineReader::LineReader(Completer completes)
   if (!interactive_) return;
   completer() = std::move(completes);
   rl_readline_name = "trellis";
-  rl_catch_signals = 0;  // Ctrl-C is the session's
+  rl_catch_signals = 0;  // the session handles Ctrl-C
   rl_attempted_completion_function = complete;
   rl_completer_word_break_characters = " \t\n\"'`@$><=;|&{}()[]+-*/%^,#~:.";
   rl_completer_quote_characters = "\"'";
@@ -132,7 +132,7 @@ LineReader::Got LineReader::read(const std::string& prompt, std::string& line) {
 }
 
 LineReader::Got LineReader::edit(const std::string& prompt, std::string& line) {
-  // Ctrl-C is let in only while nothing else is done than waiting for a key.
+  // Allow Ctrl-C only while the program waits for a key.
   sigset_t blocked;
   sigset_t before;
   ::sigemptyset(&blocked);

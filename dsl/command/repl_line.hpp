@@ -7,7 +7,7 @@
 
 namespace trellis::command {
 
-/// What may stand at the end of an unfinished line.
+/// The possible ends of an unfinished line.
 struct Completion {
   std::vector<std::string> words;
   bool files = false;  ///< names of files, too
@@ -15,8 +15,8 @@ struct Completion {
 /// \param before  the line up to the cursor
 using Completer = std::function<Completion(const std::string& before)>;
 
-/// Lines that somebody types: edited, completed and remembered where stdin is a terminal, read as they are elsewhere.
-/// One at a time.
+/// Reads typed lines: with editing, completion and history if stdin is a terminal, plainly otherwise. Only one may
+/// exist at a time.
 class LineReader {
  public:
   explicit LineReader(Completer completes);
@@ -24,21 +24,21 @@ class LineReader {
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
-  /// Whether somebody sits at a terminal.
+  /// Whether stdin is a terminal.
   [[nodiscard]] bool interactive() const { return interactive_; }
 
   enum class Got { line, interrupted, end };
-  /// Reads a line without its end. `interrupted`: Ctrl-C, what was typed is dropped; at a terminal only.
+  /// Reads a line without its end. `interrupted`: Ctrl-C discarded the typed text; at a terminal only.
   Got read(const std::string& prompt, std::string& line);
 
-  /// Keeps an input, of several lines perhaps, in the history.
+  /// Adds an input, which may have several lines, to the history.
   void remember(const std::string& input);
 
  private:
   Got edit(const std::string& prompt, std::string& line);
 
   bool interactive_;
-  std::string history_;  ///< the file, "" where there is none
+  std::string history_;  ///< the file, "" for none
 };
 
 }  // namespace trellis::command

@@ -24,7 +24,7 @@ namespace {
 
 using draw::Point;
 
-/// What there is to see of a level, in metres, y up.
+/// The drawable content of a level, in metres, y up.
 struct Sketch {
   Box2 bounds;
   std::vector<std::vector<Point>> obstacles;
@@ -135,7 +135,7 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen) {
   const Sketch sketch = sketch_of(run, level);
   const double wide = sketch.bounds.hi.x - sketch.bounds.lo.x;
   const double high = sketch.bounds.hi.y - sketch.bounds.lo.y;
-  // A frame of one character and room for the caption and the prompt; a dot is as high as it is wide.
+  // A frame of one character, and space for the caption and the prompt; a dot is as high as wide.
   constexpr std::size_t least = 8;
   constexpr std::size_t frame = 2;
   constexpr std::size_t below = 5;

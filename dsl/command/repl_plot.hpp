@@ -14,11 +14,11 @@ struct Screen {
   bool colour = false;
 };
 
-/// A level of a run in characters: the world, the tree or roadmap, the proposals that led to nothing, and the path.
-/// Throws Error for a level that has no place in the plane.
+/// Draws a level of a run in characters: the world, the tree or roadmap, the rejected proposals, and the path.
+/// \throws Error for a level without a position in the plane.
 std::string plot_text(const Run& run, std::size_t level, const Screen& screen);
 
-/// The same as a picture; the ending of the file's name says which: .svg, .png or .pdf.
+/// Draws the same as a picture; the file's extension selects the format: .svg, .png or .pdf.
 void plot_file(const Run& run, std::size_t level, const std::string& path);
 
 }  // namespace trellis::command

@@ -36,7 +36,7 @@ struct LastProposal {
   std::size_t row = 0;
 };
 
-/// The last turn in which a level drew something: after it, levels above may have had turns without a proposal.
+/// Returns the last turn with a proposal: later turns of levels above may have none.
 std::optional<LastProposal> last_proposal(const RunResult& run) {
   std::optional<LastProposal> last;
   std::vector<std::uint32_t> seen(run.levels.size(), 0);
@@ -48,7 +48,7 @@ std::optional<LastProposal> last_proposal(const RunResult& run) {
   return last;
 }
 
-/// How many edges lead from the start, or the root of another tree, to a node; none without a tree.
+/// Returns the number of edges from the root of its tree to a node; none without a tree.
 std::optional<std::size_t> depth_of(const Search& search, std::uint32_t node) {
   std::size_t depth = 0;
   while (node < search.parents.size() && search.parents[node] != no_node) {
@@ -59,7 +59,7 @@ std::optional<std::size_t> depth_of(const Search& search, std::uint32_t node) {
   return {};
 }
 
-/// What became of a proposal, and the node that it grew from, in a line each.
+/// Describes the outcome of a proposal, and the node that it extended, in a line each.
 std::string fate_text(const LevelRecord& record, std::size_t row) {
   const Search& search = record.search;
   const Fate fate = row < search.fates.size() ? search.fates[row] : Fate::rejected;
@@ -88,9 +88,9 @@ std::string fate_text(const LevelRecord& record, std::size_t row) {
 }  // namespace
 
 void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& interrupted) {
-  // A run depends on its strategy, problem and seed alone, and what it has done when it is interrupted is all in its
-  // record. So it need not be held in mid-air, in a thread of its own, to be looked at: it is run again from its
-  // beginning and interrupted later. That takes no longer than the run itself does.
+  // A run depends on its strategy, problem and seed only, and its record at an interruption is complete. So the session
+  // need not suspend a run in its own thread: it runs it again from the beginning and interrupts it later. That takes
+  // at most as long as the run itself.
   std::uint64_t drawn = 0;
   ExecuteOptions options;
   options.interrupted = [&] { return drawn >= proposals || (interrupted && interrupted()); };
@@ -181,7 +181,7 @@ Json read_json(const std::string& path) {
   }
 }
 
-/// The script that a document names, seen from here or from the document's folder.
+/// Finds the script that a document names, relative to the current folder or to the document's folder.
 std::string find_script(const std::string& document, const std::string& script) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -200,7 +200,7 @@ std::string status_name(Status status) {
   return name;
 }
 
-/// What the document's run and a new one do not have in common.
+/// Returns the first difference between the document's run and a new one.
 std::string difference_text(const Json& entry, const RunResult& run) {
   const auto differ = [](const std::string& what, const auto& x, const auto& y) {
     return fmt::format("{}: {} in the document, {} now", what, x, y);
@@ -210,7 +210,7 @@ std::string difference_text(const Json& entry, const RunResult& run) {
   const std::uint64_t checks = entry.at("validity_checks");
   if (checks != run.run.validity_checks) return differ("validity checks", checks, run.run.validity_checks);
   const std::vector<std::vector<double>> path = entry.at("path");
-  // With shortcutting the document has another path than the search found.
+  // With shortcutting, the document's path differs from that of the search.
   const bool shortened = entry.at("shortcut_checks") != 0;
   if (!shortened) {
     bool same = path.size() == (run.run.solved ? run.run.path.size() : 0);
@@ -251,7 +251,7 @@ Replayed replay_entry(const Json& document, const std::string& path, std::int64_
   const auto named = [&](const auto& pair) { return pair.first == strategy_name; };
   auto strategy = std::find_if(experiment.strategies.begin(), experiment.strategies.end(), named);
   if (strategy == experiment.strategies.end()) {
-    // It may be an ablation that the command line asked for.
+    // The strategy may be an ablation that the command line added.
     dsl::ablate_all(experiment, "replay");
     strategy = std::find_if(experiment.strategies.begin(), experiment.strategies.end(), named);
   }

@@ -12,7 +12,7 @@
 
 namespace trellis::command {
 
-/// A run of a session: what it was made from, and how far it has come.
+/// A run of a session: its inputs and its progress.
 struct Run {
   std::size_t number = 0;  ///< in the session, from 1
   std::string strategy_name;
@@ -20,36 +20,36 @@ struct Run {
   Problem problem;
   std::uint64_t seed = 1;
   RunResult result = {};
-  std::uint64_t proposals = 0;  ///< that have been drawn, over all levels
+  std::uint64_t proposals = 0;  ///< number of proposals, over all levels
   bool scored = false;
 
   [[nodiscard]] bool ended() const { return result.run.status != Status::interrupted; }
 };
 using RunPointer = std::shared_ptr<Run>;
 
-/// Brings a run to where `proposals` have been drawn over all levels, or to its end; where `interrupted` says so it
-/// stops before. It never goes back. Throws Error for a problem that cannot be planned.
+/// Advances a run until it has made `proposals` over all levels, or to its end; stops earlier if `interrupted` returns
+/// true. Never goes backwards. \throws Error for an invalid problem.
 void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& interrupted);
 
-/// Scores a run that found a path, on that path. Throws Interrupted.
+/// Scores a solved run relative to its path. \throws Interrupted.
 void score(Run& run, const Measure& measure, const std::function<bool()>& interrupted);
 
 /// "run 1: nested on cup, seed 1: solved by 412 proposals and 8123 checks in 35 ms, a path of 12.3 m".
 std::string outcome_text(const Run& run);
 
-/// The level that made the last proposal; of a run that has ended, and of one that has not begun, the root.
+/// Returns the level of the last proposal; the root for a run that has ended or not begun.
 std::size_t level_at_work(const Run& run);
 
-/// The last proposal: of which level, from which part of h, what became of it and where in the tree.
+/// Describes the last proposal: its level, its part of h, its outcome and its position in the tree.
 std::string where_text(const Run& run);
 
-/// What a replayed run said of itself.
+/// The result of replaying a run.
 struct Replayed {
   std::string text;
   RunPointer run;
 };
-/// Runs run `index` (from 1) of a results.json again, by the script that the document names, and says whether the same
-/// came out. Throws Error that says what is missing.
+/// Runs run `index` (from 1) of a results.json again, with the script that the document names, and compares the
+/// results. \throws Error that states the missing part.
 Replayed replay_file(const std::string& path, std::int64_t index, const std::function<bool()>& interrupted);
 
 }  // namespace trellis::command

@@ -42,7 +42,7 @@ void push_rows(Stack& call, const Configurations& rows) {
 void push_efficiency(Stack& call, const Efficiency& e) {
   const Value table = call.push_table();
   const auto set = [&](const char* name, double x) {
-    if (std::isnan(x)) return;  // a figure that does not exist is nil
+    if (std::isnan(x)) return;  // a missing value is nil
     call.push(x);
     call.set_field(table, name);
   };
@@ -148,7 +148,7 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-/// A field's name as Lua writes it.
+/// Writes a field's name in Lua's syntax.
 std::string key_text(const std::string& name) {
   const auto all = dsl::tokens(name);
   const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
@@ -195,7 +195,7 @@ class Writer {
       broken = broken || part.find('\n') != std::string::npos;
     }
     if (!broken && width + 2 * depth <= line && (more.empty() || depth > 0)) {
-      // Within a line nothing may follow a comment.
+      // On a single line nothing may follow a comment.
       return fmt::format("{{ {}{} }}", fmt::join(parts, ", "), more.empty() ? "" : ", ...");
     }
     const std::string indent(2 * depth + 2, ' ');

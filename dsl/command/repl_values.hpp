@@ -18,12 +18,13 @@ struct TypeName<command::RunPointer> {
 
 namespace trellis::command {
 
-/// Makes runs known to scripts: values with fields to compute with.
+/// Registers runs as values with fields.
 void open_runs(lua::Stack& stack);
-/// What can be read of a run.
+/// Returns the names of a run's fields.
 std::vector<std::string> run_fields();
 
-/// A value as a session shows it: specs as trees, tables as Lua writes them, a few levels deep. Ends with a newline.
+/// Prints a value as a session shows it: specs as trees, tables in Lua's syntax, a few levels deep. Ends with a
+/// newline.
 std::string value_text(lua::Stack& stack, lua::Value value);
 
 }  // namespace trellis::command

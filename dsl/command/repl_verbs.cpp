@@ -57,7 +57,7 @@ constexpr std::array<Verb, 18> all_verbs = {{
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
 
-/// The names that a table of options has; throws for others.
+/// Checks the names in a table of options; throws for unknown ones.
 void check_options(const std::string& verb, Value table, const std::vector<std::string>& known) {
   const lua::Keys keys = table.keys();
   if (keys.length > 0 || !keys.odd.empty()) {
@@ -93,7 +93,7 @@ Problem problem_argument(const std::string& verb, Value value) {
                           value.type() == Type::function ? ": call it, with ()" : ""));
 }
 
-/// How the session calls a strategy: the global that holds it, its name in the script, else its text.
+/// Returns the session's name of a strategy: the global that contains it, its name in the script, else its text.
 std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strategy) {
   std::string name;
   const int before = call.size();
@@ -113,7 +113,7 @@ std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strateg
   return strategy.text();
 }
 
-/// One verb's work on the bench.
+/// Implements the session commands.
 class Verbs {
  public:
   explicit Verbs(Bench& bench) : bench_(bench) {}
@@ -233,7 +233,7 @@ class Verbs {
                  .strategy = run.strategy,
                  .problem = run.problem,
                  .seed = run.seed};
-    // One that was stopped is stopped again where it was.
+    // Stops a run that was stopped before at the same position.
     advance(again, run.ended() ? std::numeric_limits<std::uint64_t>::max() : run.proposals, bench_.interrupted);
     if (bench_.interrupted()) {
       say("interrupted before there was anything to compare");
@@ -327,7 +327,7 @@ class Verbs {
     bench_.problem = run->problem;
   }
 
-  /// Returns a run that was printed already.
+  /// Returns a run that was already printed.
   int announce(Stack& call, const RunPointer& run) {
     call.push_object(run);
     bench_.announced = call.top().identity();
@@ -371,7 +371,7 @@ class Verbs {
     return problem_argument("plan", call.top());
   }
 
-  /// The run that an argument names, else the current one.
+  /// Returns the run that an argument names, else the current one.
   RunPointer run_argument(Stack& call, const char* verb, int& next) {
     if (const auto* run = call[next].get<RunPointer>()) {
       ++next;
@@ -381,7 +381,7 @@ class Verbs {
     return bench_.current;
   }
 
-  /// The same where nothing else may be given.
+  /// The same for a command without other arguments.
   RunPointer only_run(Stack& call, const char* verb) {
     int next = 1;
     RunPointer run = run_argument(call, verb, next);
@@ -401,7 +401,7 @@ class Verbs {
     return static_cast<std::size_t>(*level);
   }
 
-  /// An experiment of the strategies and options that a call was given.
+  /// Returns an experiment of the strategies and options in a call.
   Experiment comparison(Stack& call, const std::string& verb) {
     constexpr std::uint64_t usual_seeds = 5;
     Experiment experiment;
@@ -425,7 +425,7 @@ class Verbs {
         add(std::move(name), std::move(strategy));
         continue;
       }
-      // A table of strategies by name, as script.strategies, or the options.
+      // A table of strategies by name, such as script.strategies, or the options.
       const lua::Keys keys = value.keys();
       const bool strategies = !keys.names.empty() &&
                               std::all_of(keys.names.begin(), keys.names.end(),
@@ -471,7 +471,7 @@ class Verbs {
     return 0;
   }
 
-  /// The verb that a value is the name or the function of, "" where it is none.
+  /// Returns the session command that a value names or is, "" for none.
   static std::string verb_of(Stack& call, Value value) {
     if (const auto word = value.string()) return *word;
     std::string name;

@@ -15,37 +15,37 @@
 
 namespace trellis::command {
 
-/// A function of sessions that scripts do not have.
+/// A session command: a function that scripts do not have.
 struct Verb {
   std::string_view name;
   std::string_view usage;
   std::string_view summary;
 };
 std::span<const Verb> verbs();
-/// Their usages and summaries; of the one that is named, where there is one.
+/// Returns their usages and summaries, or those of the named one.
 std::string verbs_text(std::string_view name = "");
 
-/// What the verbs of a session share.
+/// The state that the session commands share.
 struct Bench {
   std::function<Screen()> screen;
   std::function<bool()> interrupted;
 
   std::vector<RunPointer> runs;
-  RunPointer current;              ///< that verbs speak of where no other is named
-  std::optional<Problem> problem;  ///< the last that was planned on
+  RunPointer current;              ///< the default run of the commands
+  std::optional<Problem> problem;  ///< of the last planning run
   std::optional<dsl::Program> script;
-  std::vector<std::string> accepted;  ///< inputs for a script, what a script cannot hold as comments
+  std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
   std::string last_input;
 
-  // Of the input that is at work:
-  bool used = false;                ///< it called a verb
-  const void* announced = nullptr;  ///< a value that a verb has printed already
-  std::string to_edit;              ///< what edit() was asked for; see `edits`
+  // Of the current input:
+  bool used = false;                ///< it called a session command
+  const void* announced = nullptr;  ///< the value that a command already printed
+  std::string to_edit;              ///< the argument of edit(); see `edits`
   bool edits = false;
   bool over = false;  ///< the session ends
 };
 
-/// Makes the verbs known. The bench outlives the interpreter.
+/// Registers the session commands. The bench must outlive the interpreter.
 void open_verbs(lua::Stack& stack, Bench& bench);
 
 }  // namespace trellis::command

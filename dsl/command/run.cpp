@@ -48,7 +48,7 @@ ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool qui
                           .interrupted = InterruptibleRun::requested});
 }
 
-/// The experiment on some of its problems.
+/// Returns the experiment restricted to some of its problems.
 Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t count) {
   Experiment part = experiment;
   const auto begin = experiment.problems.begin() + static_cast<std::ptrdiff_t>(first);
@@ -62,7 +62,7 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
-/// What --problem, --strategy and --only leave of an experiment.
+/// Applies --problem, --strategy and --only to an experiment.
 void narrow(Experiment& experiment, const RunOptions& options, std::optional<std::uint64_t> only) {
   choose_problem(experiment, options.problem);
   choose_strategy(experiment, options.strategy);
@@ -70,7 +70,7 @@ void narrow(Experiment& experiment, const RunOptions& options, std::optional<std
     experiment.baseline.clear();
     experiment.ablations.clear();
   }
-  // Its claims are about the whole.
+  // The published claims refer to the complete experiment.
   if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
   if (only) experiment.seeds = {*only};
 }
@@ -84,7 +84,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
   }
 }
 
-/// What --out asks for, of the problems that are finished, but for the figures of each strategy.
+/// Writes the output of --out for the finished problems, except the figures of each strategy.
 void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options,
                const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
@@ -95,7 +95,7 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_comparison_figures(experiment, result, (folder / "figures").string(), style);
 }
 
-/// Problem by problem, so that what is finished is kept when the rest is not.
+/// Runs problem by problem, so that finished results remain if a later problem fails.
 ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options,
                               const SceneFigureOptions& drawing) {
   const InterruptibleRun interruptible;
@@ -132,7 +132,7 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
   return result;
 }
 
-/// Says on stderr where nobody found a path, as all figures of such a problem are missing.
+/// Reports on stderr each problem without any path, because all its values are missing.
 void tell_unsolved(const Experiment& experiment, const ExperimentResult& result) {
   for (const Problem& problem : experiment.problems) {
     const bool solved = std::any_of(result.runs.begin(), result.runs.end(), [&](const RunResult& run) {
@@ -147,7 +147,7 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
   }
 }
 
-/// Says on stderr what was given and never used.
+/// Warns on stderr about unused inputs.
 void warn(const dsl::Program& program, const ExperimentResult& result) {
   for (const std::string& sentence : unused_guides(program.experiment, result)) {
     fmt::print(stderr, "trellis: warning: {}\n", sentence);
@@ -212,7 +212,7 @@ int run(const RunOptions& options) {
                                    .style = figure_style(options.style, drawn)};
   check_format(options.style, !options.out.empty());
   const ReportKind kind = report_option(options);
-  // Made before the script is read, so that a script may go by a library to which nothing was added yet.
+  // Create the library before the script runs, so that a script may use a library without paths.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
 
   dsl::SessionOptions session = session_options(options.scripts);
@@ -226,7 +226,7 @@ int run(const RunOptions& options) {
     program.experiment.measure->cross = static_cast<std::int64_t>(*cross);
   }
 
-  // A run may take hours: what would make its results impossible to keep is found out first.
+  // A run may take hours: check first that its results can be stored.
   if (!options.json.empty()) require_writable_file(options.json);
   if (!options.html.empty()) require_writable_file(options.html);
   OutputFolder samples(options.samples);
@@ -239,7 +239,7 @@ int run(const RunOptions& options) {
   out.keep();
   if (!options.out.empty()) tell_unsolved(program.experiment, result);
 
-  // One output that fails does not take the others with it.
+  // If one output fails, write the others anyway.
   std::optional<Error> failure;
   const auto attempt = [&](const std::function<void()>& write) {
     try {

@@ -6,8 +6,8 @@
 
 namespace trellis::command {
 
-/// The options of a session whose scripts Ctrl-C ends, and that ends the program where a script does not end. Throws
-/// Error for a number that is none.
+/// Returns the options of a session whose scripts Ctrl-C ends; if a script does not stop, it ends the program. \throws
+/// Error for an invalid number.
 dsl::SessionOptions session_options(const ScriptOptions& options);
 
 }  // namespace trellis::command

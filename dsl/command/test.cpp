@@ -51,7 +51,7 @@ struct Tally {
   bool script_wrong = false;
 };
 
-/// What one scenario says, as it comes.
+/// Prints the results of a scenario as they arrive.
 class Teller {
  public:
   explicit Teller(JunitCase& into) : into_(into) {}
@@ -89,7 +89,7 @@ void judge(const dsl::Step& step, Teller& teller, Tally& tally) {
   teller.fail(sentence);
 }
 
-/// Runs a scenario and prints what came of it.
+/// Runs a scenario and prints its result.
 JunitCase try_scenario(dsl::ScenarioFile& file, std::size_t index, Tally& tally) {
   JunitCase result;
   result.name = file.names()[index];
@@ -124,7 +124,7 @@ JunitSuite try_file(const std::string& path, const dsl::ScenarioFile::Options& o
   try {
     file.emplace(path, options);
   } catch (const Error& error) {
-    // The other files are tried all the same.
+    // Continue with the other files.
     fmt::print(stderr, "trellis: {}\n", error.what());
     tally.script_wrong = true;
     suite.cases.push_back({path, 0.0, "", error.what(), ""});

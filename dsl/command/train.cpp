@@ -36,7 +36,7 @@ std::vector<std::string> sorted_entries(const fs::path& folder, const std::strin
   return paths;
 }
 
-/// The worlds of one split of a family, in the order of their names.
+/// Returns the worlds of one split of a family, by name.
 std::vector<LearningTask> tasks_in(const fs::path& folder) {
   std::vector<LearningTask> tasks;
   for (const std::string& path : sorted_entries(folder, ".png")) {
@@ -54,7 +54,7 @@ std::vector<LearningTask> tasks_in(const fs::path& folder) {
   return tasks;
 }
 
-/// The families in a folder that were asked for; all of them where none was.
+/// Returns the requested families in a folder; all if none are requested.
 std::vector<std::string> families_in(const std::string& data, const std::vector<std::string>& asked) {
   std::error_code ignored;
   if (!fs::is_directory(data, ignored)) throw Error(fmt::format("--data: there is no folder '{}'", data));
@@ -74,7 +74,7 @@ std::vector<std::string> families_in(const std::string& data, const std::vector<
   return asked.empty() ? known : asked;
 }
 
-/// The worlds of one split of some families.
+/// Returns the worlds of one split of several families.
 std::vector<LearningTask> tasks_of(const std::string& data, const std::vector<std::string>& families,
                                    const char* split) {
   std::vector<LearningTask> tasks;
@@ -98,7 +98,7 @@ std::int64_t count_option(const char* name, const std::string& typed, std::uint6
       integer_option(name, typed, least, most).value_or(static_cast<std::uint64_t>(otherwise)));
 }
 
-/// The means of one family's searches, each as expansions and edge evaluations.
+/// Returns the mean effort of one family's searches, as expansions and edge evaluations.
 std::string search_row(const std::string& family, const std::vector<SearchTrial>& trials) {
   if (trials.empty()) return fmt::format("{:<20}  no world with a path from start to goal over the grid\n", family);
   const auto n = static_cast<double>(trials.size());

@@ -20,7 +20,7 @@ namespace trellis::command {
 
 namespace {
 
-/// The problem with finer motion checks by the other collision backend.
+/// Returns the problem with finer motion checks by the other collision backend.
 Problem stricter(const Problem& problem) {
   Problem result = with_finer_motions(problem);
   result.collision = problem.collision == "planar" ? "fcl" : "planar";

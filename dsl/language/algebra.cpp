@@ -29,13 +29,13 @@ std::size_t ends_over_terms(const GuideSpec& guide) {
   return sum;
 }
 
-/// The components without a guide of their own: where a guide put in front is copied to.
+/// Returns the number of components without a guide: composition copies a new guide to each of them.
 std::size_t ends_of(const GuideSpec& guide) {
   if (guide.kind() != GuideSpec::Kind::component) return ends_over_terms(guide);
   return guide.below() != nullptr ? ends_of(*guide.below()) : 1;
 }
 
-/// Throws where an operand is a constructor that was not called: the slip that every message about types would hide.
+/// Throws if an operand is a constructor without a call: a frequent mistake that messages about types would hide.
 void check_called(const char* symbol, Value a, Value b) {
   for (const Value& operand : {a, b}) {
     if (const auto* constructor = operand.get<Constructor>()) {
@@ -74,7 +74,7 @@ int nest(Stack& call) {
   return call.result(*above >> *strategy);
 }
 
-/// Why `+` and `..` refuse what is no guide.
+/// Returns why `+` and `..` reject an operand that is no guide.
 std::string guides_only(const char* symbol, Value a, Value b) {
   const auto planner = [](Value v) { return v.get<PlannerSpec>() != nullptr; };
   const auto strategy = [](Value v) { return v.get<StrategySpec>() != nullptr; };
@@ -135,7 +135,7 @@ int equal<StrategySpec>(Stack& call) {
   const auto* left = call[1].get<PlannerSpec>();
   const auto* right = call[2].get<PlannerSpec>();
   if (left != nullptr && right != nullptr) return call.result(*left == *right);
-  // A planner is a strategy.
+  // A planner is also a strategy.
   const auto a = as_strategy(call[1]);
   const auto b = as_strategy(call[2]);
   return call.result(a && b && *a == *b);
@@ -180,7 +180,7 @@ const std::vector<Field>& strategy_methods() {
   return methods;
 }
 
-/// What can be asked of a spec that can be executed.
+/// Reads a property of an executable spec.
 int inspect(Stack& call) {
   std::vector<std::string> known;
   for (const Field& method : strategy_methods()) known.push_back(method.name);
@@ -206,7 +206,7 @@ int immutable(Stack& call) {
   throw Error(fmt::format("{} cannot be changed: specs are values; write a new one", describe(call[1])));
 }
 
-/// The operators that mean nothing for specs, so that using one says what would.
+/// Adds the operators without a meaning for specs, with messages that name the correct one.
 void add_refusals(lua::Metamethods& metamethods) {
   constexpr std::array<std::pair<const char*, const char*>, 13> binary = {{{"__sub", "-"},
                                                                            {"__div", "/"},

@@ -11,19 +11,19 @@
 
 namespace trellis::dsl {
 
-/// Makes the specs and their operators known, a constructor of each planner and guide of the registry, and what is made
-/// of whole strategies. The files that their options name are looked for in the script's folder, and lie there unless
-/// the script is trusted.
+/// Registers the specs and their operators, a constructor for each planner and guide of the registry, and functions of
+/// complete strategies. Files in their options are relative to the script's folder, and must lie there unless the
+/// script is trusted.
 void open_algebra(lua::Stack& stack, const ScriptPlace& place);
 
 /// ablations(strategy).
 const Construct& ablations_construct();
 
-/// Planners, guides and strategies, and what the operators make of them.
+/// Planners, guides and strategies, and the results of their operators.
 struct ObjectType;
 std::vector<ObjectType> algebra_types();
 
-/// A planner or strategy as a strategy, none for anything else.
+/// Returns a planner or strategy as a strategy, none for other values.
 std::optional<StrategySpec> as_strategy(lua::Value value);
 
 }  // namespace trellis::dsl

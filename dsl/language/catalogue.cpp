@@ -17,7 +17,7 @@ namespace {
 
 using Category = GuideClaims::Category;
 
-/// A guide or a combinator, as the page has it.
+/// A guide or a combinator on the page.
 struct Entry {
   std::string name;
   std::string link;
@@ -37,7 +37,7 @@ std::vector<Entry> entries() {
   return all;
 }
 
-/// Text in a cell of a table.
+/// Escapes a text for a cell of a table.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

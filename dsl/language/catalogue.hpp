@@ -9,7 +9,7 @@
 
 namespace trellis::dsl {
 
-/// The guides and what each claims of itself, a page in Markdown. What is committed of it is made by scripts/reference.
+/// Returns the page of guides and their claims, in Markdown. scripts/reference writes the committed copy.
 std::string catalogue_markdown();
 
 /// The claims of one guide, in lines for a terminal, each with its title.

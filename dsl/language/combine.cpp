@@ -74,7 +74,7 @@ const Construct& split_construct() {
   return construct;
 }
 
-/// The guides that a combinator was given.
+/// Reads the guides of a combinator.
 std::vector<GuideSpec> read_parts(const char* name, const Arguments& arguments) {
   std::vector<GuideSpec> parts;
   std::size_t components = 0;
@@ -106,8 +106,8 @@ int make_race(Stack& call) {
   return call.result(race(read_parts("race", arguments), race_settings().read(arguments.options())));
 }
 
-/// schedule { shrink, scale = {0.3, 0.6}, evidence = 50 }: a guide with an option's values in turn. An option with one
-/// value has it in every round.
+/// schedule { shrink, scale = {0.3, 0.6}, evidence = 50 }: a guide with a sequence of values of an option. An option
+/// with one value has it in every round.
 class Rounds {
  public:
   Rounds(const Component& guide, Value table) : guide_(guide), table_(table) {
@@ -139,7 +139,7 @@ class Rounds {
     }
     return parts;
   }
-  /// Of the schedule itself.
+  /// The options of the schedule itself.
   [[nodiscard]] Options options() const { return Options::validate(schedule_settings().component(), own_); }
 
  private:

@@ -9,16 +9,16 @@
 
 namespace trellis::dsl {
 
-/// Makes the combinators known that are written by name: sequence, blend, schedule, race and split.
+/// Registers the named combinators: sequence, blend, schedule, race and split.
 void open_combinators(lua::Stack& stack, const ScriptPlace& place);
 
-/// They as they are described, in the order of the reference.
+/// Returns their descriptions, in the order of the reference.
 std::vector<const Construct*> combinator_constructs();
 
-/// How many components a guide is made of.
+/// Returns the number of a guide's components.
 std::size_t components_of(const GuideSpec& guide);
-/// Composition distributes over what is combined, so a few operators can ask for more components than any memory holds:
-/// throws Error for too many.
+/// Composition distributes over combined guides, so a few operators can create more components than memory can store.
+/// \throws Error for too many.
 void check_size(std::size_t components);
 
 }  // namespace trellis::dsl

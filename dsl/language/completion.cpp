@@ -23,14 +23,14 @@ enum class Lexeme { name, number, string, symbol };
 
 struct Token {
   Lexeme kind = Lexeme::symbol;
-  std::string_view text;  ///< of a string: what stands between the quotes
+  std::string_view text;  ///< of a string: the text between the quotes
   std::size_t begin = 0;
 };
 
 bool letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-/// A script up to the place where it is written on.
+/// Tokenises a script up to the cursor.
 class Lexer {
  public:
   explicit Lexer(std::string_view text) : text_(text) {
@@ -40,7 +40,7 @@ class Lexer {
   [[nodiscard]] const std::vector<Token>& tokens() const { return tokens_; }
   /// Whether the text ends inside a comment or a string in long brackets.
   [[nodiscard]] bool hidden() const { return unfinished_ && !open_string_; }
-  /// Where the string begins, after its quote, that the text ends in.
+  /// Returns the position after the opening quote of an unfinished string at the end.
   [[nodiscard]] std::optional<std::size_t> open_string() const { return open_string_; }
 
  private:
@@ -55,7 +55,8 @@ class Lexer {
     } else if (letter(c)) {
       take(Lexeme::name, [](char x) { return letter(x) || digit(x); });
     } else if (digit(c) || (c == '.' && rest.size() > 1 && digit(rest[1]))) {
-      // 0.7 .. a needs the space in Lua too; exponents keep their sign out, which does no harm here.
+      // 0.7 .. a needs the space in Lua too; the sign of an exponent is not part of the token here, which has no
+      // effect.
       take(Lexeme::number, [](char x) { return letter(x) || digit(x) || x == '.'; });
     } else if (c == '"' || c == '\'') {
       quoted(c);
@@ -84,7 +85,7 @@ class Lexer {
     at_ = unfinished_ ? text_.size() : end + 1;
   }
 
-  /// Passes [[...]] or [=[...]=] where one begins here.
+  /// Skips [[...]] or [=[...]=] if one begins here.
   bool long_bracket(bool is_token) {
     std::size_t level = at_;
     if (level >= text_.size() || text_[level] != '[') return false;
@@ -122,7 +123,7 @@ class Lexer {
 
 bool is(const Token& token, std::string_view symbol) { return token.kind == Lexeme::symbol && token.text == symbol; }
 
-/// "scenes.load" where these end in the tokens before `end`, "" where what is there is no such chain.
+/// Returns "scenes.load" if the tokens before `end` are such a chain, else "".
 std::string chain_before(const std::vector<Token>& tokens, std::size_t end) {
   std::string chain;
   while (end > 0 && tokens[end - 1].kind == Lexeme::name) {
@@ -130,7 +131,7 @@ std::string chain_before(const std::vector<Token>& tokens, std::size_t end) {
     if (end == 0 || !is(tokens[end - 1], ".")) return chain;
     --end;
   }
-  // Something else stands before the dot: a call, an index, a string.
+  // Another expression stands before the dot: a call, an index, a string.
   return "";
 }
 
@@ -141,13 +142,13 @@ const Word* find_word(const std::string& name) {
   return it != all.end() ? &*it : nullptr;
 }
 
-/// What the text is inside of: the innermost table that a word takes.
+/// The context at the end of the text: the innermost table argument of a word.
 struct Place {
   const Word* word = nullptr;
-  std::vector<std::string> given;  ///< the names that have a value in it already
+  std::vector<std::string> given;  ///< the names that already have a value
 };
 
-/// The place after `end` tokens.
+/// Returns the context after `end` tokens.
 Place place_after(const std::vector<Token>& tokens, std::size_t end) {
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < end; ++i) {
@@ -175,7 +176,7 @@ Place place_after(const std::vector<Token>& tokens, std::size_t end) {
   return place;
 }
 
-/// The option whose value stands after the "=" that is the last of `end` tokens; nullptr where there is none.
+/// Returns the option whose value follows the "=" at the end of `end` tokens; nullptr for none.
 const Option* option_before(const std::vector<Token>& tokens, std::size_t end) {
   if (end < 2 || !is(tokens[end - 1], "=") || tokens[end - 2].kind != Lexeme::name) return nullptr;
   const Place place = place_after(tokens, end);
@@ -221,8 +222,8 @@ std::vector<std::string> after_dot(const std::string& table) {
   return all;
 }
 
-/// What can follow the first `end` tokens, which are no open string.
-/// \param options  set where what follows can only be an option
+/// Returns the words that may follow the first `end` tokens, which do not end in an open string.
+/// \param options  set if only an option may follow
 std::vector<std::string> following(const std::vector<Token>& tokens, std::size_t end,
                                    std::span<const std::string> names, bool& options) {
   std::vector<std::string> all;

@@ -26,7 +26,7 @@ void push_numbers(Stack& stack, View numbers) {
 
 namespace {
 
-/// One entry for each axis.
+/// Pushes one entry for each axis.
 template <class Push>
 void set_list(Stack& stack, Value table, const char* name, const Space& space, const Push& push) {
   const Value list = stack.push_table();
@@ -40,7 +40,7 @@ void set_list(Stack& stack, Value table, const char* name, const Space& space, c
 constexpr std::array<const char*, 8> space_fields = {"name",  "names",   "dimension", "lower",
                                                      "upper", "weights", "periodic",  "volume"};
 
-/// The axes of C that a list names.
+/// Returns the axes of C in a list of names.
 Space named_axes(Value list, const Space& c, const std::string& what) {
   std::vector<std::string> known;
   known.reserve(c.dimension());
@@ -60,7 +60,7 @@ Space named_axes(Value list, const Space& c, const std::string& what) {
   return {std::move(name), std::move(axes)};
 }
 
-/// As many values as there are axes; `read` reads one of them.
+/// Reads one value for each axis with `read`.
 template <class Read>
 void read_list(Value table, const char* name, std::size_t count, const std::string& what, const Read& read) {
   const Value list = table.field(name);

@@ -29,13 +29,13 @@ std::string joined(const std::vector<std::string>& names) {
   return all;
 }
 
-/// A name in a list of names: text, or a whole number, which is written as text.
+/// Reads a name in a list of names: text, or a whole number, converted to text.
 std::optional<std::string> name_of(Value value) {
   if (value.is_integer()) return fmt::format("{}", *value.integer());
   return value.string();
 }
 
-/// The value as an option holds it; none where an option cannot hold it.
+/// Converts a value to an option's value; none for other types.
 std::optional<OptionValue> option_value(Value value) {
   if (value.is_integer()) return OptionValue(*value.integer());
   if (const auto number = value.number()) return OptionValue(*number);
@@ -115,7 +115,7 @@ class OptionReader {
   Given take() { return std::move(given_); }
 
  private:
-  /// An unnamed element of the list that ends the unnamed options.
+  /// Adds an element of the list that ends the positional options.
   void add_name(const std::string& option, Value value) {
     const auto element = name_of(value);
     if (!element) throw Error(fmt::format("{}: expected a name, got {}", component_.name, describe(value)));
@@ -151,7 +151,7 @@ class OptionReader {
 
   const Component& component_;
   bool takes_planner_;
-  std::size_t next_ = 0;  // of the unnamed options
+  std::size_t next_ = 0;  // index of the next positional option
   Given given_;
 };
 
@@ -266,7 +266,7 @@ void place_files(const Component& component, std::vector<Options::Entry>& given,
     const bool by_default = entry == given.end();
     if (by_default) entry = given.insert(given.end(), {option.name, option.default_value});
     auto* file = std::get_if<std::string>(&entry->second);
-    if (file == nullptr || file->empty()) continue;  // what is wrong with it is told where options are validated
+    if (file == nullptr || file->empty()) continue;  // the validation of the options reports this
     if (!place.trust && !lies_within(*file, {place.folder})) {
       throw Error(fmt::format(
           "{}: option '{}': '{}' does not lie in the script's folder; --trust lets a script that you trust read it",

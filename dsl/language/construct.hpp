@@ -12,52 +12,51 @@
 
 namespace trellis::dsl {
 
-/// Lists in lists are opened down to this depth.
+/// Nested lists are flattened down to this depth.
 inline constexpr std::size_t deepest_list = 50;
 
-/// A named field of a constructor that holds more than an option can: a list, a world, a planner. Also an argument that
-/// a function takes by its place, and a member that scripts read of a value.
+/// A named field of a constructor with a value that is no plain option: a list, a world, a planner. Also a positional
+/// argument of a function, and a readable member of a value.
 struct Field {
   std::string name;
-  std::string type;     ///< as LuaCATS has it: "number[]", "trellis.World"
+  std::string type;     ///< in LuaCATS: "number[]", "trellis.World"
   std::string expects;  ///< "a list of numbers"
   std::string doc;
   bool required = false;
-  std::string default_text = {};  ///< as a script would write it, "" where there is none or `doc` tells it
+  std::string default_text = {};  ///< in the syntax of a script, "" for none or if `doc` states it
 };
 
-/// A constructor or function that is no component: world, problem, scenes.load, ... Described once; unknown and missing
-/// fields, messages, help, stubs and the reference come from here.
+/// A constructor or function that is no component: world, problem, scenes.load, ... Messages (also about unknown and
+/// missing fields), help, stubs and the reference use this one description.
 struct Construct {
   std::string name;
   std::string usage;  ///< an example in the language
   std::string summary;
-  std::string list;     ///< what its unnamed elements are, "" where it takes none
-  std::string element;  ///< the type of an unnamed element, "" where it takes none
+  std::string list;     ///< the meaning of its positional elements, "" for none
+  std::string element;  ///< the type of a positional element, "" for none
   std::vector<Field> fields;
-  Component options;                  ///< the fields that are plain options; none where it has no name
-  std::string returns;                ///< the type of what it makes, "" where it returns nothing
-  std::vector<Field> arguments = {};  ///< what a function takes by place, before the table
-  std::string source = {};            ///< the publication the idea comes from, where it is not in `options`
+  Component options;    ///< the fields that are plain options; the component has no name if there are none
+  std::string returns;  ///< the type of its result, "" for none
+  std::vector<Field> arguments = {};  ///< positional arguments of a function, before the table
+  std::string source = {};            ///< the publication of the method, if it is not in `options`
 };
 
-/// What a call of a construct was given: one table, or only unnamed elements.
+/// The arguments of a construct's call: one table, or only positional elements.
 class Arguments {
  public:
-  /// Throws Error for fields that the construct does not have, keys that are no names, and required fields that are
-  /// missing.
+  /// \throws Error for unknown fields, keys that are no names, and missing required fields.
   Arguments(const Construct& construct, lua::Stack& call);
 
-  /// Calls `visit` with each unnamed element and its number, from 1.
+  /// Calls `visit` with each positional element and its number, from 1.
   void each(const std::function<void(std::size_t, lua::Value)>& visit) const;
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// The field's value, nil where it was not given.
+  /// Returns the field's value, nil if it is missing.
   [[nodiscard]] lua::Value operator[](const std::string& name) const;
-  /// The field's string; none where it was not given. Throws Error where it is something else.
+  /// Returns the field's string; none if it is missing. \throws Error for another type.
   [[nodiscard]] std::optional<std::string> string(const std::string& name) const;
-  /// The options of the construct, validated.
+  /// Returns the validated options of the construct.
   [[nodiscard]] Options options() const;
-  /// Throws an Error that the field is not what is expected.
+  /// \throws Error that the field has an invalid value.
   [[noreturn]] void reject(const std::string& name) const;
 
  private:
@@ -67,30 +66,30 @@ class Arguments {
   std::size_t count_ = 0;
 };
 
-/// The options that a component was given in a call, from argument `first`: unnamed ones by the component's
-/// `positional`, then named ones of a table.
+/// The options of a component in a call, from argument `first`: positional ones by the component's `positional`, then
+/// named ones of a table.
 struct Given {
   std::vector<Options::Entry> options;
   std::optional<PlannerSpec> planner;
 };
-/// \param planner  the component may be given a planner of its own search, as `planner = ...`
+/// \param planner  whether the component accepts a planner for its own search, as `planner = ...`
 Given read_options(const Component& component, lua::Stack& call, int first, bool planner);
 
-/// Adds what was given for an option. Whether the option exists is left to Options::validate, which knows what to say.
+/// Reads the value of an option. Options::validate checks later that the option exists, and has the better message.
 void read_option(const Component& component, const std::string& name, lua::Value value,
                  std::vector<Options::Entry>& given);
 
-/// The finite numbers in a list. `what` names it in messages: "problem: field 'start'".
+/// Reads a list of finite numbers. Messages call it `what`: "problem: field 'start'".
 std::vector<double> read_numbers(lua::Value value, const std::string& what);
 
-/// The names of files among the options, as they are looked for: in the script's folder. Throws Error for one that a
-/// script may not reach, and where there is no file of a name that was given.
+/// Replaces the names of files in the options by their paths in the script's folder. \throws Error for a file that a
+/// script may not read, and for a missing file.
 void place_files(const Component& component, std::vector<Options::Entry>& given, const ScriptPlace& place);
 
-/// For lua::Stack::on_missing: reading a field that a module does not have is an error with the nearest name.
+/// For lua::Stack::on_missing: reading an unknown field of a module is an error with the nearest name.
 lua::Callback missing_field(const std::string& module);
 
-/// What a value is, for messages: specs with their text, constructors with a hint.
+/// Describes a value for messages: specs by their text, constructors with a hint.
 std::string describe(lua::Value value);
 
 }  // namespace trellis::dsl

@@ -38,7 +38,7 @@ const Settings<ExperimentSettings>& experiment_settings() {
   return settings;
 }
 
-/// Reads problems from a problem, a list of problems, and lists in it, in order.
+/// Reads problems from a problem, a list of problems, and nested lists, in order.
 class ProblemReader {
  public:
   explicit ProblemReader(std::string prefix = "experiment: ") : prefix_(std::move(prefix)) {}
@@ -73,10 +73,10 @@ class ProblemReader {
  private:
   std::string prefix_;
   std::vector<Problem> problems_;
-  std::vector<const void*> within_;  // the lists that are being read
+  std::vector<const void*> within_;  // the lists that are currently read
 };
 
-/// A strategy, or an error that says what is missing. `container`: the table it stands in.
+/// Reads a strategy, or throws an error that states the missing part. `container`: its table.
 StrategySpec read_strategy(const std::string& what, Value value, const void* container) {
   if (auto strategy = as_strategy(value)) return *strategy;
   if (value.get<GuideSpec>() != nullptr) {

@@ -12,21 +12,22 @@
 
 namespace trellis::dsl {
 
-/// Makes `experiment` known.
+/// Registers `experiment`.
 void open_experiment(lua::Stack& stack);
 
 const Construct& experiment_construct();
 
-/// The field 'strategies' of a construct called `of`.
+/// Reads the field 'strategies' of the construct `of`.
 std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Arguments& arguments, const std::string& of);
-/// The field 'seeds' of a construct called `of`: a list, or how many from `first` on; `otherwise` so many.
+/// Reads the field 'seeds' of the construct `of`: a list, or a number of seeds from `first` on; the default number is
+/// `otherwise`.
 std::vector<std::uint64_t> read_seeds(const Arguments& arguments, const std::string& of, std::uint64_t first,
                                       std::uint64_t otherwise);
 
-/// What a script returned, from stack position `first` on, as a program: an experiment; a strategy and a problem; or a
-/// table { strategy = s, problem = p }. Throws Error for anything else.
+/// Reads a script's results, from stack position `first` on, as a program: an experiment; a strategy and a problem; or
+/// a table { strategy = s, problem = p }. \throws Error for other results.
 Program read_program(lua::Stack& stack, int first);
-/// Likewise of a script that returns a problem or a list of problems.
+/// Reads the results of a script that returns a problem or a list of problems.
 std::vector<Problem> read_problems(lua::Stack& stack, int first);
 
 }  // namespace trellis::dsl

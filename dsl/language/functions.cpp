@@ -24,7 +24,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-/// A default, as a script would write it.
+/// Writes a default in the syntax of a script.
 std::string written(Value value) {
   if (value.type() == Type::table) {
     std::string text;
@@ -35,7 +35,7 @@ std::string written(Value value) {
   return value.describe();
 }
 
-/// What the types of the language are called where they are described.
+/// Returns the type name for descriptions of the language.
 std::string type_of(const std::string& name) {
   constexpr std::array<std::pair<const char*, const char*>, 4> known = {{{"guide", "trellis.Guide"},
                                                                          {"strategy", "trellis.Strategy"},
@@ -50,7 +50,7 @@ std::string type_of(const std::string& name) {
 /// Reads the description of one function, and the table of its defaults.
 class DescriptionReader {
  public:
-  /// \param defaults  the table that the explicit defaults are put into
+  /// \param defaults  receives the explicit defaults
   DescriptionReader(Stack& call, Value description, Value defaults) : call_(call), defaults_(defaults) {
     const auto text = [&](const char* field) { return description.field(field).string().value_or(""); };
     description.each([&](std::size_t i, Value value) {
@@ -91,7 +91,7 @@ class DescriptionReader {
     }
   }
 
-  /// The described part of that name: a planner, a guide, or a construct's options.
+  /// Returns the described part of that name: a planner, a guide, or a construct's options.
   [[nodiscard]] const Component& part(const std::string& name) const {
     for (const auto kind : {Component::Kind::planner, Component::Kind::guide}) {
       if (const Component* found = find_component(kind, name)) return *found;
@@ -215,7 +215,7 @@ void check_field(const Construct& construct, const Field& field, const Arguments
 
 int call_defined(const Defined& defined, Stack& call) {
   const Construct& construct = defined.construct;
-  // Asked before anything is pushed, which would take the place of an argument that is not there.
+  // Test this before pushing values: a pushed value would take the position of a missing argument.
   const bool given = call[1].given();
   if (call.count() > 1 || (given && call[1].type() != Type::table)) {
     throw Error(fmt::format("{}: takes a table of what shall differ, got {}", construct.name,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How scripts write guides of their own. What these do in a run: script_guide.cpp.
+// Guides that scripts define. For their functions at run time see script_guide.cpp.
 #include <dsl/language/guiding_space.hpp>
 
 #include <fmt/format.h>
@@ -160,7 +160,7 @@ std::string shape_text(const ConvexShape& shape) {
       shape);
 }
 
-/// What an object is told by in a digest.
+/// Returns the text that identifies an object in a digest.
 std::string object_text(Value value) {
   std::string text;
   if (const auto* robot = value.get<Robot>()) {
@@ -195,7 +195,7 @@ bool is_name(const std::string& name) {
                      [&](char c) { return letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0; });
 }
 
-/// Whether an entry may be what it is.
+/// Whether an entry may have this value.
 bool fits(Slot slot, Value value) {
   if (value.type() == Type::function) return true;
   switch (slot) {
@@ -207,7 +207,7 @@ bool fits(Slot slot, Value value) {
   }
 }
 
-/// Entries that say nothing together, or lack another.
+/// Rejects entries that contradict each other, or require another one.
 void check_together(const GuideDefinition& definition) {
   const auto given = [&](Slot slot) { return definition[slot] != nullptr; };
   const auto fail = [&](const std::string& fault) -> void {
@@ -230,7 +230,7 @@ void check_together(const GuideDefinition& definition) {
   }
 }
 
-/// What a definition says of its f and h.
+/// Returns the claims of a definition about its f and h.
 GuideClaims claims_of(const GuideDefinition& definition) {
   const auto given = [&](Slot slot) { return definition[slot] != nullptr; };
   const auto function = [&](Slot slot) { return fmt::format("the script's function '{}'", slot_name(slot)); };
@@ -267,7 +267,7 @@ GuideClaims claims_of(const GuideDefinition& definition) {
   return claims;
 }
 
-/// The guide as specs hold it: what makes it anew in each run.
+/// The guide as a spec: it creates a new guide in each run.
 class ScriptGuideSpec final : public CustomGuide {
  public:
   ScriptGuideSpec(Description description, std::shared_ptr<const GuideDefinition> definition,
@@ -305,8 +305,8 @@ class ScriptGuideSpec final : public CustomGuide {
   std::string identity_;
   std::shared_ptr<CalledSlots> called_;
   std::shared_ptr<const Reload> reload_;
-  std::size_t number_;  ///< of the definition among those of the script
-  // Where there is no script that could be loaded again:
+  std::size_t number_;  ///< index of the definition among those of the script
+  // Without a script that can be loaded again:
   std::shared_ptr<const GuideDefinition> definition_;
   std::shared_ptr<const GuideBook> book_;
 };

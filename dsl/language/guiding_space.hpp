@@ -22,7 +22,7 @@ namespace trellis::dsl {
 
 struct GuideBook;
 
-/// What a guide of a script's own may consist of, each an entry of `guiding_space { ... }`.
+/// The parts of a user-defined guide, each an entry of `guiding_space { ... }`.
 enum class Slot : std::uint8_t {
   space,
   project,
@@ -45,11 +45,11 @@ std::string_view slot_name(Slot slot);
 struct GuideDefinition {
   std::string name;
   Origin origin;
-  std::string identity;                         ///< its name, script and line, and a digest of what it is made of
-  std::shared_ptr<const lua::Reference> table;  ///< that it was made of
+  std::string identity;                         ///< its name, script and line, and a digest of its content
+  std::shared_ptr<const lua::Reference> table;  ///< its source table
   std::array<std::shared_ptr<const lua::Reference>, slots> values;  ///< nullptr: not given
   std::array<lua::Type, slots> types{};
-  std::string validity;    ///< "free" or "parent" where `valid` is that
+  std::string validity;    ///< "free" or "parent" where `valid` has that value
   bool spaceless = false;  ///< S = {0}
 
   [[nodiscard]] const lua::Reference* operator[](Slot slot) const {
@@ -63,40 +63,40 @@ struct CalledSlots {
   std::array<std::atomic<bool>, slots> flags{};
 };
 
-/// The interpreter that the functions of a run's guides are called in. One thread at a time.
+/// The interpreter for the functions of a run's guides. Only one thread may use it at a time.
 struct RunInterpreter {
   std::shared_ptr<lua::State> state;
   std::shared_ptr<const GuideBook> book;
-  /// Where it is a session's own, which others may be waiting for.
+  /// The lock of a session's own interpreter, for which other threads may wait.
   std::shared_ptr<std::recursive_mutex> shared = nullptr;
 };
 
-/// A script that can be loaded anew, as it was when it made its guides.
+/// A script that can be loaded again, with the state in which it created its guides.
 struct Reload {
   std::function<std::shared_ptr<RunInterpreter>()> load;
 };
 
-/// The guides that the scripts of one interpreter have made.
+/// The guides that the scripts of one interpreter have created.
 struct GuideBook {
-  lua::Limits each;  ///< what one call of their functions may spend
-  /// Functions that wait to be called, of guides and of whatever else the scripts make.
+  lua::Limits each;  ///< limits of one call of their functions
+  /// Functions of guides and other objects of scripts, with a record of calls.
   std::shared_ptr<std::vector<Callback>> given = std::make_shared<std::vector<Callback>>();
   std::shared_ptr<RandomSource> random;  ///< math.random's
-  std::shared_ptr<const Reload> reload;  ///< of the script that is being loaded; nullptr: none is
-  std::size_t first = 0;                 ///< definitions that were there before that script
+  std::shared_ptr<const Reload> reload;  ///< of the current script; nullptr: none
+  std::size_t first = 0;                 ///< number of definitions before that script
   std::vector<std::shared_ptr<const GuideDefinition>> definitions;
   std::shared_ptr<std::recursive_mutex> mutex = std::make_shared<std::recursive_mutex>();
 };
 
-/// Makes guides of a script's own known, and the distributions that their heuristics are made of.
+/// Registers user-defined guides, and the distributions of which their heuristics are composed.
 void open_guiding_space(lua::Stack& stack, const std::shared_ptr<GuideBook>& book);
 
 /// guiding_space, along, ball, lifted.
 std::vector<const Construct*> guiding_space_constructs();
-/// What the functions are told.
+/// The arguments of the functions.
 std::vector<ObjectType> guiding_space_types();
 
-/// A distribution over S that is to be lifted to C. Means nothing by itself.
+/// A distribution over S that the guide lifts to C. Has no meaning by itself.
 class Lifted final : public CustomGuide {
  public:
   explicit Lifted(GuideSpec distribution);
@@ -107,7 +107,7 @@ class Lifted final : public CustomGuide {
   GuideSpec distribution_;
 };
 
-/// The guide at work in one run.
+/// Creates the guide of one run.
 std::unique_ptr<Guide> make_script_guide(std::shared_ptr<RunInterpreter> run,
                                          std::shared_ptr<const GuideDefinition> definition,
                                          std::shared_ptr<CalledSlots> called, const GuideSite& site);

@@ -19,7 +19,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-/// The word that a function or table is the value of: box, scenes.trap, robot; "" where it is none of ours.
+/// Returns the word of a function or table: box, scenes.trap, robot; "" if it is not part of the language.
 std::string word_of(Stack& call, Value value) {
   const int before = call.size();
   const Value globals = call.push_globals();

@@ -9,10 +9,10 @@
 
 namespace trellis::dsl {
 
-/// Makes `help` known. \param print  receives its text; the standard output where it is empty
+/// Registers `help`. \param print  receives its text; empty: the standard output
 void open_help(lua::Stack& stack, std::function<void(const std::string&)> print);
 
-/// What help tells about a word or a value. Throws Error where nothing is known about it.
+/// Returns the help on a word or a value. \throws Error for an unknown one.
 std::string help_text_of(lua::Stack& call, lua::Value value);
 
 /// help(x), help "shrink".

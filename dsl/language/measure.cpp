@@ -41,16 +41,16 @@ const Settings<TargetSettings>& user_settings() {
 // A user's target
 // ------------------------------------------------------------------------------------------------------
 
-/// The functions of one `target { ... }`, and where it stands.
+/// The functions of one `target { ... }`, and its position in the script.
 struct UserFunctions {
   std::string where;  ///< "script.lua:3: "
   lua::Reference sample;
   lua::Reference log_density;
-  lua::Limits each;  ///< what one call may spend
+  lua::Limits each;  ///< limits of one call
   std::shared_ptr<bool> called = std::make_shared<bool>(false);
 };
 
-/// What the functions of a target are told: the path, the problem and its space, and what they may ask.
+/// Pushes the arguments of a target's functions: the path, the problem and its space, and functions to query them.
 void push_context(Stack& stack, const UserTarget::Context& context) {
   const Space& space = context.problem.space;
   const Value table = stack.push_table();
@@ -77,7 +77,7 @@ void push_context(Stack& stack, const UserTarget::Context& context) {
   stack.set_field(table, "valid");
 }
 
-/// Draws from a user's target for one path, and its density there.
+/// Samples a user's target for one path, and computes its density there.
 class UserDraws {
  public:
   UserDraws(std::shared_ptr<const UserFunctions> functions, const UserTarget::Context& context)
@@ -113,7 +113,7 @@ class UserDraws {
     return value;
   }
 
-  /// The density at a draw, where it must be finite.
+  /// Checks that the density at a draw is finite.
   void check_density(std::int64_t draw, View q) const {
     const auto which = [&] { return fmt::format("log_density at draw {} of {}, {}", draw, draws_, coordinates_of(q)); };
     double value = 0.0;
@@ -157,7 +157,7 @@ class UserDraws {
     }
   }
 
-  /// Asked often: nothing is put into words before something is wrong.
+  /// Called often: builds a message only after an error.
   template <class Which>
   void ask(const char* function, View q, const Which& which, double& value) const {
     try {
@@ -226,7 +226,7 @@ int make_user_target(Stack& call, const lua::Limits& each, std::vector<Callback>
 // Texts
 // ----------------------------------------------------------------------------------------------------------------
 
-/// The options of a target, in any order.
+/// Returns the options of a target, in any order.
 std::pair<const Component*, std::vector<Options::Entry>> options_of(const TargetSpec& target) {
   const TargetSettings& common = common_settings(target);
   std::vector<Options::Entry> options = {{"delta", common.delta}, {"points", common.points}, {"pool", common.pool}};

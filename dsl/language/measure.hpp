@@ -12,7 +12,7 @@
 
 namespace trellis::dsl {
 
-/// Functions of a script's that wait to be called.
+/// A function of a script, with a record of its calls.
 struct Callback {
   std::string where;  ///< "script.lua:3: "
   std::string what;   ///< "'sample' of this target"
@@ -20,27 +20,28 @@ struct Callback {
   bool guides = false;  ///< of a guide; else of a target
 };
 
-/// Makes the targets and the estimators known: a constructor of each, and `target`.
-/// \param each   what one call of a target's functions may spend
-/// \param given  receives each target of the script's own as it is made
+/// Registers the targets and the estimators: a constructor of each, and `target`.
+/// \param each   limits of one call of a target's functions
+/// \param given  receives each user-defined target
 void open_measure(lua::Stack& stack, const lua::Limits& each, const std::shared_ptr<std::vector<Callback>>& given);
 
-/// The targets and the estimators that are components. (A user's own target is a construct.)
+/// Returns the targets and the estimators that are components. (A user's own target is a construct.)
 std::vector<const Component*> target_components();
 std::vector<const Component*> estimator_components();
 
 /// target { sample = function, log_density = function }.
 const Construct& target_construct();
 
-/// Targets and estimators, and what the functions of a user's target are told.
+/// Targets and estimators, and the arguments of the functions of a user's target.
 struct ObjectType;
 std::vector<ObjectType> measure_types();
 
-/// What a call of a target's or an estimator's constructor makes.
+/// Implements a call of a target's or an estimator's constructor.
 int make_target(const Component& component, lua::Stack& call);
 int make_estimator(const Component& component, lua::Stack& call);
 
-/// The target as a script would write it: "tube { delta = 0.25 }", with the options that differ from their defaults.
+/// Returns the target in the syntax of a script: "tube { delta = 0.25 }", with the options that differ from their
+/// defaults.
 std::string text_of(const TargetSpec& target);
 /// "knn, kde { bandwidth = 0.3 }".
 std::string text_of(const std::vector<EstimatorSpec>& estimators);

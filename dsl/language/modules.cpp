@@ -27,7 +27,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-/// Letters, digits and underscores, in parts that dots separate: no way out of the folder.
+/// Letters, digits and underscores, in parts separated by dots: such a path cannot leave the folder.
 bool is_module_name(const std::string& name) {
   bool part = false;
   for (const char c : name) {
@@ -49,13 +49,13 @@ struct Source {
   bool standard = false;
 };
 
-/// Finds and runs modules, each once.
+/// Finds modules and runs each one once.
 class Modules {
  public:
   Modules(const ScriptPlace& place, std::function<void(const Construct&)> described)
       : folder_(place.folder), trust_(place.trust), described_(std::move(described)) {}
 
-  /// Pushes the module's value. `loaded` is the table of those that are there already.
+  /// Pushes the module's value. `loaded` is the table of the modules that have run.
   void require(Stack& stack, const std::string& name) {
     const Value loaded = registry(stack);
     const Value known = loaded.field(name);
@@ -75,7 +75,7 @@ class Modules {
     }
     const int before = stack.size() - arguments - 1;
     {
-      // Lua's errors unwind C++ objects too, so the mark goes whatever happens.
+      // Lua's errors unwind C++ objects too, so the destructor removes the mark in any case.
       const Mark mark(loading_, name);
       stack.call(arguments);
     }
@@ -118,7 +118,7 @@ class Modules {
     return {without_shebang(read_file(path)), "@" + path, false};
   }
 
-  /// What only the standard library is given.
+  /// Pushes the functions that only the standard library receives.
   void push_natives(Stack& stack) const {
     const Value natives = stack.push_table();
     stack.push_function(scene_loader(folder_, trust_));
@@ -131,7 +131,7 @@ class Modules {
     stack.set_field(natives, "fail");
   }
 
-  /// The table of loaded modules, which lives where scripts do not reach.
+  /// Returns the table of loaded modules, which scripts cannot access.
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
   std::string folder_;

@@ -10,10 +10,10 @@
 
 namespace trellis::dsl {
 
-/// A motion model as scripts hold it.
+/// A motion model as a Lua value.
 using Motion = std::shared_ptr<const MotionModel>;
 
-/// Makes the motion models known, in the table `motion`.
+/// Registers the motion models, in the table `motion`.
 void open_motion(lua::Stack& stack);
 
 /// One for each motion model: motion.unicycle1, ...

@@ -25,7 +25,7 @@ namespace {
 using lua::Stack;
 using lua::Value;
 
-// The settings of problems made here and of problems read from files share these.
+// The settings that problems of scripts and problems of files share.
 struct LoadSettings {
   double weight = 1.0 / std::numbers::pi;
   double resolution = Problem{}.resolution;
@@ -143,7 +143,7 @@ void push_coordinates(Stack& call, View q) {
   }
 }
 
-/// What a script may read of a problem, under the names that `problem` gives it.
+/// The members of a problem that a script may read, under the names of `problem`'s fields.
 const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
   static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
       {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
@@ -207,7 +207,7 @@ std::string scenes_folder() {
   return folder != nullptr && *folder != '\0' ? folder : TRELLIS_SCENES_FOLDER;
 }
 
-/// Throws Error for a file outside of the folders that scenes are looked for in.
+/// \throws Error for a file outside of the folders of scenes.
 void require_within(const char* function, const std::string& file, const std::string& script_folder) {
   if (lies_within(file, {script_folder, scenes_folder()})) return;
   throw Error(

@@ -9,7 +9,7 @@
 
 namespace trellis::dsl {
 
-/// Makes `problem` known.
+/// Registers `problem`.
 void open_problem(lua::Stack& stack);
 
 const Construct& problem_construct();
@@ -17,18 +17,18 @@ const Construct& problem_construct();
 const Construct& load_construct();
 /// scenes.exists "FILE".
 const Construct& exists_construct();
-/// What scripts can read of a problem.
+/// The readable members of a problem.
 struct ObjectType;
 ObjectType problem_type();
 
-/// The file that a script means: as it is where absolute, else in the script's folder, else in the folder of scenes
-/// (the environment's TRELLIS_SCENES, by default the one beside the project). "" where there is none.
-/// \param looked  if not null: receives the paths that were tried
+/// Finds a scene file: an absolute path, else in the script's folder, else in the folder of scenes (the environment's
+/// TRELLIS_SCENES, by default the one beside the project). "" if it does not exist.
+/// \param looked  if not null: receives the tried paths
 std::string find_scene(const std::string& file, const std::string& script_folder,
                        std::vector<std::string>* looked = nullptr);
 
-/// scenes.load(file, options): a list of problems. The callback keeps the script's folder.
-/// \param trust  files outside of that folder and the folder of scenes too
+/// scenes.load(file, options): returns a list of problems. The callback stores the script's folder.
+/// \param trust  allows files outside of that folder and the folder of scenes
 lua::Callback scene_loader(std::string script_folder, bool trust);
 /// scenes.exists(file).
 lua::Callback scene_finder(std::string script_folder, bool trust);

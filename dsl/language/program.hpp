@@ -13,17 +13,17 @@
 
 namespace trellis::dsl {
 
-/// A function that a script gave and nobody called.
+/// A function of a script that was never called.
 struct Uncalled {
   std::string function;  ///< "script.lua:3: 'observe' of the guiding space 'half'"
   bool guides = false;   ///< of a guide; else of a target
 };
 
-/// What a script returns.
+/// The result of a script.
 struct Program {
   Experiment experiment;
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
-  /// Asked after the experiment was run: what the script gave that nobody called.
+  /// Call it after the experiment: returns the functions of the script that were never called.
   std::function<std::vector<Uncalled>()> uncalled;
 };
 
@@ -31,16 +31,16 @@ inline constexpr std::uint64_t most_seeds = trial::most_seeds;
 /// Lua's largest integer.
 inline constexpr auto largest_seed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
 
-/// `count` consecutive seeds from `first`. Throws Error for none, too many, or seeds that a script cannot write (over
-/// 2^63 - 1).
+/// Returns `count` consecutive seeds from `first`. \throws Error for none, too many, or seeds that a script cannot
+/// write (over 2^63 - 1).
 std::vector<std::uint64_t> consecutive_seeds(std::uint64_t first, std::uint64_t count);
 
-/// Replaces the seeds by consecutive ones: `count` of them (none: as many as there are) from `first` (none: the
-/// program's own). Without either the program stays as it is.
+/// Replaces the seeds by consecutive ones: `count` of them (none: the same number) from `first` (none: the program's
+/// own). Without either the program does not change.
 void override_seeds(Program& program, std::optional<std::uint64_t> count, std::optional<std::uint64_t> first);
 
-/// Adds every strategy that has a guide with each guide taken out in turn, but for those to which that was done. `what`
-/// asked for it: throws Error where no strategy has a guide.
+/// Adds, for every strategy with a guide, copies with one guide removed; skips strategies that already have ablations.
+/// `what` names the requester in messages. \throws Error if no strategy has a guide.
 void ablate_all(Experiment& experiment, const std::string& what);
 
 }  // namespace trellis::dsl

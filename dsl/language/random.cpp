@@ -29,10 +29,10 @@ int draw(Stack& call, Stream& stream, const std::string& name) {
   if (call.count() == 2) {
     lo = integer_argument(call, 1, name);
   } else if (hi == 0) {
-    return call.result(static_cast<std::int64_t>(stream.bits()));  // all bits random, as Lua has it
+    return call.result(static_cast<std::int64_t>(stream.bits()));  // all bits random, as in Lua
   }
   if (lo > hi) throw Error(fmt::format("{}: the interval from {} to {} is empty", name, lo, hi));
-  // Unsigned arithmetic wraps, so that the widest intervals work too.
+  // Unsigned arithmetic wraps, so that the widest intervals are correct too.
   const std::uint64_t size = static_cast<std::uint64_t>(hi) - static_cast<std::uint64_t>(lo) + 1;
   const std::uint64_t offset = size == 0 ? stream.bits() : stream.below(size);
   return call.result(static_cast<std::int64_t>(static_cast<std::uint64_t>(lo) + offset));

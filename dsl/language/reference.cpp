@@ -31,7 +31,7 @@ bool has_table(const Word& word) { return !word.fields.empty() || !word.options.
 
 bool is_required(const Field& field) { return field.required; }
 
-/// The tables of functions that are no module: those of words with a dot whose module is no word itself.
+/// Returns the tables of functions that are no module: those of words with a dot whose module is no word itself.
 std::vector<std::string> tables() {
   std::vector<std::string> names;
   for (const Word& word : words()) {
@@ -56,7 +56,7 @@ std::string cell(std::string_view text) {
 
 std::string code(const std::string& text) { return text.empty() ? "" : fmt::format("`{}`", text); }
 
-/// As a sentence begins, unless it begins with a symbol.
+/// Capitalises the first letter, unless the text begins with a symbol.
 std::string sentence(std::string_view text) {
   std::string all = cell(text);
   const bool symbol = all.size() > 1 && all[1] == ' ' && all[0] != 'a';
@@ -64,7 +64,7 @@ std::string sentence(std::string_view text) {
   return all;
 }
 
-/// What an option takes, its unit apart.
+/// Returns the values of an option, without its unit.
 std::string values_of(Option option) {
   option.unit.clear();
   return expectation(option);
@@ -109,7 +109,7 @@ std::string section(const Word& word) {
   std::string text = fmt::format("### {}\n\n", word.name);
   std::string_view lines = word.text;
   if (word.kind == Word::Kind::module) {
-    // The comment's examples are indented, and stand apart from its prose.
+    // The comment's examples are indented and separated from its prose.
     while (!lines.empty()) {
       const std::string_view line = lines.substr(0, lines.find('\n'));
       lines.remove_prefix(std::min(lines.size(), line.size() + 1));
@@ -239,7 +239,7 @@ std::string stub_function(const Word& word) {
       const auto option =
           std::find_if(word.options.begin(), word.options.end(), [&](const Option& o) { return o.name == name; });
       if (option->type == Option::Type::names) {
-        rest = "...: string";  // as many as there are, so nothing can follow
+        rest = "...: string";  // takes the remaining arguments
       } else {
         unnamed += fmt::format("{}: {}, ", name, stub_type(*option));
       }

@@ -3,8 +3,7 @@
 
 #include <string>
 
-// The registry of words, written out for other programs and for readers. What is committed of it is made by
-// scripts/reference.
+// The registry of words as documents for readers and other programs. scripts/reference writes the committed copies.
 
 namespace trellis::dsl {
 
@@ -14,7 +13,7 @@ std::string reference_markdown();
 /// Stubs in LuaCATS (`---@meta`), from which lua-language-server completes and checks scripts.
 std::string reference_stubs();
 
-/// A configuration of luacheck that knows the globals that scripts find and those that they do not.
+/// Returns a configuration of luacheck with the globals of scripts and those that scripts do not have.
 std::string reference_luacheck();
 
 }  // namespace trellis::dsl

@@ -20,9 +20,9 @@ namespace trellis::dsl {
 
 namespace {
 
-/// What a scenario is given: a problem, and strategies by name.
+/// The preconditions of a scenario: a problem, and strategies by name.
 struct Setting {
-  std::string script;  ///< as somebody would name it to the command line, "" where it is in the scenario itself
+  std::string script;  ///< as given on a command line, "" if it is in the scenario itself
   Problem problem;
   std::vector<std::pair<std::string, StrategySpec>> strategies;
   std::shared_ptr<const Measure> measure;
@@ -93,7 +93,7 @@ using trial::MatcherPointer;
 using trial::Trial;
 using Book = std::shared_ptr<ScenarioBook>;
 
-/// More than anybody writes by hand: a loop without end.
+/// No manually written scenario has more: the script has an infinite loop.
 constexpr std::size_t most_steps = 10'000;
 constexpr std::size_t most_trials = 10'000;
 constexpr std::size_t most_runs = 1'000'000;
@@ -182,7 +182,7 @@ int criterion_method(Stack& call) {
     known.emplace_back(method.name);
     if (criterion == nullptr || !asked || *asked != method.name) continue;
     call.push_function([criterion = *criterion, &method](Stack& use) {
-      // a.by(0.2) is meant; a:by(0.2) comes to the same.
+      // a.by(0.2) is the documented form; a:by(0.2) is equivalent.
       return use.result(method.apply(criterion, use[use[1].get<Criterion>() != nullptr ? 2 : 1]));
     });
     return 1;
@@ -361,7 +361,7 @@ const std::vector<Function>& plain_functions() {
 const Construct& given_construct();
 const Construct& when_construct();
 
-/// The scenario that is being written. Throws Error where there is none.
+/// Returns the scenario whose function runs. \throws Error if there is none.
 Scenario& current(const Book& book, const char* word) {
   if (!book) {
     throw Error(fmt::format("{}: scenarios are run by `trellis test FILE`, and by nothing else", word));
@@ -419,7 +419,7 @@ std::string names_of(const std::vector<Problem>& problems) {
   return all;
 }
 
-/// The path of a script that a test names, within the test's folder.
+/// Returns the path of a script that a test names, within the test's folder.
 std::string script_path(const std::string& name, const ScriptPlace& place) {
   namespace fs = std::filesystem;
   const fs::path given = fs::path(name).lexically_normal();
@@ -525,7 +525,7 @@ int make_when(const Book& book, Stack& call) {
   if (book->seeds) seeds = trial::seeds(*book->seeds, seeds.front());
   std::vector<Trial> trials;
   std::string names;
-  // What is written down is none of the script's memory, so it has bounds of its own.
+  // The recorded steps are not part of the script's memory, so they have their own limits.
   const std::size_t all = arguments.count() + book->trials.size();
   std::size_t runs = arguments.count() * seeds.size();
   for (const Trial& trial : book->trials) runs += trial.setup().seeds.size();
@@ -665,7 +665,7 @@ ScenarioFile::ScenarioFile(const std::string& path, const Options& options)
       }()) {
   book_->seeds = options.seeds;
   book_->making = options.making;
-  // Each script once: a loop that asks for it again shall not load it again.
+  // Load each script once, even if a loop requests it again.
   const auto known = std::make_shared<std::map<std::string, Program>>();
   book_->load = [known, session = options.session](const std::string& script) {
     const auto found = known->find(script);

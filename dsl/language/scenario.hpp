@@ -15,8 +15,8 @@
 #include <dsl/lua/state.hpp>
 #include <trellis/trial/matcher.hpp>
 
-// Scenarios in scripts: what is given, when it runs, and what is expected of it. A scenario's function only writes down
-// what is to be tried; the trials are made when it has ended, so that planning is none of the script's time.
+// Scenarios in scripts: preconditions, trials and expectations. A scenario's function only records them. The trials run
+// after the function has ended, so that planning does not count in the script's time.
 
 namespace trellis::dsl {
 
@@ -30,7 +30,7 @@ struct Step {
 
   Kind kind = Kind::given;
   lua::Position where;
-  std::string text;  ///< of what is given, and of what runs
+  std::string text;  ///< of preconditions and trials
   std::optional<Expectation> expectation = {};
 };
 
@@ -40,24 +40,24 @@ struct Scenario {
   std::vector<Step> steps;
 };
 
-/// What the scenarios of a script are written into.
+/// Records the scenarios of a script.
 class ScenarioBook {
  public:
-  std::optional<std::uint64_t> seeds;  ///< of every trial, instead of what it asks for
+  std::optional<std::uint64_t> seeds;  ///< of every trial, instead of its own
   trial::Making making;
-  /// Loads another script, as `trellis run` would.
+  /// Loads another script, as `trellis run` does.
   std::function<Program(const std::string& path)> load;
 
   struct Entry {
     Scenario scenario;
-    std::shared_ptr<lua::Reference> body;  ///< none until it is given
+    std::shared_ptr<lua::Reference> body;  ///< none: not given yet
   };
   std::vector<Entry> entries;
   Scenario* current = nullptr;       ///< the one whose function runs
-  std::vector<trial::Trial> trials;  ///< that it made
+  std::vector<trial::Trial> trials;  ///< its trials
 };
 
-/// A script of scenarios, loaded.
+/// A loaded script of scenarios.
 class ScenarioFile {
  public:
   struct Options {
@@ -65,15 +65,15 @@ class ScenarioFile {
     std::optional<std::uint64_t> seeds = {};
     trial::Making making = {};
   };
-  /// Throws Error where the script cannot be loaded, and where it has no scenario.
+  /// \throws Error if the script cannot be loaded, or has no scenario.
   ScenarioFile(const std::string& path, const Options& options);
   ~ScenarioFile();
   ScenarioFile(const ScenarioFile&) = delete;
   ScenarioFile& operator=(const ScenarioFile&) = delete;
 
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Calls a scenario's function, and gives what it wrote down. Throws Error where the function fails. The trials of
-  /// the scenario before let go of their runs.
+  /// Calls a scenario's function, and returns the recorded scenario. Releases the runs of the previous scenario's
+  /// trials. \throws Error if the function fails.
   const Scenario& play(std::size_t index);
 
  private:
@@ -81,13 +81,13 @@ class ScenarioFile {
   Session session_;
 };
 
-/// Makes the words of scenarios known. Without a book, those that write into it say where they belong.
+/// Registers the words of scenarios. Without a book, words that record into it raise an error.
 void open_scenario(lua::Stack& stack, const ScriptPlace& place, const std::shared_ptr<ScenarioBook>& book);
 
 /// scenario, given, when, expect; the matchers; the criteria.
 std::vector<const Construct*> scenario_constructs();
 
-/// What is given, trials, matchers and criteria.
+/// Preconditions, trials, matchers and criteria.
 struct ObjectType;
 std::vector<ObjectType> scenario_types();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that scripts write, at work: every call of their functions.
+// User-defined guides at run time: every call of their functions.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ std::string names_of(const Space& space) {
   return names;
 }
 
-/// The coordinates among the values from `first` on: numbers, or one list of them.
+/// Reads the coordinates in the values from `first` on: numbers, or one list of them.
 void read_coordinates(const Stack& stack, int first, int count, const Space& space, MutableView out, const char* what) {
   if (count == 1 && stack[first].type() == Type::table) {
     const Configuration q = read_configuration(stack[first], space, what);
@@ -60,11 +60,11 @@ void read_coordinates(const Stack& stack, int first, int count, const Space& spa
                             count == 0 ? "nothing" : got));
 }
 
-/// What the function that a table of `instance` holds asks; it may outlive what it asks about.
+/// The data behind the functions in a table of `instance`; it may outlive the instance.
 struct Asked {
   Instance* instance = nullptr;
 
-  /// Ends it.
+  /// Invalidates it.
   class Over {
    public:
     explicit Over(Asked& asked) : asked_(asked) {}
@@ -77,7 +77,7 @@ struct Asked {
   };
 };
 
-/// What was found in S; nil where nothing was searched.
+/// Pushes the solution in S; nil if there was no search.
 void push_found(Stack& stack, const Solution* found) {
   if (found == nullptr) {
     stack.push_nil();
@@ -122,7 +122,7 @@ void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr
   set("valid");
 }
 
-/// The functions of one guide in one run, as C++ calls them.
+/// The functions of one guide in one run, as C++ functions.
 class Calls {
  public:
   Calls(std::shared_ptr<RunInterpreter> run, std::shared_ptr<const GuideDefinition> definition,
@@ -145,8 +145,8 @@ class Calls {
   [[nodiscard]] const GuideDefinition& definition() const { return *definition_; }
   [[nodiscard]] bool has(Slot slot) const { return (*definition_)[slot] != nullptr; }
 
-  /// Calls a function: `push` pushes its arguments and returns their number, `read` looks at what came back. What goes
-  /// wrong is said to have gone wrong in `which()`.
+  /// Calls a function: `push` pushes its arguments and returns their number, `read` reads its results. Errors name
+  /// `which()`.
   template <class Which, class Push, class Read>
   void call(Slot slot, const Reference& function, const Which& which, const Push& push, const Read& read) const {
     auto& called = called_->flags[static_cast<std::size_t>(slot)];
@@ -162,7 +162,7 @@ class Calls {
     }
   }
 
-  /// Calls a function that gets coordinates, and random and normal where it draws.
+  /// Calls a function with coordinates, and with random and normal if it draws.
   template <class Read>
   void ask(Slot slot, View coordinates, Stream* stream, const Read& read) const {
     const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, stream)};
@@ -174,7 +174,7 @@ class Calls {
     call(slot, *(*definition_)[slot], which, push, read);
   }
 
-  /// Draws by a function that 'heuristic' returned. \param number  of the sample, for messages
+  /// Draws with a function that 'heuristic' returned. \param number  index of the sample, for messages
   void draw(const Reference& function, const Space& c, std::uint64_t number, Stream& stream, MutableView out) const {
     const Restore restore{drawn_from_->now, std::exchange(drawn_from_->now, &stream)};
     call(
@@ -207,7 +207,7 @@ class Calls {
     return value;
   }
 
-  /// Brings what a script gave as coordinates into a space, or says what is wrong with it.
+  /// Normalises a script's coordinates in a space; throws Error where that is not possible.
   static void place(const Space& space, MutableView q, const char* what) {
     try {
       bring_into(space, q, what);
@@ -216,14 +216,14 @@ class Calls {
     }
   }
 
-  /// Runs `body` in the interpreter, math.random on the guide's own stream.
+  /// Runs `body` in the interpreter, with math.random on the guide's own stream.
   template <class Body>
   void protect(const Body& body) const {
     std::unique_lock<std::recursive_mutex> lock;
     if (run_->shared) lock = std::unique_lock(*run_->shared);
     RandomSource& random = *run_->book->random;
     const Restore restore{random.now, std::exchange(random.now, &math_)};
-    // So small a function object needs no memory of its own.
+    // A function object of this size needs no heap memory.
     run_->state->run([&body](Stack& stack) { body(stack); }, run_->book->each);
   }
 
@@ -256,7 +256,7 @@ class Calls {
 // f
 // ----------------------------------------------------------------------------------------------------------------
 
-/// f and its fibres, one or both by a script.
+/// f and its fibres, one or both defined by a script.
 class ScriptProjection final : public Projection {
  public:
   ScriptProjection(std::shared_ptr<const Calls> calls, Space c, Space s)
@@ -290,7 +290,7 @@ class ScriptProjection final : public Projection {
   std::optional<AxisProjection> axes_;
 };
 
-/// Throws Error where project(lift(s)) is not s.
+/// \throws Error where project(lift(s)) is not s.
 void check_fibres(const Projection& projection, const Space& c, const Space& s, Stream stream) {
   constexpr int samples = 20;
   constexpr double tolerance = 1e-6;  // of the space's diameter
@@ -310,7 +310,7 @@ void check_fibres(const Projection& projection, const Space& c, const Space& s, 
 // Validity
 // ----------------------------------------------------------------------------------------------------------------
 
-/// Everything is valid, which costs nothing to find out.
+/// Every configuration is valid, at no cost.
 class AllValid final : public Validity {
  public:
   [[nodiscard]] bool state(View) override { return true; }
@@ -319,7 +319,7 @@ class AllValid final : public Validity {
   [[nodiscard]] bool spends_checks() const override { return false; }
 };
 
-/// What a script's function says of every configuration.
+/// Validity by a script's function.
 class ScriptValidity final : public Validity {
  public:
   ScriptValidity(std::shared_ptr<const Calls> calls, Space space, double resolution)
@@ -356,7 +356,7 @@ class ScriptValidity final : public Validity {
     throw Error("what is valid is a function of the script's, which knows no clearance");
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
-  /// Answers may differ from now on.
+  /// Records that later results may differ.
   void changed() { ++epoch_; }
 
  private:
@@ -372,14 +372,14 @@ class ScriptValidity final : public Validity {
 // h
 // ----------------------------------------------------------------------------------------------------------------
 
-/// What 'heuristic' or 'observe' returned: a composition of distributions, or functions.
+/// The result of 'heuristic' or 'observe': a composition of distributions, or functions.
 struct Returned {
   std::optional<GuideSpec> pieces;
   std::shared_ptr<const Reference> sample;
   std::shared_ptr<const Reference> density;
 };
 
-/// A density that a function of a script's tells.
+/// A density that a script's function computes.
 class FunctionDensity final : public Density {
  public:
   FunctionDensity(std::shared_ptr<const Calls> calls, std::shared_ptr<const Reference> function)
@@ -392,7 +392,7 @@ class FunctionDensity final : public Density {
   std::shared_ptr<const Reference> function_;
 };
 
-/// h that a function of a script's draws from.
+/// A heuristic h that samples with a script's function.
 class FunctionHeuristic final : public Heuristic {
  public:
   FunctionHeuristic(const std::shared_ptr<const Calls>& calls, Space c, const Returned& returned)
@@ -401,7 +401,7 @@ class FunctionHeuristic final : public Heuristic {
   }
 
   Source sample(Stream& stream, MutableView out) override {
-    constexpr std::uint64_t looked_at = 8;  // samples at which the density is looked at
+    constexpr std::uint64_t looked_at = 8;  // number of samples at which to check the density
     calls_->draw(*function_, c_, ++drawn_, stream, out);
     if (density_ && drawn_ <= looked_at) static_cast<void>(density_->at_sample(out));
     return 0;
@@ -426,7 +426,7 @@ class FunctionHeuristic final : public Heuristic {
   std::uint64_t drawn_ = 0;
 };
 
-/// The table that 'observe' is given.
+/// The table argument of 'observe'.
 class OutcomeTable {
  public:
   void push(Stack& stack, const Outcome& outcome, bool mine) {
@@ -466,7 +466,7 @@ class OutcomeTable {
 
 class ScriptGuide;
 
-/// h of a script's guide: what it returned last, told and asked by the script.
+/// h of a user-defined guide: the most recent result of the script, which receives the outcomes.
 class ScriptHeuristic final : public Heuristic {
  public:
   ScriptHeuristic(ScriptGuide& guide, std::shared_ptr<const Calls> calls, std::unique_ptr<Heuristic> h)
@@ -502,12 +502,12 @@ class ScriptHeuristic final : public Heuristic {
   std::unique_ptr<Heuristic> h_;
   OutcomeTable table_;
   std::uint64_t epoch_ = 0;
-  std::uint64_t told_ = 0;  ///< outcomes
-  double progress_ = 0.0;   ///< along what it returned before
+  std::uint64_t told_ = 0;  ///< number of reported outcomes
+  double progress_ = 0.0;   ///< progress of earlier results
   TreeSide side_ = TreeSide::start;
 };
 
-/// A distribution of the registry, with the guide that made it.
+/// A distribution of the registry, with its guide.
 class OwnedHeuristic final : public Heuristic {
  public:
   OwnedHeuristic(std::unique_ptr<Guide> guide, Instance& instance)
@@ -541,10 +541,10 @@ class OwnedHeuristic final : public Heuristic {
   std::unique_ptr<Heuristic> h_;
 };
 
-/// The nodes that a planner has added, as what follows a path asks for them.
+/// The nodes that a planner has added, as distributions along a path require them.
 class Reached {
  public:
-  /// No nodes but the start. An index that was asked for stays where it is.
+  /// Resets to the start as the only node. A returned index keeps its address.
   void begin(const Space& space, View start) {
     space_ = space;
     nodes_ = Configurations(space.dimension());
@@ -562,7 +562,7 @@ class Reached {
       nodes_.push(q);
     }
   }
-  /// Made when it is first asked for: a function that draws asks for none.
+  /// Built on the first use: a function that draws needs none.
   const NearestIndex& index() {
     if (!index_) {
       index_.emplace(space_);
@@ -596,21 +596,21 @@ class ScriptGuide final : public Guide {
     if (validity_) validity_->changed();
   }
 
-  /// What the values on the stack say that h is. Those from 1 on.
+  /// Converts the values on the stack, from 1 on, to h.
   Returned read_returned(Stack& stack) const;
   std::unique_ptr<Heuristic> make(const Returned& returned);
 
  private:
-  /// Calls a function that gets an instance and returns one value; or hands over a constant.
+  /// Calls a function with an instance and one result; or returns a constant.
   template <class Read>
   void with_value(Slot slot, Instance& parent, const Read& read) const;
   void make_space(Instance& parent);
   void make_validity(Instance& parent, Instance& sub);
   void make_graph(Instance& parent, Instance& sub) const;
-  /// Takes up the nodes that were learnt so far, projected to S.
+  /// Adds all nodes learnt so far, projected to S.
   void begin_in_s();
   void add_in_s(View q);
-  /// \param in_s  it is a distribution over S
+  /// \param in_s  whether it is a distribution over S
   std::unique_ptr<Heuristic> compose(const GuideSpec& spec, bool in_s);
   std::unique_ptr<Heuristic> component(const GuideSpec& spec, bool in_s);
 
@@ -624,12 +624,12 @@ class ScriptGuide final : public Guide {
   Space c_;
   Configuration c_start_;  ///< empty before f is applied
   Instance* sub_ = nullptr;
-  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by what 'heuristic' was given
+  std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by the argument of 'heuristic'
   Asked::Over over_{*asked_};
   Reached reached_;
-  Configurations learnt_{0};  ///< the nodes of C, where there is an S
+  Configurations learnt_{0};  ///< the nodes of C, if there is an S
   Reached reached_in_s_;
-  bool follows_in_s_ = false;  ///< reached_in_s_ is kept up to date
+  bool follows_in_s_ = false;  ///< reached_in_s_ is up to date
 };
 
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
@@ -751,7 +751,7 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
                             s_->dimension(), names_of(*s_)));
   }
   sub.scene = std::make_shared<const Scene>(std::move(scene));
-  // Checked for real, whatever the parent presumes.
+  // Checks collisions, even if the parent presumes validity.
   sub.validity = sub.validity_in(sub.scene);
 }
 
@@ -814,7 +814,7 @@ void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {
 }
 
 std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
-  // From here on nodes are learnt, as built-in guides do.
+  // From here on the guide learns nodes, as built-in guides do.
   if (c_start_.empty()) {
     c_ = parent.space;
     c_start_ = parent.start;
@@ -822,7 +822,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
     learnt_ = Configurations(c_.dimension());
   }
   if (calls_->definition().spaceless) return nullptr;
-  // What the functions have checked is charged to the level that they make.
+  // Checks by the functions count in the level that they create.
   Instance c = parent;
   c.checks = {};
   make_space(c);
@@ -831,7 +831,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   sub->goal_tolerance = parent.goal_tolerance;
   sub->resolution = parent.resolution;
   sub->collision = parent.collision;
-  // Another space than C's has no states to drive, and places the robot otherwise.
+  // Another space than C has no states to propagate, and another pose of the robot.
   if (identity_) {
     sub->motion_model = parent.motion_model;
     sub->validity_of = parent.validity_of;
@@ -888,7 +888,7 @@ void ScriptGuide::learn(const Outcome& outcome) {
 void ScriptGuide::restart() {
   reached_.begin(c_, c_start_);
   learnt_.clear();
-  // Before h was made the first time there was nothing to believe.
+  // Before the first h there was no progress to record.
   if (parent_ == nullptr) return;
   if (sub_ != nullptr) begin_in_s();
   if (!calls_->has(Slot::restart)) return;

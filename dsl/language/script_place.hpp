@@ -6,14 +6,14 @@
 
 namespace trellis::dsl {
 
-/// Where a script lies, and what that gives it.
+/// A script's folder and permissions.
 struct ScriptPlace {
   std::string folder;  ///< the script's; "" the working directory
-  bool trust = false;  ///< it may read files from anywhere
+  bool trust = false;  ///< it may read any file
 };
 
-/// Whether a file lies in one of the folders, going by the words of its path: links in a folder are its owner's affair.
-/// A relative path is one within any folder, unless it leads out of it.
+/// Whether a file lies in one of the folders, by the names in its path: does not resolve links, for which the folder's
+/// owner is responsible. A relative path lies in every folder, unless it leads out of it.
 bool lies_within(const std::string& file, const std::vector<std::string>& folders);
 
 }  // namespace trellis::dsl

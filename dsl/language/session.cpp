@@ -27,7 +27,7 @@ namespace trellis::dsl {
 
 namespace {
 
-/// What is wrong with a script's result is blamed on its last line, where the result is returned.
+/// Errors in a script's result refer to its last line, which returns the result.
 lua::Position last_line(const std::string& text, const std::string& name) {
   auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
   if (text.empty() || !text.ends_with('\n')) ++lines;
@@ -37,7 +37,7 @@ lua::Position last_line(const std::string& text, const std::string& name) {
 lua::State::Options state_options(const SessionOptions& options) {
   lua::State::Options result;
   result.memory = options.memory;
-  if (options.trust) result.longest_string = options.memory;  // files are read into strings
+  if (options.trust) result.longest_string = options.memory;  // a script reads files into strings
   result.stuck = options.stuck;
   if (options.interrupted) {
     result.poll = [interrupted = options.interrupted] {
@@ -47,10 +47,10 @@ lua::State::Options state_options(const SessionOptions& options) {
   return result;
 }
 
-// An instruction takes some 10 ns. The time is for what takes long although its instructions are few.
+// An instruction takes some 10 ns. The time limit applies to work that is slow in few instructions.
 double seconds_for(std::uint64_t instructions) { return std::max(1.0, 6e-8 * static_cast<double>(instructions)); }
 
-/// What one call of a script's function may spend, where loading may spend `instructions`.
+/// Returns the limits of one call of a script's function, if loading may spend `instructions`.
 lua::Limits call_limits(std::uint64_t instructions) {
   constexpr std::uint64_t share = 10;
   const std::uint64_t each = std::max<std::uint64_t>(1, instructions / share);
@@ -129,7 +129,7 @@ void Session::as_script(const std::string& text, const std::string& name, const 
     silent.print = [quiet, print = options.print](const std::string& said) {
       if (!*quiet && print) print(said);
     };
-    // What its scenarios are was written down when it was loaded first.
+    // The first load has already recorded the scenarios.
     if (options.scenarios) silent.scenarios = std::make_shared<ScenarioBook>();
     Session session(folder, silent);
     session.silence(quiet);

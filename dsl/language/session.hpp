@@ -25,61 +25,61 @@ struct Uncalled;
 
 struct SessionOptions {
   std::uint64_t seed = 1;                      ///< of math.random
-  std::size_t memory = std::size_t{1} << 30U;  ///< bytes that the script may hold
-  /// Where `help` in a script puts its text; the standard output by default.
+  std::size_t memory = std::size_t{1} << 30U;  ///< limit of the script's memory, bytes
+  /// Receives the text of `help` in a script; by default the standard output.
   std::function<void(const std::string&)> print = {};
-  /// What it may spend on loading, in instructions of Lua's or work that takes as long; each call of one of its
-  /// functions afterwards a tenth.
+  /// Limit for loading the script, in Lua instructions or equivalent work; each later call of one of its functions may
+  /// spend a tenth.
   std::uint64_t instructions = 1'000'000'000;
   bool trust =
       false;  ///< it reaches all files, processes, the clock and the interpreter: io, os, debug, any scene file
   std::function<bool()> interrupted = {};  ///< polled while it runs; true ends it (Interrupted)
-  /// Called from another thread where a script does not end however it is told; must not return to it.
+  /// Called from another thread if a script does not stop at its limits; must not return.
   std::function<void(const std::string& message)> stuck = {};
-  std::shared_ptr<ScenarioBook> scenarios = {};  ///< what the script's scenarios are written into; none: it has no say
+  std::shared_ptr<ScenarioBook> scenarios = {};  ///< records the script's scenarios; nullptr: scenarios are not allowed
 };
 
 struct Construct;
 
-/// Makes the whole language known to an interpreter. `described` is told of every function that a module of the
-/// standard library defines, as it is loaded; `book` collects the guides and functions that scripts make.
+/// Registers the complete language in an interpreter. Calls `described` for every function of the standard library,
+/// when its module loads; `book` collects the guides and functions of scripts.
 void open_language(lua::Stack& stack, const std::string& folder, const SessionOptions& options,
                    std::function<void(const Construct&)> described = {}, std::shared_ptr<GuideBook> book = {});
 
-/// An interpreter with the whole language. Scripts run in it reach no file but scenes and modules, no process and no
-/// clock, and come to an end. One thread at a time.
+/// An interpreter with the complete language. Scripts in it are sandboxed: they access no file except scenes and
+/// modules, no process and no clock, and terminate at their limits. Only one thread may use it at a time.
 class Session {
  public:
-  /// \param folder  where the script's own modules and scenes are looked for
+  /// \param folder  the folder of the script's modules and scenes
   explicit Session(const std::string& folder, const SessionOptions& options = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Runs a script that returns an experiment, or a strategy with a problem. `name` stands in messages. Throws Error
-  /// with the script's line and, where the script itself threw, a traceback. Functions that the script put into the
-  /// experiment keep the interpreter alive.
+  /// Runs a script that returns an experiment, or a strategy with a problem. Messages call it `name`. Functions of the
+  /// script in the experiment keep the interpreter alive.
+  /// \throws Error with the script's line and, for an error that the script raised, a traceback.
   Program load(const std::string& text, const std::string& name);
-  /// Runs a script that returns a problem, or a list of problems as scenes.load makes it.
+  /// Runs a script that returns a problem, or a list of problems as from scenes.load.
   std::vector<Problem> problems(const std::string& text, const std::string& name);
-  /// The names in a script that was run that nothing has, in functions that were not called too: a message each.
+  /// Returns a message for each undefined name in a script that has run, even in functions without a call.
   std::vector<std::string> unknown_names(const std::string& text, const std::string& name);
-  /// Runs a piece of script and returns the texts of what it returns.
+  /// Runs a piece of script and returns the texts of its results.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
   /// Runs `body` in the interpreter, as lua::State::run does.
   void with(const std::function<void(lua::Stack&)>& body);
-  /// The same within what a script may spend on loading.
+  /// The same with the limits of loading.
   void within_limits(const std::function<void(lua::Stack&)>& body);
 
-  /// Runs a script and hands over what it returned; what is wrong with that is blamed on the script's last line. Its
-  /// own guides are at work in interpreters that load it anew, one for each run.
+  /// Runs a script and passes its results on; errors in these refer to the script's last line. Its guides run in
+  /// separate interpreters, which load it again for each run.
   void run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read);
 
  private:
   [[nodiscard]] lua::Limits loading() const;
-  /// Calls `body` while the guides that are made are those of a script.
+  /// Calls `body`; guides created in it belong to a script.
   void as_script(const std::string& text, const std::string& name, const std::function<void()>& body);
-  /// Has `print` say nothing as long as `quiet` is true.
+  /// Suppresses `print` as long as `quiet` is true.
   void silence(const std::shared_ptr<const bool>& quiet);
 
   std::string folder_;
@@ -88,7 +88,7 @@ class Session {
   std::shared_ptr<lua::State> interpreter_;
 };
 
-/// Reads a script file and runs it in a session of its own.
+/// Reads a script file and runs it in a new session.
 Program load_script(const std::string& path, const SessionOptions& options = {});
 
 }  // namespace trellis::dsl

@@ -37,7 +37,8 @@ class Scanner {
     return text_.substr(std::min(from, text_.size())).starts_with(what);
   }
 
-  /// The number of '=' between the brackets that open a long string at `from`; none without.
+  /// Returns the number of '=' between the brackets that open a long string at `from`; none if there is no such
+  /// bracket.
   [[nodiscard]] std::size_t long_bracket(std::size_t from) const {
     if (!follows("[", from)) return std::string_view::npos;
     std::size_t level = 0;
@@ -66,7 +67,7 @@ class Scanner {
         add(Token::Kind::string, end + 1);
         return;
       } else if (text_[end] == '\n') {
-        break;  // wrong: a string ends on its line
+        break;  // error: a string ends on its line
       }
     }
     const std::size_t line = std::min(text_.find('\n', at_), text_.size());
@@ -83,7 +84,7 @@ class Scanner {
     } else if (digit(c)) {
       std::size_t end = at_;
       while (end < text_.size() && (letter(text_[end]) || digit(text_[end]) || text_[end] == '.')) {
-        // 1..2 is no number, but `1 ..` is what its author meant.
+        // 1..2 is no number, but the author means `1 ..`.
         if (follows("..", end)) break;
         ++end;
       }

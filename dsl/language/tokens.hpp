@@ -8,20 +8,20 @@
 
 namespace trellis::dsl {
 
-/// A piece of a text in Lua.
+/// A token of a Lua text.
 struct Token {
   enum class Kind { name, keyword, number, string, comment, symbol };
 
   Kind kind = Kind::symbol;
-  std::string_view text;    ///< of the text that was given
-  std::size_t begin = 0;    ///< in it
-  bool unfinished = false;  ///< a string or comment that the text does not end
+  std::string_view text;    ///< a part of the given text
+  std::size_t begin = 0;    ///< its offset
+  bool unfinished = false;  ///< a string or comment without an end
 };
 
-/// The pieces of a text, which need not be right: for completions and hints, not for running it.
+/// Splits a text into tokens. The text may be invalid: for completions and hints, not for execution.
 std::vector<Token> tokens(std::string_view text);
 
-/// The names that a text declares local outside of every block.
+/// Returns the names of the local variables outside of every block.
 std::vector<std::string> locals_outside(std::string_view text);
 
 }  // namespace trellis::dsl

@@ -13,18 +13,18 @@
 #include <trellis/scene/scene.hpp>
 #include <trellis/strategy/spec.hpp>
 
-// The types that scripts hold, and how messages call them.
+// The types of Lua values, and their names in messages.
 
 namespace trellis::dsl {
 
-/// A component before its options: the value of the global `rrt`.
+/// A component without options: the value of the global `rrt`.
 struct Constructor {
   const Component* component;
 };
 
 /// An obstacle or a robot's part.
 struct NamedShape {
-  std::string name;  ///< what the script called it, "" without
+  std::string name;  ///< the script's name for it, "" for none
   std::string text;  ///< "box 4 0 6 4.75"
   Shape shape;
 };

@@ -20,7 +20,7 @@ namespace trellis::dsl {
 
 namespace {
 
-/// The name, and beside it the text in lines of a page's width.
+/// Returns the name, and beside it the text in lines of a page's width.
 std::string row(std::string name, std::string_view text) {
   constexpr std::size_t column = 76;
   constexpr std::size_t names = 18;
@@ -39,7 +39,7 @@ std::string row(std::string name, std::string_view text) {
   return rows;
 }
 
-/// What a field takes, and its meaning below.
+/// Returns the values of a field, with its meaning below.
 std::string rows_of(const Field& field) {
   std::string text = field.expects;
   if (field.required) text += "; required";
@@ -62,7 +62,7 @@ std::string section(const char* title, const std::vector<T>& entries) {
 
 bool is_component(const Word& word) { return word.kind < Word::Kind::constructor; }
 
-/// The words of a table, without its name: of a module, or of the robots.
+/// Returns the words of a table, without its name: of a module, or of the robots.
 std::string contents(const std::string& module) {
   std::string text;
   for (const Word& word : words()) {
@@ -144,7 +144,7 @@ std::string text_of(const ObjectType& type) {
   return text;
 }
 
-/// "D at least" is asked for as "d at least", "re-solves" as "resolves".
+/// Maps "D at least" to "d at least" and "re-solves" to "resolves".
 std::string folded(std::string_view name) {
   std::string text;
   for (const char c : name) {
@@ -153,7 +153,7 @@ std::string folded(std::string_view name) {
   return text;
 }
 
-/// The words of reports that are called so; all of them for "report". "" for none.
+/// Returns the terms of reports with this name; all of them for "report". "" for none.
 std::string report_words(const std::string& name) {
   std::string text;
   for (const ReportTerm& term : report_terms()) {

@@ -5,12 +5,12 @@
 
 namespace trellis::dsl {
 
-/// All words of the language with a line each, by kind.
+/// Returns all words of the language with a line each, by kind.
 std::string vocabulary_text();
 
-/// What is known about a word: its summary, arguments, fields and options; of a module what it holds; of a type of
-/// values ("strategy", "trellis.Strategy") what can be done with them. The kind may stand in front: "guide.shrink".
-/// Throws Error with the nearest right word.
+/// Returns the help on a word: its summary, arguments, fields and options; for a module its content; for a type of
+/// values ("strategy", "trellis.Strategy") its operators and members. The kind may precede the word: "guide.shrink".
+/// \throws Error with the nearest valid word.
 std::string help_text(const std::string& name);
 
 }  // namespace trellis::dsl

@@ -86,7 +86,7 @@ Word word_of(const Construct& construct) {
   return word;
 }
 
-/// The comment that a module begins with, without its licence line.
+/// Returns the comment at the beginning of a module, without its licence line.
 std::string head_of(std::string_view module) {
   std::string head;
   while (module.starts_with("--")) {

@@ -180,7 +180,7 @@ Polygon vertices(const Construct& construct, const Arguments& arguments) {
   return polygon;
 }
 
-/// A shape as a value, checked by the very code that checks obstacles.
+/// Converts a shape to a value; uses the same checks as obstacles.
 int shape(Stack& call, const Arguments& arguments, std::string text, Shape shape) {
   NamedShape named{arguments.string("name").value_or(""), std::move(text), std::move(shape)};
   static_cast<void>(World({{0, 0}, {1, 1}}, {{named.text, named.shape}}));
@@ -207,7 +207,7 @@ int make_polygon(Stack& call) {
   return shape(call, arguments, std::move(text), std::move(polygon));
 }
 
-/// Reads the shapes of a list, and of lists in it, in order.
+/// Reads the shapes of a list, and of nested lists, in order.
 class ShapeReader {
  public:
   explicit ShapeReader(std::string owner) : owner_(std::move(owner)) {}
@@ -241,7 +241,7 @@ class ShapeReader {
  private:
   std::string owner_;
   std::vector<NamedShape> shapes_;
-  std::vector<const void*> within_;  // the lists that are being read
+  std::vector<const void*> within_;  // the lists that are currently read
 };
 
 int make_world(Stack& call) {
@@ -295,7 +295,7 @@ int make_rigid(Stack& call) {
   return call.result(Robot::rigid(shapes, rotates(arguments)));
 }
 
-/// What a script may read of a world.
+/// The members of a world that a script may read.
 const std::vector<Field>& world_members() {
   static const std::vector<Field> members = {
       {"bounds", "number[]", "", "xmin, ymin, xmax, ymax of the boundary box, in metres"},
@@ -303,7 +303,7 @@ const std::vector<Field>& world_members() {
   return members;
 }
 
-/// What a script may read of a robot.
+/// The members of a robot that a script may read.
 const std::vector<Field>& robot_members() {
   static const std::vector<Field> members = {
       {"scaled", "fun(self: trellis.Robot, factor: number): trellis.Robot", "",
@@ -313,7 +313,7 @@ const std::vector<Field>& robot_members() {
   return members;
 }
 
-/// The name that was asked for, one of the members'.
+/// Returns the requested name, one of the members'.
 std::string member(Stack& call, const std::vector<Field>& members, const char* what) {
   std::vector<std::string> known;
   known.reserve(members.size());
@@ -337,7 +337,7 @@ int read_world(Stack& call) {
     return 1;
   }
   for (const Obstacle& obstacle : world.obstacles()) {
-    // As it was called before it had a number: "left wall" of "obstacle 3 (left wall)".
+    // The name before the number was added: "left wall" of "obstacle 3 (left wall)".
     const auto open = obstacle.name.find('(');
     const bool numbered = obstacle.name.starts_with("obstacle ") && open != std::string::npos;
     const std::string name = numbered ? obstacle.name.substr(open + 1, obstacle.name.size() - open - 2) : obstacle.name;

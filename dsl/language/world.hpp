@@ -8,13 +8,13 @@
 
 namespace trellis::dsl {
 
-/// Makes box, disc, polygon, world and the robots known.
+/// Registers box, disc, polygon, world and the robots.
 void open_world(lua::Stack& stack);
 
 /// The constructs of this file, for help.
 std::vector<const Construct*> world_constructs();
 
-/// Shapes, worlds and robots, and what can be read of them.
+/// Shapes, worlds and robots, and their readable members.
 struct ObjectType;
 std::vector<ObjectType> world_types();
 

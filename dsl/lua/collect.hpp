@@ -5,7 +5,7 @@
 
 namespace trellis::lua {
 
-/// The __gc of every userdata of ours, and the mark by which they are known. For the sources of this folder only.
+/// The __gc of every userdata of Trellis, which also identifies these. For the sources of this folder only.
 int collect(lua_State* state);
 
 }  // namespace trellis::lua

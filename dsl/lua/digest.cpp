@@ -15,12 +15,12 @@ namespace trellis::lua {
 
 namespace {
 
-/// Reads a value, and what it holds, into a text.
+/// Serialises a value, and the values that it contains, into a text.
 class Reader {
  public:
   Reader(lua_State* state, const std::function<std::string(Value)>& text) : state_(state), text_(text) {}
 
-  /// The value on top of the stack.
+  /// Serialises the value on top of the stack.
   std::string read() {
     constexpr int slots = 6;
     if (++values_ > most_values || lua_checkstack(state_, slots) == 0) return "...";
@@ -61,7 +61,7 @@ class Reader {
     const bool globals = lua_rawequal(state_, at, -1) != 0;
     lua_pop(state_, 1);
     if (globals) return "globals";
-    // In the order of its keys' texts, as that in which Lua has them differs from run to run.
+    // Sort by the keys' texts, because Lua's order differs between runs.
     lua_newtable(state_);
     const int keys = lua_gettop(state_);
     std::vector<std::pair<std::string, lua_Integer>> order;

@@ -9,9 +9,9 @@
 
 namespace trellis::lua {
 
-/// A hash of what a value is: of a function its code and the values that it closes over, of a table its content. The
-/// same in every interpreter. Globals are no part of it.
-/// \param text  what objects are told by
+/// Hashes the content of a value: of a function its code and upvalues, of a table its entries. The result is the same
+/// in every interpreter. Globals are not part of it.
+/// \param text  returns the text that identifies an object
 std::uint64_t digest(Value value, const std::function<std::string(Value)>& text);
 
 }  // namespace trellis::lua

@@ -11,16 +11,16 @@ namespace trellis::lua {
 
 namespace {
 
-// What the compiler made of the text is the one thing that knows which names are global. Lua shows it as the bytes of
-// lua_dump, which are those of its version: this reads 5.4's.
+// Only the compiled code shows which names are global. lua_dump writes it as bytes whose format depends on the version:
+// this source reads that of 5.4.
 static_assert(LUA_VERSION_NUM == 504);
 
 struct Function {
   int line = 0;
   std::vector<std::uint32_t> code;
-  std::vector<std::string> constants;      ///< "" for what is no string
-  std::vector<signed char> steps;          ///< of the lines, from instruction to instruction
-  std::vector<std::pair<int, int>> lines;  ///< instructions whose line is told outright
+  std::vector<std::string> constants;      ///< "" for a constant that is no string
+  std::vector<signed char> steps;          ///< line increments, from instruction to instruction
+  std::vector<std::pair<int, int>> lines;  ///< instructions with an absolute line
   std::vector<std::string> upvalues;
 };
 
@@ -29,7 +29,7 @@ class Reader {
   Reader(std::string_view bytes, std::vector<GlobalUse>& uses) : bytes_(bytes), uses_(uses) {}
 
   void read() {
-    // Signature, version, format, LUAC_DATA, three sizes, an integer and a number to compare by.
+    // Signature, version, format, LUAC_DATA, three sizes, an integer and a number for comparison.
     constexpr std::size_t header = 4 + 1 + 1 + 6 + 3 + sizeof(lua_Integer) + sizeof(lua_Number);
     skip(header);
     skip(1);  // the number of the main chunk's upvalues
@@ -42,13 +42,13 @@ class Reader {
     string();  // the source
     f.line = integer();
     integer();  // the last line
-    skip(3);    // parameters, whether more, registers
+    skip(3);    // parameters, whether variadic, registers
     f.code.resize(count());
     for (auto& instruction : f.code) instruction = plain<std::uint32_t>();
     f.constants.resize(count());
     for (auto& constant : f.constants) constant = read_constant();
-    skip(3 * count());  // where upvalues are
-    // The inner functions come before the names that this one's code needs; their uses come after its own.
+    skip(3 * count());  // descriptions of upvalues
+    // The inner functions precede the names of this function's code; their uses follow its own.
     std::vector<GlobalUse> inner;
     {
       std::vector<GlobalUse> outer = std::move(uses_);

@@ -9,15 +9,15 @@
 
 namespace trellis::lua {
 
-/// A place in a text where a global is read or set by its name.
+/// A position in a text that reads or sets a global by its name.
 struct GlobalUse {
   std::string name;
   int line = 0;
-  bool set = false;  ///< not read
+  bool set = false;  ///< else it is read
 };
 
-/// The uses of globals in a text in Lua, in functions that may never be called too, in order of their functions. Throws
-/// Located for a syntax error. Names beyond the first 255 constants of a function are left out.
+/// Returns the uses of globals in a Lua text, also in functions that are never called, in the order of the functions.
+/// Omits names beyond the first 255 constants of a function. \throws Located for a syntax error.
 std::vector<GlobalUse> global_uses(Stack& stack, std::string_view text, const std::string& chunk);
 
 }  // namespace trellis::lua

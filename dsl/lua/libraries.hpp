@@ -5,8 +5,9 @@
 
 namespace trellis::lua {
 
-// Functions of Lua's library made anew, so that none works without end, or holds on to a script that is to end. Each
-// replaces those of its name in the table on top of the stack. For the sources of this folder only.
+// New implementations of functions of Lua's library that observe the limits: none runs without a bound, and none
+// prevents the end of a script. Each replaces the function of its name in the table on top of the stack. For the
+// sources of this folder only.
 
 /// pcall, xpcall, load, next, pairs, setmetatable, collectgarbage.
 void replace_base(lua_State* state);

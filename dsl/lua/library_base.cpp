@@ -11,11 +11,12 @@ namespace {
 
 // Protected calls ------------------------------------------------------------------------------------------------
 
-/// What pcall and xpcall return: whether the call went well, and what it returned or threw. `first` values below stay.
+/// Returns the results of pcall and xpcall: whether the call succeeded, and its results or error. The `first` values
+/// below stay.
 int finish_protected(lua_State* state, int status, lua_KContext first) {
   Guard::pass_on(state);
   if (status != LUA_OK && status != LUA_YIELD) {
-    // What failed may have worked long before it did, in few instructions.
+    // A failed call may have done much work in few instructions.
     constexpr std::uint64_t failure = 1000;
     Guard::spend(state, failure);
     lua_pushboolean(state, 0);
@@ -33,8 +34,8 @@ int protected_call(lua_State* state) {
   return finish_protected(state, status, 0);
 }
 
-/// A message handler of the script's (upvalue 1), which is not asked about the end of the script: handlers run where
-/// nothing is counted.
+/// A script's message handler (upvalue 1). It does not run at the end of the script, because handlers run without
+/// instruction counts.
 int handle(lua_State* state) {
   if (Guard::ended(state)) return 1;
   lua_settop(state, 1);
@@ -60,7 +61,7 @@ int protected_call_with_handler(lua_State* state) {
 // Tables -----------------------------------------------------------------------------------------------------------
 
 int next(lua_State* state) {
-  // A table that was emptied is long to look through.
+  // A search through an emptied table takes long.
   Guard::spend(state, 1);
   luaL_checktype(state, 1, LUA_TTABLE);
   lua_settop(state, 2);
@@ -96,7 +97,7 @@ int set_metatable(lua_State* state) {
   }
   if (type == LUA_TTABLE) {
     lua_pushliteral(state, "__gc");
-    // Finalisers run where nothing is counted and nothing stops them.
+    // Finalisers run without instruction counts or limits, so scripts may not set them.
     if (lua_rawget(state, 2) != LUA_TNIL) {
       return luaL_error(state,
                         "setmetatable: there are no finalisers (__gc) here; a variable that is to be closed, "
@@ -112,7 +113,7 @@ int set_metatable(lua_State* state) {
 
 int collect_garbage(lua_State* state) {
   constexpr double kibibyte = 1024.0;
-  constexpr std::uint64_t each = 16;  // instructions that the collection of a kibibyte costs
+  constexpr std::uint64_t each = 16;  // instructions for collecting a kibibyte
   const std::string_view what = luaL_optstring(state, 1, "collect");
   const auto used = static_cast<std::uint64_t>(lua_gc(state, LUA_GCCOUNT, 0));
   if (what == "count") {
@@ -127,7 +128,7 @@ int collect_garbage(lua_State* state) {
   return 1;
 }
 
-/// Lua's `load` (upvalue 1) for texts only: bytecode that was tampered with can crash the interpreter.
+/// Lua's `load` (upvalue 1) for texts only: modified bytecode can crash the interpreter.
 int load_text(lua_State* state) {
   constexpr int mode = 3, arguments_without_environment = 3;
   const bool environment = lua_gettop(state) > arguments_without_environment;
@@ -141,7 +142,7 @@ int load_text(lua_State* state) {
   lua_pushvalue(state, lua_upvalueindex(1));
   lua_insert(state, 1);
   lua_call(state, lua_gettop(state) - 1, LUA_MULTRET);
-  Guard::pass_on(state);  // it catches what its reader throws
+  Guard::pass_on(state);  // it catches errors of its reader
   return lua_gettop(state);
 }
 
@@ -171,8 +172,8 @@ lua_State* coroutine_argument(lua_State* state) {
   return coroutine;
 }
 
-/// Resumes a coroutine with the top `count` values; leaves its results, or its error, on top. The number of results, -1
-/// for an error.
+/// Resumes a coroutine with the top `count` values; leaves its results, or its error, on top. \return the number of
+/// results, -1 for an error
 int resume(lua_State* state, lua_State* coroutine, int count) {
   if (lua_checkstack(coroutine, count) == 0) {
     lua_pushliteral(state, "too many arguments to resume");
@@ -216,14 +217,14 @@ int wrapped(lua_State* state) {
   if (results >= 0) return results;
   int status = lua_status(coroutine);
   if (status != LUA_OK && status != LUA_YIELD) {
-    status = lua_resetthread(coroutine);  // closes its variables, which may fail in turn
+    status = lua_resetthread(coroutine);  // closes its variables, which may fail too
     Guard::pass_on(state);
     lua_xmove(coroutine, state, 1);
   }
   if (status != LUA_ERRMEM && lua_type(state, -1) == LUA_TSTRING) {
     luaL_where(state, 1);
     lua_insert(state, -2);
-    // Once is enough where coroutines fail in coroutines.
+    // Add the position once if nested coroutines fail.
     const std::string_view where = lua_tostring(state, -2);
     if (std::string_view(lua_tostring(state, -1)).starts_with(where)) {
       lua_remove(state, -2);

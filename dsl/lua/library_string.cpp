@@ -14,7 +14,7 @@ namespace trellis::lua {
 
 namespace {
 
-constexpr std::size_t bytes_at_once = 16;  // an instruction's time copies as many
+constexpr std::size_t bytes_at_once = 16;  // copied in an instruction's time
 
 std::string_view text_argument(lua_State* state, int i) {
   std::size_t size = 0;
@@ -27,7 +27,7 @@ void check_length(lua_State* state, std::size_t length) {
   luaL_error(state, "resulting string too large: over %d MiB", static_cast<int>(Guard::longest_string(state) >> 20U));
 }
 
-/// A place to begin at, counted from 0, of one that counts from 1, or from the end where negative.
+/// Converts a start position that counts from 1, or from the end if negative, to one from 0.
 std::size_t place_argument(lua_State* state, int i, std::size_t size) {
   const lua_Integer place = luaL_optinteger(state, i, 1);
   if (place > 0) return static_cast<std::size_t>(place) - 1;
@@ -35,7 +35,7 @@ std::size_t place_argument(lua_State* state, int i, std::size_t size) {
   return size - static_cast<std::size_t>(-place);
 }
 
-/// A matcher for a call, whose errors are the call's.
+/// A matcher for a call; its errors become errors of the call.
 class Search {
  public:
   Search(lua_State* state, std::string_view text, std::string_view pattern)
@@ -43,13 +43,13 @@ class Search {
         text_(text),
         matcher_(text, pattern, [state](std::size_t steps) { Guard::spend(state, steps); }) {}
 
-  /// The end of a match at this place.
+  /// Returns the end of a match at this position.
   std::size_t match(std::size_t at) {
     return guarded([&] { return matcher_.match(at); });
   }
   void settle() { matcher_.settle(); }
 
-  /// How many values a match gives: its captures, or all of it.
+  /// Returns the number of values of a match: its captures, or the whole match.
   [[nodiscard]] int values(bool whole) const {
     return matcher_.captures() == 0 && whole ? 1 : static_cast<int>(matcher_.captures());
   }
@@ -74,7 +74,7 @@ class Search {
   }
 
  private:
-  /// Turns an Error into an error of Lua's, once the handler is done with it.
+  /// Converts an Error to a Lua error, after the exception handler has ended.
   template <class Body>
   auto guarded(const Body& body) -> decltype(body()) {
     std::optional<decltype(body())> result;
@@ -106,7 +106,7 @@ int find_or_match(lua_State* state, bool find) {
     Guard::spend(state, (text.size() - begin + pattern.size()) / bytes_at_once);
     const void* found = pattern.empty() ? text.data() + begin
                                         : ::memmem(text.data() + begin, text.size() - begin, pattern.data(),
-                                                   pattern.size());  // linear, whatever the texts
+                                                   pattern.size());  // linear for all texts
     if (found == nullptr) {
       luaL_pushfail(state);
       return 1;
@@ -138,7 +138,7 @@ int find_or_match(lua_State* state, bool find) {
 int find(lua_State* state) { return find_or_match(state, true); }
 int match(lua_State* state) { return find_or_match(state, false); }
 
-/// The next match; upvalues: the text, the pattern, where to go on, where the last match ended (-1 at first).
+/// Returns the next match; upvalues: the text, the pattern, the next position, the end of the last match (-1 at first).
 int next_match(lua_State* state) {
   const auto upvalue = [&](int i) {
     std::size_t size = 0;
@@ -173,7 +173,7 @@ int gmatch(lua_State* state) {
   return 1;
 }
 
-/// What a match is replaced by: appends it, and tells whether it is something else than the match.
+/// Appends the replacement of a match; returns whether it differs from the match.
 class Replacement {
  public:
   explicit Replacement(lua_State* state) : state_(state), type_(lua_type(state, 3)) {

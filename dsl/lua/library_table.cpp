@@ -11,7 +11,7 @@ namespace trellis::lua {
 
 namespace {
 
-/// A table, or what behaves like one as far as these metamethods go.
+/// Checks for a table, or a value with these metamethods.
 void check_table(lua_State* state, int argument, std::initializer_list<const char*> metamethods) {
   if (lua_type(state, argument) == LUA_TTABLE) return;
   for (const char* name : metamethods) {
@@ -20,7 +20,7 @@ void check_table(lua_State* state, int argument, std::initializer_list<const cha
   }
 }
 
-/// Moves the element at `from` to `to`, in the tables at two places of the stack.
+/// Moves the element at `from` to `to`, in the tables at two stack positions.
 void move_element(lua_State* state, int source, lua_Integer from, int target, lua_Integer to) {
   Guard::spend(state, 1);
   lua_geti(state, source, from);
@@ -103,7 +103,7 @@ int concat(lua_State* state) {
     text.append(element, size);
     if (i < last) text.append(separator, between);
     lua_pop(state, 1);
-    constexpr std::size_t bytes = 16;  // an instruction's time copies as many
+    constexpr std::size_t bytes = 16;  // copied in an instruction's time
     Guard::spend(state, 1 + (size + between) / bytes);
     if (i == std::numeric_limits<lua_Integer>::max()) break;
   }
@@ -111,7 +111,7 @@ int concat(lua_State* state) {
   return 1;
 }
 
-/// Sorts the table at 1 by the function at 2, or by `<`, as a heap: whatever the function says, it comes to an end.
+/// Heap sort of the table at 1 by the function at 2, or by `<`: it terminates for every comparison function.
 class Sort {
  public:
   explicit Sort(lua_State* state) : state_(state), size_(luaL_len(state, 1)) {}
@@ -129,7 +129,7 @@ class Sort {
   }
 
  private:
-  /// Whether the value at `a` of the stack comes before that at `b`.
+  /// Whether the value at stack position `a` precedes that at `b`.
   bool less(int a, int b) {
     Guard::spend(state_, 1);
     if (lua_isnil(state_, 2)) return lua_compare(state_, a, b, LUA_OPLT) != 0;
@@ -142,7 +142,7 @@ class Sort {
     return result;
   }
 
-  /// Sinks the element at `root` among the first `count`, in which everything below it is a heap.
+  /// Sifts the element at `root` down among the first `count` elements, which form a heap below it.
   void sink(lua_Integer root, lua_Integer count) {
     const int top = lua_gettop(state_);
     const int sinking = top + 1, child_value = top + 2, other_value = top + 3;

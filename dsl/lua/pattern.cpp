@@ -68,7 +68,7 @@ std::size_t Matcher::end_of_class(std::size_t p) const {
   }
   if (pattern_[p - 1] != '[') return p;
   if (p < pattern_.size() && pattern_[p] == '^') ++p;
-  do {  // a ']' that comes first stands for itself
+  do {  // a ']' in first position is a literal
     if (p == pattern_.size()) throw Error("malformed pattern (missing ']')");
     if (pattern_[p++] == escape) ++p;
     if (p > pattern_.size()) throw Error("malformed pattern (missing ']')");
@@ -76,7 +76,7 @@ std::size_t Matcher::end_of_class(std::size_t p) const {
   return p + 1;
 }
 
-/// Whether a byte is in the set that begins at `p` and ends at `last`, with its brackets.
+/// Whether a byte is in the set between the brackets at `p` and `last`.
 bool Matcher::in_set(unsigned char c, std::size_t p, std::size_t last) const {
   bool found = true;
   if (pattern_[p + 1] == '^') {
@@ -97,7 +97,7 @@ bool Matcher::in_set(unsigned char c, std::size_t p, std::size_t last) const {
   return !found;
 }
 
-/// Whether the byte at a place of the text is what the pattern from `p` to `next` stands for.
+/// Whether the byte at a position of the text matches the pattern from `p` to `next`.
 bool Matcher::single(std::size_t at, std::size_t p, std::size_t next) {
   did(pattern_[p] == '[' ? next - p : 1);
   if (at >= text_.size()) return false;

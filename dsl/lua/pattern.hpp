@@ -8,8 +8,8 @@
 
 namespace trellis::lua {
 
-/// A match of one of Lua's patterns (Lua's manual, 6.4.1) in a text. Patterns can be such that matching them takes
-/// longer than anybody lives: the work is told as it is done, to somebody who may throw.
+/// Matches one of Lua's patterns (Lua's manual, 6.4.1) in a text. Matching can take exponential time, so the matcher
+/// reports its work to a callback, which may throw.
 class Matcher {
  public:
   static constexpr std::size_t most_captures = 32;
@@ -18,28 +18,29 @@ class Matcher {
   struct Capture {
     std::size_t begin = 0;
     std::size_t length = 0;
-    bool place = false;  ///< `()`: it captures where it is, not what is there
+    bool place = false;  ///< `()`: it captures the position, not the text
   };
 
   /// \param pattern  without the anchor
-  /// \param work     called with what was done since it was called last, in steps of some nanoseconds
+  /// \param work     called with the work since its last call, in units of some nanoseconds
   Matcher(std::string_view text, std::string_view pattern, std::function<void(std::size_t)> work);
   ~Matcher() = default;
   Matcher(const Matcher&) = delete;
   Matcher& operator=(const Matcher&) = delete;
 
-  /// Matches at one place of the text: the end of the match, npos without one. Throws Error for a malformed pattern.
+  /// Matches at one position of the text. \return the end of the match, npos without one. \throws Error for a malformed
+  /// pattern.
   std::size_t match(std::size_t at);
-  /// Tells the work that was not told yet.
+  /// Reports the remaining work.
   void settle();
 
   // Of the last match.
   [[nodiscard]] std::size_t captures() const { return count_; }
-  /// Throws Error for a capture that the pattern leaves open.
+  /// \throws Error for an unfinished capture.
   [[nodiscard]] const Capture& capture(std::size_t i) const;
 
  private:
-  static constexpr std::size_t open = npos;  // the length of a capture not closed yet
+  static constexpr std::size_t open = npos;  // the length of an unfinished capture
 
   std::size_t step(std::size_t at, std::size_t p, int depth);
   std::size_t repeat(std::size_t at, std::size_t p, std::size_t next, int depth);
@@ -56,7 +57,7 @@ class Matcher {
   std::string_view text_;
   std::string_view pattern_;
   std::function<void(std::size_t)> work_;
-  std::size_t done_ = 0;  // since work_ was told
+  std::size_t done_ = 0;  // since the last report
   std::size_t count_ = 0;
   std::array<Capture, most_captures> captures_;
 };

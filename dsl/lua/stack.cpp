@@ -16,7 +16,7 @@ struct TypeName<Callback> {
 };
 
 int collect(lua_State* state) {
-  // Reset, not destroyed: a finaliser of the script's may still meet the object.
+  // Reset, not destroy: a finaliser of the script may still access the object.
   static_cast<std::unique_ptr<Object>*>(lua_touserdata(state, 1))->reset();
   return 0;
 }
@@ -146,7 +146,7 @@ void Stack::call(int arguments) { lua_call(state_, arguments, LUA_MULTRET); }
 
 void Stack::push_object(std::unique_ptr<Object> object, const char* type) {
   room(state_, 3);
-  // What lies behind it weighs on the script's memory as if Lua held it, and has Lua collect garbage in time.
+  // The object's size counts in the script's memory as if Lua had allocated it, so that Lua collects garbage in time.
   void* block = lua_newuserdatauv(state_, sizeof object + object->weight(), 0);
   new (block) std::unique_ptr<Object>(std::move(object));
   if (luaL_newmetatable(state_, type) != 0) {
@@ -162,7 +162,7 @@ void Stack::declare(const char* type, const Metamethods& metamethods) {
   const Value table = top();
   lua_pushcfunction(state_, collect);
   set_field(table, "__gc");
-  // What getmetatable answers; the metatable itself stays out of the script's reach.
+  // The result of getmetatable; scripts cannot access the metatable itself.
   push(type);
   set_field(table, "__metatable");
   for (const auto& [name, callback] : metamethods) {

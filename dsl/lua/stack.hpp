@@ -19,20 +19,20 @@ namespace trellis::lua {
 
 class Stack;
 
-/// A C++ function that a script can call: reads its arguments, pushes its results and returns their number. What it
-/// throws becomes a Lua error: an Error with the script's position in front; any other exception also ends the whole
-/// script, whatever the script catches, and is thrown again where State::run was called.
+/// A C++ function that a script can call: reads its arguments, pushes its results and returns their number. An
+/// exception becomes a Lua error: an Error with the script's position as a prefix. Any other exception also ends the
+/// script, even if the script catches it, and State::run throws it again.
 using Callback = std::function<int(Stack&)>;
 
 using Metamethods = std::vector<std::pair<std::string, Callback>>;
 
-/// An Error whose message already says where.
+/// An Error whose message already contains the position.
 class Located : public Error {
  public:
   using Error::Error;
 };
 
-/// Where a script is.
+/// A position in a script.
 struct Position {
   std::string script;
   int line = 0;
@@ -41,23 +41,23 @@ struct Position {
   [[nodiscard]] std::string prefix() const;
 };
 
-/// The view that one call has of Lua: its arguments, and a place to push results on. What is pushed goes when the call
-/// returns, except the results.
+/// The view of Lua in one call: its arguments, and a stack for results. At the return of the call, Lua drops all pushed
+/// values except the results.
 class Stack {
  public:
   explicit Stack(lua_State* state);
 
   /// How many arguments there are.
   [[nodiscard]] int count() const { return count_; }
-  /// Argument i, counted from 1; of type `none` beyond the last.
+  /// Returns argument i, counted from 1; of type `none` beyond the last.
   [[nodiscard]] Value operator[](int i) const;
   [[nodiscard]] Value top() const;
-  /// How many values there are, arguments included.
+  /// Returns the number of values, arguments included.
   [[nodiscard]] int size() const;
   /// Drops all values above the first `size`.
   void resize(int size);
 
-  /// The line of the user's script that led here: the innermost frame that is not of the standard library.
+  /// Returns the line of the user's script: that of the innermost frame outside of the standard library.
   [[nodiscard]] std::optional<Position> where() const;
 
   void push_nil();
@@ -69,40 +69,40 @@ class Stack {
   void push(const std::string& value) { push(std::string_view(value)); }
   void push(Value value);
   void push_function(Callback callback);
-  /// An object of a type that was declared.
+  /// Pushes an object of a declared type.
   template <class T>
   void push_object(T value) {
     push_object(std::make_unique<Boxed<T>>(std::move(value)), TypeName<T>::value);
   }
   Value push_table();
 
-  /// Takes the top value off and puts it at the end of the table.
+  /// Pops the top value and appends it to the table.
   void append(Value table);
-  /// Takes the top value off and sets the table's field.
+  /// Pops the top value and sets the table's field.
   void set_field(Value table, const std::string& name);
   /// Sets an element of the table.
   void set_index(Value table, std::size_t i, double value);
   void set_global(const std::string& name);
-  /// Pushes a global, nil where there is none; asks no metamethod.
+  /// Pushes a global, nil for a missing one; calls no metamethod.
   Value push_global(const std::string& name);
   /// Pushes the table of globals.
   Value push_globals();
 
-  /// Pushes a table of that name that scripts do not reach, the same one each time.
+  /// Pushes the table of that name that scripts cannot access, the same one in each call.
   Value push_hidden(const std::string& name);
 
-  /// Pushes the function that a text in Lua stands for. `chunk` is "@path" for a user's file, "=name" otherwise.
-  /// Throws Located for a syntax error.
+  /// Compiles a Lua text and pushes its function. `chunk` is "@path" for a user's file, "=name" otherwise. \throws
+  /// Located for a syntax error.
   void load(std::string_view text, const std::string& chunk);
-  /// Calls the function below the top `arguments` values with these; leaves the results, all of them.
+  /// Calls the function below the top `arguments` values with these; leaves all results.
   void call(int arguments);
 
-  /// Makes a type known. Each type once, before the first object.
+  /// Declares a type. Call it once per type, before the first object.
   template <class T>
   void declare(const Metamethods& metamethods) {
     declare(TypeName<T>::value, metamethods);
   }
-  /// Gives a table a metatable out of the script's reach: `missing` is called with the table and a key that it lacks.
+  /// Gives a table a metatable that scripts cannot access: calls `missing` with the table and a missing key.
   void on_missing(Value table, Callback missing);
 
   // One result.

@@ -17,8 +17,8 @@ namespace trellis::lua {
 
 namespace {
 
-/// A message with a traceback, less the frames that tell a reader nothing: of whoever called the script, of `error`
-/// itself, and of the script's main chunk where that is all there is and the message has its line already.
+/// Formats a message with a traceback. Removes frames without information: those of the script's caller, of `error`
+/// itself, and of the script's main chunk if it is the only frame and the message already has its line.
 std::string tidy(const std::string& message) {
   constexpr std::string_view head = "\nstack traceback:";
   const auto begin = message.rfind(head);
@@ -43,7 +43,7 @@ std::string tidy(const std::string& message) {
   return text + std::string(head) + frames;
 }
 
-/// Of a thread, by its clock; 0 where that is gone.
+/// Returns the time of a thread's processor clock; 0 if the thread has ended.
 double processor_seconds(clockid_t clock) {
   timespec time{};
   if (::clock_gettime(clock, &time) != 0) return 0.0;
@@ -51,7 +51,7 @@ double processor_seconds(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + nano * static_cast<double>(time.tv_nsec);
 }
 
-constexpr int hook_interval = 100;  // instructions of Lua's from one look at the limits to the next
+constexpr int hook_interval = 100;  // Lua instructions between two checks of the limits
 
 int run_body(lua_State* state) {
   const auto* body = static_cast<const std::function<void(Stack&)>*>(lua_touserdata(state, 1));
@@ -65,9 +65,9 @@ int run_body(lua_State* state) {
 }  // namespace
 
 int Guard::run(lua_State* state, const Callback& body) {
-  // Raising is left until the handlers are done: Lua raises by an exception of its own, and the message is destroyed
-  // as it passes. That exception is no std::exception and meets no handler here.
-  constexpr std::uint64_t least = 50;  // what a call across the border costs at the least, in instructions
+  // Raise after the handlers have ended: Lua raises with its own exception type, and unwinding destroys the message.
+  // That exception is no std::exception, so no handler here catches it.
+  constexpr std::uint64_t least = 50;  // minimal cost of a call between Lua and C++, in instructions
   spend(state, least);
   std::string message;
   try {
@@ -116,7 +116,7 @@ State::State(Options options)
   state_ = lua_newstate(&State::allocate, &budget_);
   if (state_ == nullptr) throw Error(out_of_memory());
   *static_cast<State**>(lua_getextraspace(state_)) = this;
-  // Coroutines inherit the hook of what makes them.
+  // Coroutines inherit the hook of their creator.
   lua_sethook(state_, &State::count, LUA_MASKCOUNT, hook_interval);
   if (options_.stuck) watchdog_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
@@ -128,7 +128,8 @@ State& State::of(lua_State* state) { return **static_cast<State**>(lua_getextras
 void* State::allocate(void* budget, void* block, std::size_t old_size, std::size_t new_size) {
   auto& [used, limit, longest_string, string_refused] = *static_cast<Budget*>(budget);
   if (block == nullptr) {
-    string_refused = old_size == LUA_TSTRING && new_size > longest_string;  // Lua says there what the block is for
+    string_refused =
+        old_size == LUA_TSTRING && new_size > longest_string;  // for new blocks Lua passes their type in old_size
     if (string_refused) return nullptr;
     old_size = 0;
   }
@@ -150,7 +151,7 @@ void State::count(lua_State* state, lua_Debug* frame) {
   self.work_.spent += static_cast<std::uint64_t>(interval);
   const auto before = self.work_.looked;
   self.look_around(state);
-  // Where instructions are slow the next look comes sooner.
+  // If instructions are slow, check sooner.
   constexpr auto slow = std::chrono::milliseconds(10), quick = std::chrono::milliseconds(1);
   const auto took = self.work_.looked - before;
   const int next = took > slow ? std::max(1, interval / 10) : took < quick ? hook_interval : interval;
@@ -169,7 +170,7 @@ void State::spend(lua_State* state, std::uint64_t instructions) {
 void State::look_around(lua_State* state) {
   work_.calls = 0;
   if (work_.ended) unwind(state);
-  if (work_.limits == nullptr) return;  // nobody runs it: it is closing
+  if (work_.limits == nullptr) return;  // no run: the state is closing
   work_.looked = Clock::now();
   if (work_.spent > work_.limits->instructions) {
     end(state, fmt::format("{} has spent {} instructions and comes to no end{}", work_.limits->subject,
@@ -191,8 +192,8 @@ void State::look_around(lua_State* state) {
 }
 
 bool State::worked_too_long() {
-  // Time is the processor's: a script is not blamed for what else a machine does. Asking for it costs more than the
-  // clock on the wall, so that one is asked first.
+  // The limit is processor time: other load on the machine does not count. Reading it costs more than the wall clock,
+  // so read that first.
   constexpr double noticed = 0.01;
   const double passed = std::chrono::duration<double>(work_.looked - work_.begin).count();
   if (passed < noticed) return false;
@@ -212,10 +213,10 @@ void State::end(lua_State* state, const std::string& why) {
 }
 
 void State::unwind(lua_State* state) {
-  // In a hook the stack is the hooked function's own: what is on it stays.
+  // In a hook, the stack is the hooked function's: its values stay.
   if (lua_checkstack(state, 1) != 0) lua_pushboolean(state, 0);
   lua_error(state);
-  std::abort();  // lua_error does not return, but does not say so
+  std::abort();  // unreachable: lua_error does not return, but is not declared noreturn
 }
 
 std::string State::out_of_memory() const {
@@ -228,7 +229,7 @@ std::string State::out_of_memory() const {
 
 void State::watch(const std::stop_token& stop) {
   constexpr auto interval = std::chrono::milliseconds(100);
-  constexpr double grace = 5.0;  // seconds beyond the limit, for what is slow to end
+  constexpr double grace = 5.0;  // seconds beyond the limit, for a slow end
   std::condition_variable_any asleep;
   std::unique_lock lock(watching_);
   std::uint64_t seen = 0;
@@ -246,7 +247,7 @@ void State::watch(const std::stop_token& stop) {
 }
 
 void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
-  constexpr std::size_t longest_line = 1000;  // the first one's, before what is quoted in it is cut
+  constexpr std::size_t longest_line = 1000;  // longer first lines are cut
   if (lua_checkstack(state_, 3) == 0) throw Error(out_of_memory());
   Work outer = std::exchange(work_, Work());
   work_.limits = &limits;
@@ -262,7 +263,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
     watch();
   }
   const int before = lua_gettop(state_);
-  // None of these three allocates, so none can fail outside of protection.
+  // None of these three calls allocates, so none can fail outside of a protected call.
   lua_pushcfunction(state_, Guard::explain);
   lua_pushcfunction(state_, run_body);
   lua_pushlightuserdata(state_, const_cast<std::function<void(Stack&)>*>(&body));  // NOLINT: only called
@@ -301,8 +302,8 @@ Reference::Reference(const Stack& stack, Value value) : interpreter_(State::of(s
 }
 
 Reference::~Reference() {
-  // Frees a place of the registry, which allocates nothing and so cannot fail. Where the interpreter is on its way out
-  // already, so is the registry.
+  // Frees a slot of the registry; this allocates nothing and so cannot fail. If the interpreter is being destroyed, so
+  // is the registry.
   if (const auto interpreter = interpreter_.lock()) luaL_unref(interpreter->state_, LUA_REGISTRYINDEX, key_);
 }
 

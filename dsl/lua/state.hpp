@@ -21,23 +21,23 @@ struct lua_Debug;
 
 namespace trellis::lua {
 
-/// What one run of a script may spend. Instructions are counted alike on every machine, and what takes long in one
-/// instruction counts as many; the time is there for what is slow all the same.
+/// The limits of one run of a script. The count of instructions is the same on every machine, and an instruction with
+/// much work counts as many. The time limit applies to other slow work.
 struct Limits {
   std::uint64_t instructions = std::numeric_limits<std::uint64_t>::max();
   double seconds = std::numeric_limits<double>::infinity();  ///< of the processor's time
-  std::string subject = "the script";                        ///< what messages say has spent them
-  std::string advice;                                        ///< what to do about it
+  std::string subject = "the script";                        ///< the subject of the messages
+  std::string advice;                                        ///< advice in the messages
 };
 
-/// A Lua interpreter with limits on its memory and its work. One thread at a time. Lives in a shared pointer where
-/// references to its values are kept.
+/// A Lua interpreter with limits on its memory and its work. Only one thread may use it at a time. Must be in a shared
+/// pointer if References to its values exist.
 class State : public std::enable_shared_from_this<State> {
  public:
   struct Options {
-    std::size_t memory = std::size_t{1} << 30U;                  ///< bytes that Lua may hold
-    std::size_t longest_string = std::size_t{4} << 20U;          ///< bytes: many operations go through all of one
-    std::function<void()> poll = {};                             ///< asked now and then; what it throws ends the script
+    std::size_t memory = std::size_t{1} << 30U;          ///< limit of Lua's memory, bytes
+    std::size_t longest_string = std::size_t{4} << 20U;  ///< bytes: many operations process a complete string
+    std::function<void()> poll = {};                     ///< called regularly; an exception from it ends the script
     std::function<void(const std::string& message)> stuck = {};  ///< called from another thread: see `run`
   };
   explicit State(Options options);
@@ -45,12 +45,11 @@ class State : public std::enable_shared_from_this<State> {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// Runs `body` so that a Lua error inside becomes an Error: as it is where Trellis raised it, with a traceback where
-  /// the script did. Exceptions that are no Error, thrown by `body`, by a callback or by Options::poll, come out as
-  /// they are. A script that has spent its limits is ended, whatever it catches. Where even that does not stop it,
-  /// Options::stuck is called, which must not return to it. May be called within a call of itself, on the same thread:
-  /// what the inner run spends is counted by itself, against its own limits.
-  /// \param limits  outlive the call
+  /// Runs `body`; a Lua error in it becomes an Error: unchanged if Trellis raised it, with a traceback if the script
+  /// did. Exceptions of other types, from `body`, a callback or Options::poll, pass through. Ends a script that has
+  /// reached its limits, even if it catches the error. If the script still does not stop, calls Options::stuck, which
+  /// must not return. `body` may call run() again on the same thread: the inner run has its own counts and limits.
+  /// \param limits  must outlive the call
   void run(const std::function<void(Stack&)>& body, const Limits& limits = {});
 
  private:
@@ -62,7 +61,7 @@ class State : public std::enable_shared_from_this<State> {
     std::size_t used = 0;
     std::size_t limit = 0;
     std::size_t longest_string = 0;
-    bool string_refused = false;  ///< what was refused last was a string too long
+    bool string_refused = false;  ///< the last refused block was a string that is too long
   };
   static void* allocate(void* budget, void* block, std::size_t old_size, std::size_t new_size);
   static State& of(lua_State* state);
@@ -76,18 +75,18 @@ class State : public std::enable_shared_from_this<State> {
   [[nodiscard]] std::string out_of_memory() const;
   void watch(const std::stop_token& stop);
 
-  /// One run.
+  /// The state of one run.
   struct Work {
     const Limits* limits = nullptr;
-    std::exception_ptr fault;  ///< what a callback threw that is no Error; scripts cannot catch it for good
-    std::string raised;        ///< the last message of ours; it needs no traceback
+    std::exception_ptr fault;  ///< an exception from a callback that is no Error; scripts cannot suppress it
+    std::string raised;        ///< Trellis' last message; it needs no traceback
     std::uint64_t spent = 0;   ///< instructions
-    unsigned calls = 0;        ///< of `spend` since the clock was looked at
+    unsigned calls = 0;        ///< calls of `spend` since the last clock check
     Clock::time_point begin;
-    Clock::time_point looked;  ///< when the clock was looked at last
-    bool ended = false;        ///< the script is being ended: nothing it does stops that
+    Clock::time_point looked;  ///< time of the last clock check
+    bool ended = false;        ///< the script is being ended and cannot prevent it
     std::string ended_by;      ///< the message of that
-    double begin_cpu = -1.0;   ///< processor time when this run was seen to last; negative before
+    double begin_cpu = -1.0;   ///< processor time when the watchdog first saw this run; negative before
     std::uint64_t number = 0;  ///< of the run, for the watchdog
   };
 
@@ -97,15 +96,15 @@ class State : public std::enable_shared_from_this<State> {
   Work work_;  ///< the innermost run
   // For the watchdog:
   std::uint64_t runs_ = 0;
-  std::atomic<std::uint64_t> at_work_ = 0;  ///< the run that is at work; 0: none
+  std::atomic<std::uint64_t> at_work_ = 0;  ///< the number of the active run; 0: none
   std::atomic<double> watched_seconds_ = 0.0;
-  std::atomic<clockid_t> clock_ = 0;  ///< of the processor time of the thread that runs it
-  std::mutex watching_;               ///< held by the watchdog but while it sleeps
+  std::atomic<clockid_t> clock_ = 0;  ///< processor clock of its thread
+  std::mutex watching_;               ///< the watchdog locks it except while it sleeps
   std::jthread watchdog_;
 };
 
-/// A value that C++ keeps beyond the call that it came in. It does not keep the interpreter, which may well hold what
-/// holds the reference.
+/// A reference to a Lua value that outlives the call. It does not keep the interpreter alive, because the interpreter
+/// may own the owner of the reference.
 class Reference {
  public:
   Reference(const Stack& stack, Value value);
@@ -113,9 +112,9 @@ class Reference {
   Reference(const Reference&) = delete;
   Reference& operator=(const Reference&) = delete;
 
-  /// Pushes the value. Of a call of the same interpreter only.
+  /// Pushes the value. Only in a call of the same interpreter.
   void push(Stack& stack) const;
-  /// nullptr once it is gone.
+  /// Returns nullptr after the interpreter's end.
   [[nodiscard]] std::shared_ptr<State> interpreter() const { return interpreter_.lock(); }
 
  private:
@@ -123,9 +122,9 @@ class Reference {
   int key_ = -2;  // in Lua's registry; LUA_NOREF at first
 };
 
-/// Opens the parts of Lua's own library that can do no harm: base, table, string, math, utf8, coroutine; no files,
-/// processes, bytecode, modules or debugging. What could work without end in one call counts its work.
-/// \param trust  io, os and debug too
+/// Opens the safe parts of Lua's library: base, table, string, math, utf8, coroutine; no files, processes, bytecode,
+/// modules or debugging. Functions without a bound on their work in one call count it.
+/// \param trust  opens io, os and debug too
 void open_libraries(Stack& stack, bool trust = false);
 
 }  // namespace trellis::lua

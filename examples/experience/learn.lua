@@ -1,12 +1,12 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- What is learnt before: two ways in a world with two walls, whose paths go into a library of solved problems.
+-- The training runs: two paths in a world with two walls, which go into a library of solved problems.
 --
 --   trellis run examples/experience/learn.lua --learn examples/experience/paths.db
 --   trellis experience examples/experience/paths.db
 --   trellis run examples/experience/use.lua
 --
--- `--learn` adds the paths that were found to the library, which is made where there is none. Of the ten runs only
--- those add one whose path differs from all that are there. use.lua goes by them.
+-- `--learn` adds the paths of the runs to the library, and creates a missing file. Of the ten runs, only those whose
+-- path differs from all stored paths add one. use.lua uses the library.
 
 local walls = require "walls"
 local arm = robot.rectangle(0.6, 0.2)

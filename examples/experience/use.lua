@@ -1,15 +1,15 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- What was learnt in one world guides in others: Lightning. Run learn.lua first; it says how.
+-- Paths from one world guide in other worlds: Lightning. Run learn.lua first; its comment shows how.
 --
 --   trellis run examples/experience/use.lua
 --
--- Nobody went from the left to the right yet. `experience` takes the stored paths whose ends are nearest, joins them
--- where they come near each other, and goes the way that the present world violates least: from the left to the middle
--- by one path, and on to the right by another. Its points are proposed one after the other; where the way is blocked,
--- what is near it.
+-- No stored path leads from the left to the right. `experience` takes the stored paths with the nearest ends, connects
+-- them where they come near each other, and follows the path with the fewest violations in the present world: from the
+-- left to the middle on one path, and on to the right on another. It proposes the points of the path one after another;
+-- where the path is blocked, it proposes points nearby.
 --
--- The second world has a box in each of the rooms, in the way of what was learnt. In the third the gaps are elsewhere,
--- so the library misleads: what it costs to follow it there is in the row of the root.
+-- The second world has a box in each of the rooms, on the stored paths. In the third the gaps are elsewhere, so the
+-- library misleads: the row of the root shows the cost of following it.
 
 local walls = require "walls"
 local arm = robot.rectangle(0.6, 0.2)

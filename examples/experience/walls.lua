@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- The worlds of learn.lua and use.lua: two walls with a narrow gap each, and what else is put into them.
+-- The worlds of learn.lua and use.lua: two walls with a narrow gap each, and further obstacles.
 
 return function(...)
   return world {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ompl_samples FOLDER: plans with OMPL's RRT, with and without a guide, and leaves in FOLDER what `trellis measure`
-// reads. docs/tutorials/measure.md goes through it. It knows nothing of Trellis: a program of one's own records the
-// same way.
+// ompl_samples FOLDER: plans with OMPL's RRT, with and without a guide, and writes the input of `trellis measure` to
+// FOLDER. docs/tutorials/measure.md describes it. It does not use Trellis: other programs can record their samples in
+// the same format.
 //
 // For each planner (rrt, guided) and seed: PLANNER-SEED-tree.csv, the nodes of the tree; PLANNER-SEED-proposals.csv,
 // the states that the tree was asked to grow towards; and of each two cases, against the run's own path (-own.json) and
@@ -64,7 +64,7 @@ struct Box {
   double xmin, ymin, xmax, ymax;
 };
 
-// scenes.trap of Trellis: four gaps too narrow for the robot, two dead ends, and one way through, at y = 9.
+// scenes.trap of Trellis: four gaps too narrow for the robot, two dead ends, and one wide passage, at y = 9.
 constexpr auto obstacles = std::to_array<Box>({{4.5, 0, 5.5, 1.925},
                                                {4.5, 2.075, 5.5, 3.325},
                                                {4.5, 3.475, 5.5, 4.525},
@@ -114,7 +114,7 @@ bool disc_fits(double x, double y) {
 // What is recorded
 // ---------------------------------------------------------------------------------------------------------------
 
-/// Passes on what another sampler draws, and notes it. RRT calls `sampleUniform` only.
+/// Forwards to another sampler and records its samples. RRT calls `sampleUniform` only.
 class RecordingSampler final : public ob::StateSampler {
  public:
   RecordingSampler(const ob::StateSpace* space, ob::StateSamplerPtr inner, Poses& drawn)
@@ -155,13 +155,13 @@ class RecordingGoal final : public ob::GoalState {
 // Planning
 // ---------------------------------------------------------------------------------------------------------------
 
-/// The shortened path of an RRT; what it drew goes to `drawn` where the sampler and the goal note it.
+/// Returns the shortcut path of an RRT; `drawn` receives the samples that the sampler and the goal record.
 og::PathGeometric solve(const std::shared_ptr<og::RRT>& planner, const ob::ProblemDefinitionPtr& problem) {
   planner->setRange(step);
   planner->setGoalBias(goal_bias);
   planner->setProblemDefinition(problem);
   planner->setup();
-  // A limit in seconds would not repeat.
+  // A time limit would not be reproducible.
   ob::IterationTerminationCondition limit(iteration_limit);
   if (planner->solve(limit) != ob::PlannerStatus::EXACT_SOLUTION) {
     throw std::runtime_error("no path within the limit of iterations");
@@ -243,7 +243,7 @@ struct Run {
 };
 
 Run plan(bool guided, std::uint_fast32_t seed) {
-  // A run repeats if all that draws random numbers is made after this.
+  // A run is reproducible if all random generators are created after this.
   ompl::RNG::setSeed(seed);
   Run run;
   const auto space = std::make_shared<ob::SE2StateSpace>();

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A world that others made: the circle world of OMPL's tests, a point among discs, with its 100 queries.
+-- A benchmark world: the circle world of OMPL's tests, a point among discs, with its 100 queries.
 --
 --   trellis run examples/real/circles.lua --jobs 2
 --
--- The file is looked for beside this script and then in the folder of scenes (TRELLIS_SCENES). Each query is a problem,
--- so the table at the end compares the strategies over all of them.
+-- Trellis searches for the file beside this script and then in the folder of scenes (TRELLIS_SCENES). Each query is a
+-- problem, so the table at the end compares the strategies over all of them.
 
 local queries = scenes.load "ompl_tests/circle_obstacles.txt"
 

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Scenes of dynobench, driven: unicycles of first and second order and a car with a trailer, by the motion models that
--- the files name. dynobench_geometry.lua beside this plans for their shapes alone. The unicycle of unicycle1_v1/kink_0
--- can neither stop nor go back, and has to turn about in a pocket: along curves it gets out, under random controls not.
+-- Kinodynamic planning in scenes of dynobench: unicycles of first and second order and a car with a trailer, with the
+-- motion models that the files name. dynobench_geometry.lua beside this plans for the geometry only. The unicycle of
+-- unicycle1_v1/kink_0 can neither stop nor reverse, and has to turn in a pocket: curves succeed, random controls fail.
 --
 --   trellis run examples/real/dynobench.lua --jobs 2
 
@@ -16,7 +16,7 @@ local names = {
 
 local problems = {}
 for _, name in ipairs(names) do
-  -- A file may hold several problems: what is loaded is a list, and lists in the list are opened.
+  -- A file may contain several problems: load returns a list, and lists in the list are flattened.
   problems[#problems + 1] = scenes.load("dynobench/" .. name .. ".yaml")
 end
 

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Scenes of dynobench: unicycles, a car with a trailer and a planar rotorcraft among boxes. Their geometry is planned
--- here; dynobench.lua beside this drives them.
+-- Scenes of dynobench: unicycles, a car with a trailer and a planar rotorcraft among boxes. This script plans for their
+-- geometry; dynobench.lua beside it plans with their motion models.
 --
 --   trellis run examples/real/dynobench_geometry.lua --jobs 2
 
@@ -17,7 +17,7 @@ local names = {
 
 local problems = {}
 for _, name in ipairs(names) do
-  -- A file may hold several problems: what is loaded is a list, and lists in the list are opened.
+  -- A file may contain several problems: load returns a list, and lists in the list are flattened.
   problems[#problems + 1] = scenes.load("dynobench/" .. name .. ".yaml", { motion = false })
 end
 

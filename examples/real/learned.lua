@@ -1,13 +1,13 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- A heuristic learnt of other worlds: where ways that are nearly the shortest lead, of what can be seen without search.
+-- A heuristic learnt from other worlds: it predicts near-optimal paths from features that need no search.
 --
 --   trellis train --data SCENES/mp_datasets --family gaps_and_forest --out examples/real/gaps_and_forest.model
 --   trellis run examples/real/learned.lua
 --
--- SCENES is the folder of scenes made by others. Training shows a random forest cells of the family's 60 worlds and the
--- answers of an oracle that searches each world exactly; it prints what the model is worth on the worlds of the
--- validation split, which it was not shown. The script runs on worlds of that split: three of the family, and three of
--- another one, where the model says what it learnt elsewhere.
+-- SCENES is the folder of benchmark scenes. Training uses cells of the family's 60 worlds and the
+-- results of an oracle that searches each world exactly; it prints the model's performance on the worlds of the
+-- validation split, which are not in the training data. The script runs on worlds of that split: three of the family,
+-- and three of another one, to which the model does not apply.
 
 local problems = {}
 for _, family in ipairs { "gaps_and_forest", "single_bugtrap" } do

@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Planar arms that others made: those of SBPL, with 6 and 20 links, on grids of cells.
+-- Planar arms of SBPL's benchmarks, with 6 and 20 links, on grids of cells.
 --
 --   trellis run examples/real/sbpl.lua --jobs 2
 --
--- The goal of each is a cell for the end of the last link: ten configurations that reach it are found, by inverse
--- kinematics, when the file is read, and any of them will do. Links that are no neighbours must not meet.
+-- The goal of each is a cell for the end of the last link: when Trellis reads the file, inverse kinematics computes ten
+-- configurations in it, each of which is a goal. Links that are not neighbours must not touch.
 
 local problems = {}
 for _, name in ipairs { "env1_6d", "env3_6d", "env1_20d" } do

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What it costs that a strategy is written in Lua: the nested strategy of the first example, written once as a script
-// and once through the C++ interface, executed in turns on the same problem and seeds.
+// Measures the overhead of a strategy in Lua: runs the nested strategy of the first example, once from a script
+// and once through the C++ interface, alternately on the same problem and seeds.
 //
 //   bench_authoring [ROUNDS]
 //
-// The two specs are the same value, so the same code runs; what is left is the time to load the script.
+// The two specs are equal, so the same code runs; the difference is the time to load the script.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
     load.push_back(cpu_seconds() - begin);
     const auto& problem = program.experiment.problems.front();
     const auto& authored = program.experiment.strategies.front().second;
-    // Whichever runs first finds a colder cache, so they take turns at that too.
+    // The first of the two has a colder cache, so alternate the order too.
     const bool lua_first = i % 2 == 0;
     const double a = execute_all(lua_first ? authored : built, problem);
     const double b = execute_all(lua_first ? built : authored, problem);

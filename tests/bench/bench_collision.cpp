@@ -25,7 +25,7 @@ constexpr std::size_t queries = 4096;
 
 std::shared_ptr<const Scene> random_scene(std::size_t obstacles) {
   Stream stream(1, "bench", "scene");
-  // The area that 20 obstacles cover is kept, so that more of them are smaller.
+  // The area of 20 obstacles stays constant, so that more obstacles are smaller.
   const double scale = std::sqrt(20.0 / static_cast<double>(obstacles));
   std::vector<Obstacle> boxes;
   for (std::size_t i = 0; i < obstacles; ++i) {
@@ -90,7 +90,7 @@ void states(benchmark::State& state, const std::string& backend) {
   state.counters["valid"] = static_cast<double>(valid) / static_cast<double>(i);
 }
 
-/// `from_valid`: only motions that start at a valid configuration, as a planner asks for.
+/// `from_valid`: only motions from a valid configuration, as a planner checks them.
 void edges(benchmark::State& state, const std::string& backend, bool from_valid) {
   const Queries q;
   const auto checker = make(backend, static_cast<std::size_t>(state.range(0)), q.space);

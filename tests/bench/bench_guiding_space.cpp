@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What it costs that a guide is written in Lua: built-in guides and the same written by guiding_space, executed in
-// turns on the same problems and seeds, per proposal over all levels.
+// Measures the overhead of a guide in Lua: runs built-in guides and the same guides by guiding_space, alternately
+// on the same problems and seeds, per proposal over all levels.
 //
 //   bench_guiding_space [ROUNDS]
 //
-// Loading the script anew, which each run does, is part of it; what that takes is shown beside, as `check` does it,
-// which makes a run's levels without searching.
+// The result includes loading the script, which each run does; the benchmark also prints that time, as `check` has it,
+// which creates a run's levels without searching.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -80,7 +80,7 @@ Cost execute_all(const StrategySpec& strategy, const Problem& problem) {
       const RunRecord run = execute(strategy, problem, seed);
       for (const auto& level : run.levels) cost.proposals += static_cast<double>(level.search.proposals.size());
     }
-    // What a run holds is given back by now, its interpreter too.
+    // The run has released its memory by now, its interpreter too.
     cost.seconds += cpu_seconds() - made;
   }
   return cost;

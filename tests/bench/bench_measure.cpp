@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seconds to score N samples with all default quantities, in the plane (d = 2), SE(2) (d = 3) and R^6: the headline of
-// knn, D, mass, coverage, the profile along the path and JS. The target is made once, outside of the clock, as it is
-// for the strategies that are scored on one path; "target" is the time to make it. Fitted: the growth with N.
+// knn, D, mass, coverage, the profile along the path and JS. The target is built once, outside of the timed section, as
+// for strategies that are scored on one path; "target" is the time to build it. Fitted: the growth with N.
 #include <benchmark/benchmark.h>
 
 #include <memory>

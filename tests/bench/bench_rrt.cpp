@@ -58,7 +58,7 @@ bench::Run plan(const trellis::StrategySpec& strategy, const trellis::Problem& o
 int main(int argc, char** argv) {
   try {
     const bench::Arguments arguments = bench::parse(argc, argv, {"planar", "fcl"});
-    // OMPL's RRT meets the goal only where a proposal is the goal, so ours does the same here.
+    // OMPL's RRT reaches the goal only with a goal proposal, so this RRT does the same here.
     const trellis::StrategySpec strategy(
         trellis::PlannerSpec::make("rrt", {{"step", bench::step},
                                            {"goal_bias", bench::goal_bias},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What bench_rrt and the OMPL peer share, so that both measure the same thing and report it in the same words: the
+// The part that bench_rrt and the OMPL peer share, so that both measure the same and report it in the same format: the
 // scenes of the paper, the clock, the command line, and the lines of results. Includes neither library.
 #pragma once
 

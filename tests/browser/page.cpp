@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page of `trellis run --html` in a browser without a window: what it shows for an address, held against what
-// --samples and --json say of the same runs. Skipped, aloud, where there is no Chromium (scripts/setup browser).
+// Compares the page of `trellis run --html` in a headless browser with --samples and --json of the same runs. Skipped,
+// with a message, where there is no Chromium (scripts/setup browser).
 //
-// With TRELLIS_SCREENSHOTS=FOLDER the pictures that it takes are kept there, to be looked at.
+// With TRELLIS_SCREENSHOTS=FOLDER the test stores its screenshots there, for inspection.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -36,9 +36,9 @@ bool browser_is_here() {
   return false;
 }
 
-/// Opens a file of the place in the browser; what that prints.
+/// Opens a file of the folder in the browser; returns the printed text.
 std::string browse(const Place& place, const std::string& file, const std::string& arguments) {
-  // A proxy that nobody answers takes the network away.
+  // A proxy without a server disables the network.
   const std::string command =
       browser() + " --headless=new --no-sandbox --disable-gpu --disable-extensions --no-first-run --hide-scrollbars" +
       " --proxy-server=127.0.0.1:9 --user-data-dir='" + (place / "profile") + "' --virtual-time-budget=60000 " +
@@ -49,14 +49,14 @@ std::string browse(const Place& place, const std::string& file, const std::strin
   return content(place / "dom");
 }
 
-/// What is done with the page, by name: the address's part behind '#', then lines of script that do what hands would.
+/// The steps, by name: the address's part behind '#', then lines of script that simulate the user.
 struct Step {
   std::string name;
   std::string hash;
   std::string hands = "";
 };
 
-/// What the page shows after a step.
+/// The state of the page after a step.
 struct Shown {
   Json data;    ///< attributes of the viewer
   Json sample;  ///< what the panel says of the sample, by term
@@ -72,7 +72,7 @@ struct Shown {
 };
 
 std::map<std::string, Shown> perform(const Place& place, const std::vector<Step>& steps) {
-  // The page with a script more, which goes through the steps and leaves what it saw at its end.
+  // The page with an additional script, which runs the steps and appends the results.
   std::string page = content(place / "report.html");
   std::string lines;
   for (const Step& step : steps) {
@@ -191,7 +191,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
     const at = {clientX: box.left + box.width / 2 + (1 - 5) * scale, clientY: box.top + box.height / 2 - (8.5 - 5) * scale,
                 bubbles: true, buttons: 1};
     for (const kind of ['pointerdown', 'pointermove', 'pointerup']) canvas.dispatchEvent(new PointerEvent(kind, at));)";
-  // Frames come by the clock of the page, which a browser without a window has run away from its frames.
+  // The page's clock drives the frames; a headless browser runs ahead of them.
   const std::string play =
       "window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 16);"
       "press('Escape', ' '); await wait(1000); press(' ');";
@@ -262,11 +262,11 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   }
   const auto shown = perform(place, steps);
 
-  // The first run, over.
+  // The first run, at its end.
   CHECK(shown.at("no address")["scene"] == "simple_passage");
   CHECK(shown.at("no address")["method"] == "rrt");
   CHECK(shown.at("no address")["seed"] == "1");
-  // It opens on a run that found a path: the first method's did not.
+  // The page opens with a run that found a path: the first method's run found none.
   CHECK(shown.at("no address")["at"] == shown.at("no address")["total"]);
   CHECK(shown.at("no address")["total"] == run_of("simple_passage", "rrt", 1)["levels"][0]["proposals"].dump());
   CHECK(shown.at("no address")["outcome"].starts_with("solved"));
@@ -293,7 +293,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
     CHECK(std::stoul(at["near"]) < tree.size());
   }
 
-  // The levels of a hierarchy take turns, and lead to what was recorded in all.
+  // The levels of a hierarchy take turns, and reach the recorded state.
   const Json run = run_of("simple_passage", "nested", 1);
   const auto nodes = counts(shown.at("whole hierarchy")["nodes"]);
   const auto drawn = counts(shown.at("whole hierarchy")["proposals"]);
@@ -307,7 +307,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   CHECK(shown.at("of the root")["sampleLevel"] == "root");
   const Shown& guide = shown.at("of a guide");
   CHECK(guide["sampleLevel"] == "shrink(0.5)");
-  CHECK(std::stoul(guide["at"]) > 0);  // the replay goes on to what is selected
+  CHECK(std::stoul(guide["at"]) > 0);  // the replay continues to the selection
   CHECK(counts(guide["nodes"])[0] == 1);
 
   // A mixture says which part drew.

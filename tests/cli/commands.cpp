@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the built program: exit statuses, what goes where, and what is left behind.
+// Runs the built program: exit statuses, output streams, and remaining files.
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using trellis::test::Place;
 namespace {
 
 constexpr const char* quick = "return rrt { step = 0.5 }, scenes.cup()\n";
-// No way to the goal: a run that lasts until its budget is spent.
+// No path to the goal: a run that lasts until its budget is spent.
 constexpr const char* endless = R"(
 return experiment {
   problems = problem {
@@ -327,7 +327,7 @@ TEST_CASE("check finds what a run would meet late: names in functions, guides th
       "(uniform = 1, goal_bias = 0.05) (strategy 'unheard')\n");
 }
 
-TEST_CASE("the program tells its version and its words") {
+TEST_CASE("the program prints its version and its words") {
   const Place place;
   CHECK(place.run({"version"}).out == "trellis " TRELLIS_VERSION "\n");
   const auto all = place.run({"help"});
@@ -373,7 +373,7 @@ TEST_CASE("the manual page and the completions have every verb and option of --h
       CHECK(fish.find(" -l " + name + " ") != std::string::npos);
       CHECK(zsh.find("'--" + name + "[") != std::string::npos);
     }
-    // Every value has a name of its own.
+    // Every value has its own name.
     CHECK(place.run({verb, "--help"}).out.find(" TEXT ") == std::string::npos);
   }
   CHECK(count >= 7);
@@ -521,7 +521,7 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 
-TEST_CASE("what a script gives and nobody uses is told once, after the report") {
+TEST_CASE("unused parts of a script are reported once, after the report") {
   const Place place;
   place.script("unused.lua",
                "local mine = target { sample = function(c) return c.path[1] end,\n"
@@ -552,7 +552,7 @@ TEST_CASE("guides of a script's own: functions that no run called, prints, and w
       "  measure = false }\n");
   const auto outcome = place.run({"run", "own.lua", "--quiet"});
   CHECK(outcome.status == 0);
-  // Loading it for each run is silent; what its functions print is seen.
+  // Loading it for each run prints nothing; the output of its functions appears.
   CHECK(outcome.out == "loaded\nasked\nasked\n");
   CHECK(outcome.err ==
         "trellis: warning: own.lua:3: 'stale' of the guiding space 'unused' was never called in any run\n");

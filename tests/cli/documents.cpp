@@ -54,8 +54,8 @@ namespace {
 
 const fs::path source = TRELLIS_SOURCE;
 
-/// What of what is printed stands in place of each part of what is shown: parts begin and end at lines of dots, and a
-/// part begins where a line is printed that differs from its first one in numbers and blanks only.
+/// Maps each part of the shown text to a part of the printed one: parts begin and end at lines of dots, and a
+/// part begins where a printed line differs from its first one in numbers and blanks only.
 std::string renewed(const std::string& shown, const std::string& printed) {
   const auto bare = [](const std::string& line) {
     return std::regex_replace(line, std::regex("[-+±−–<%0-9.,\\s]|e[0-9]"), "");
@@ -108,7 +108,7 @@ std::pair<std::string, std::string> parts_of(const std::string& mark) {
 
 bool is_script(const Block& block) { return std::regex_search("\n" + block.text, std::regex("\nreturn[ \n]")); }
 
-/// What the inputs of a document's blocks may call.
+/// The functions that the inputs of a document's blocks may call.
 constexpr const char* prelude = R"LUA(
 function document_kind(value)
   if pcall(function() return value >> rrt {} end) then return "guide" end
@@ -192,7 +192,7 @@ std::vector<Step> steps_of(const Block& block) {
   return steps;
 }
 
-/// Goes through a document as somebody who tries all that it shows.
+/// Runs all steps that a document shows, in order.
 class Reader {
  public:
   Reader() {
@@ -243,7 +243,7 @@ class Reader {
     }
   }
 
-  /// What was written and that nothing below used.
+  /// Lists the written files that no later step used.
   [[nodiscard]] std::vector<std::string> idle() const {
     std::vector<std::string> names;
     for (const std::string& name : files_) {
@@ -314,7 +314,7 @@ class Reader {
     CHECK(plain("\n" + content(source / path)).find(plain("\n" + text)) != std::string::npos);
   }
 
-  /// Enters a step of a console block; what it printed is compared when the next one's prompt says that it is done.
+  /// Enters a step of a console block; the next prompt ends its output, which is then compared.
   void take(const Step& step) {
     if (step.prompt == "$ ") {
       settle();
@@ -374,7 +374,7 @@ class Reader {
     const bool update = std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr;  // NOLINT(concurrency-mt-unsafe)
     CHECK((agrees || (update && show(step, printed))));
   }
-  /// Puts into a document what a step prints, in place of what is shown.
+  /// Replaces the shown output of a step by the printed one.
   static bool show(const Step& step, const std::string& printed) {
     const std::string text = renewed(step.shown, printed);
     if (!shows(text, printed)) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// trellis explain: what will run, level by level.
+// trellis explain: the hierarchy and its settings, level by level.
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scripts that mean harm, or slip into it, each run by a process of its own: golden/hostile/NAME.lua is refused or
-// ended with the message NAME.txt. With TRELLIS_UPDATE_GOLDEN set the messages are written instead, to be read before
-// they are kept.
+// Malicious or faulty scripts, each in its own process: golden/hostile/NAME.lua is rejected or ended with the message
+// NAME.txt. With TRELLIS_UPDATE_GOLDEN set the test writes the messages instead; read them before committing.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -26,8 +25,8 @@ constexpr long most_memory = 8192 * mebibyte;  // the sanitizer's own is most of
 constexpr long most_memory = 512 * mebibyte;
 #endif
 
-/// The first line: the traceback tells where the end came, which may be anywhere. What was too much first, the
-/// instructions or the time, depends on the machine.
+/// Returns the first line: the traceback depends on where the script was ended. Whether the instruction limit or the
+/// time limit comes first depends on the machine.
 std::string message_of(const std::string& err) {
   const std::string line = err.substr(0, err.find('\n')) + "\n";
   return std::regex_replace(line, std::regex("has (spent [0-9]+ instructions|worked for [0-9.]+ s) and comes"),
@@ -36,7 +35,7 @@ std::string message_of(const std::string& err) {
 
 }  // namespace
 
-TEST_CASE("no script crashes, hangs, reads what it should not, or takes all memory") {
+TEST_CASE("no script crashes, fails to terminate, reads forbidden files, or takes all memory") {
   std::vector<fs::path> scripts;
   for (const auto& entry : fs::directory_iterator(fs::path(TRELLIS_SOURCE) / "tests/golden/hostile")) {
     if (entry.path().extension() == ".lua") scripts.push_back(entry.path());

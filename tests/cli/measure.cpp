@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis measure`: the figures of samples that any program drew, and what is said of input that gives none.
+// `trellis measure`: the values for samples of other programs, and the diagnostics of invalid input.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -181,7 +181,7 @@ TEST_CASE("a scene decides what is valid, by name, by file and by script") {
   Json by_script = passage();
   by_script["free"] = "scene.lua";
   CHECK(measured(place, by_script, csv) == named);
-  // Paths are meant from the case file's folder.
+  // Paths are relative to the case file's folder.
   fs::create_directories(place / "deep");
   fs::copy(place / "scene.lua", place / "deep/other.lua");
   place.script("deep/samples.csv", csv);
@@ -252,7 +252,7 @@ TEST_CASE("each estimator can be asked, or all of them") {
   CHECK(all["estimators"]["legacy"]["D"] == legacy["D"]);
 }
 
-TEST_CASE("columns are found by name, and the file's ways are understood") {
+TEST_CASE("columns are found by name, and variants of the format are read") {
   const Place place;
   const Json plain = measured(place, capsule(), "x,y\n1,9\n2,5\n3,5\n4,5.25\n");
   for (const std::string csv :
@@ -281,7 +281,7 @@ TEST_CASE("the table is printed, and the document written beside it") {
   CHECK(place.run({"measure", "case.json", "--json", "-"}).out.starts_with("{\n"));
 }
 
-TEST_CASE("what looks like a mistake in the samples is told beside the figures") {
+TEST_CASE("possible mistakes in the samples are reported beside the values") {
   const Place place;
   std::string twice = uniform_csv(300);
   const std::string once = twice.substr(twice.find('\n') + 1);
@@ -516,7 +516,7 @@ TEST_CASE("bad input gives one message with what and where, and no figure") {
   }
 }
 
-TEST_CASE("a case that is no JSON object is told from one that is") {
+TEST_CASE("a case that is no JSON object is an error") {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"", "case.json: the file is empty; expected a JSON object"},
       {"[1, 2]", "case.json: a case must be a JSON object, got [1,2]"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Libraries of solved problems and learnt heuristics, as a person makes and uses them.
+// Libraries of solved problems and learnt heuristics, as users create and use them.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -86,7 +86,7 @@ TEST_CASE("a script may go by the library that its own run makes") {
   CHECK_THAT(first.err, Contains("new and added"));
 }
 
-TEST_CASE("libraries that cannot be used are told before anything runs") {
+TEST_CASE("unusable libraries are reported before the first run") {
   const Place place;
   place.script("solve.lua", solve);
   place.script("use.lua", go_by);
@@ -123,7 +123,7 @@ TEST_CASE("a script reaches the libraries in its folder, and others where it is 
     CHECK_THAT(held.err, Contains("does not lie in the script's folder; --trust"));
     CHECK(place.run({"check", "scripts/use.lua", "--trust"}).status == 0);
   }
-  // Relative to the script, wherever trellis is called from.
+  // Relative to the script, for every working directory.
   std::ofstream(place / "scripts/use.lua") << "return experience { db = 'paths.db' } >> rrt {}, scenes.cup()\n";
   fs::copy_file(place / "paths.db", place / "scripts/paths.db");
   CHECK(place.run({"check", "scripts/use.lua"}).status == 0);
@@ -179,7 +179,7 @@ TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches
   CHECK(used.status == 0);
   CHECK_THAT(used.out, Contains("best_first"));
 
-  // The guide takes the other kind of model, and the planner not the guide's.
+  // The guide requires another kind of model than the planner.
   place.script("wrong.lua", "return learned { model = 'gaps.model' } >> rrt {}, scenes.cup()\n");
   CHECK_THAT(place.run({"run", "wrong.lua"}).err,
              Contains("the model is a search heuristic") && Contains("expected a classifier of cells"));
@@ -202,7 +202,7 @@ TEST_CASE("a search heuristic is trained on worlds drawn as images, and searches
              Contains("--cells"));
 }
 
-TEST_CASE("what cannot be trained on is told") {
+TEST_CASE("unusable training data are reported") {
   const Place place;
   CHECK_THAT(place.run({"train", "--data", "none", "--out", "a.model"}).err, Contains("there is no folder 'none'"));
   fs::create_directories(place / "data");

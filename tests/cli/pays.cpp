@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// scripts/pays, trellis compare and the modules worlds and pays: what they write, and that nothing disappears from it.
+// scripts/pays, trellis compare and the modules worlds and pays: their output is complete.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -110,7 +110,7 @@ TEST_CASE("every guide of the catalogue that searches a space or samples is in p
     const std::string guide = line.substr(3, line.find(']') - 3);
     if (outcome.out.find("  " + guide) == std::string::npos) missing.push_back(guide);
   }
-  // These have nothing to go by without a file or functions of a script.
+  // These require a file or functions of a script.
   std::erase_if(missing, [](const std::string& guide) {
     return guide == "experience" || guide == "learned" || guide == "guiding_space";
   });

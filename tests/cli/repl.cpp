@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis repl`: sessions as somebody types them at a terminal, and as lines are piped to it.
+// `trellis repl`: interactive sessions at a terminal, and piped lines.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -73,7 +73,7 @@ TEST_CASE("expressions print themselves") {
   CHECK_THAT(sitting.enter("scenes.cup()"), Contains("problem 'cup' in SE(2)"));
 }
 
-TEST_CASE("help tells about words, values and the session's own functions") {
+TEST_CASE("help describes words, values and the session's own functions") {
   const Place place;
   Sitting sitting(place);
   CHECK_THAT(sitting.enter("help(skeleton() >> rrt {})"),
@@ -85,7 +85,7 @@ TEST_CASE("help tells about words, values and the session's own functions") {
   CHECK_THAT(sitting.enter("help(7)"), Contains("nothing is known about 7"));
 }
 
-TEST_CASE("an input goes on for as long as it is not whole") {
+TEST_CASE("an input continues until it is complete") {
   const Place place;
   Sitting sitting(place);
   sitting.terminal.type("function twice(n)\n");
@@ -173,7 +173,7 @@ TEST_CASE("Ctrl-C ends what runs and leaves the session") {
   CHECK_THAT(sitting.enter("#samples() > 0"), Contains("true"));
 }
 
-TEST_CASE("a run is planned and looked at") {
+TEST_CASE("a run is planned and inspected") {
   const Place place;
   Sitting sitting(place);
   sitting.enter("nested = skeleton() >> shrink(0.5) >> rrt { step = 0.5 }");
@@ -187,7 +187,7 @@ TEST_CASE("a run is planned and looked at") {
   CHECK_THAT(sitting.enter("#run().path > 2, run().solved, run().seed"), Contains("true\r\ntrue\r\n3\r\n"));
   CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));
-  // The problem of the run before is the usual one; a planner is a strategy.
+  // The problem of the previous run is the default; a planner is a strategy.
   CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2: rrt() on cup, seed 1"));
   CHECK_THAT(sitting.enter("#runs()"), Contains("\n2\r\n"));
 }
@@ -253,7 +253,7 @@ TEST_CASE("the history is kept for the next session") {
   CHECK_THAT(next.enter("first_thing"), Contains("\n11\r\n"));
 }
 
-TEST_CASE("a local that is lost is told of once") {
+TEST_CASE("the loss of a local variable is reported once") {
   const Place place;
   Sitting sitting(place);
   CHECK_THAT(sitting.enter("local y = 1"), Contains("'local y' has ended"));

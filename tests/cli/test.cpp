@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis test`: what it prints, what it answers with, and what others can read of it.
+// `trellis test`: its output, its exit status, and its reports for other programs.
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 
 #include <boost/property_tree/ptree.hpp>
@@ -46,7 +46,8 @@ std::string two_trials(const std::string& seeds = "6") {
          seeds + " }\n";
 }
 
-/// Times, which differ from run to run, out of the last column of the tables, and what its width makes of the others.
+/// Removes times, which differ between runs, from the last column of the tables, and the effects of its width on the
+/// others.
 std::string without_times(const std::string& text) {
   const std::string rows = std::regex_replace(text, std::regex(" {2,}[0-9]+(\\.[0-9]+)?(?=\n)"), " T");
   const std::string head = std::regex_replace(rows, std::regex(" +(time|ms)(?=\n)"), " $1");
@@ -82,7 +83,7 @@ TEST_CASE("a scenario that holds says so, in figures") {
   CHECK_THAT(outcome.out, EndsWith("\npassed: 1 scenario, 5 expectations\n"));
 }
 
-TEST_CASE("each matcher can fail, and tells what helps") {
+TEST_CASE("each matcher can fail, and prints its evidence") {
   const Place place;
   place.script("pair.lua", pair_script);
   place.script("it_test.lua", scenario("nothing of this holds", two_trials() + R"(
@@ -114,7 +115,7 @@ TEST_CASE("each matcher can fail, and tells what helps") {
 
 TEST_CASE("what a failure says to run shows the run that failed") {
   const Place place;
-  // The world is drawn by lot: the seed of the runs must not change it.
+  // The world is random: the seed of the runs must not change it.
   place.script("pair.lua", R"(
     local side = 4 + 2 * math.random()
     local house = world { bounds = {0, 0, 10, 10}, box {side, 0, side + 1, 8} }
@@ -175,7 +176,7 @@ TEST_CASE("an error in a scenario fails that one, and the next ones still run") 
   CHECK_THAT(outcome.out, EndsWith("\nFAILED: 5 scenarios (4 failed), 2 expectations\n"));
 }
 
-TEST_CASE("a script that is wrong is told on stderr, and the other files are tried") {
+TEST_CASE("an error in a script is reported on stderr, and the other files run") {
   const Place place;
   place.script("pair.lua", pair_script);
   place.script("good_test.lua", scenario("all is well", two_trials("2") + "expect(plain, solves(at_least(1)))"));

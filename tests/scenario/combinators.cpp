@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways of combining guides, and guides of one's own: what each is good for, and where it misleads, by the validity
-// checks of 30 runs, all levels together, beside those of the same planner without guidance, and beside the parts
-// alone.
+// Combinators of guides, and user-defined guides: where each saves checks, and where it misleads, by the validity
+// checks of 30 runs, all levels together, relative to the same planner without guidance and to the single guides.
 #include <string>
 
 #include "support/catch.hpp"
@@ -14,7 +13,7 @@ using namespace trellis::testing;
 
 namespace {
 
-// In the cup both are worth something; before the pickets both mislead.
+// In the cup both save checks; before the pickets both mislead.
 GuideSpec one() { return guide("skeleton"); }
 GuideSpec other() { return guide("lazy"); }
 
@@ -123,7 +122,7 @@ SCENARIO("race: the quick one leads, the slow one is paid a slice", "[catalogue]
   const GuideSpec slow = guide("shrink", {{"scale", 0.9}});
   const GuideSpec quick = guide("skeleton") >> guide("shrink", {{"scale", 0.6}});
   const StrategySpec raced = race({slow, quick}, {.slice = 50}) >> tree();
-  GIVEN("a slit that the robot does not pass, and a way round it") {
+  GIVEN("a slit that the robot does not pass, and a route around it") {
     const Problem problem = detour();
     const Trial trial = tried(raced, problem);
     THEN("it spends fewer checks than their mixture, than the slow one and than no guide") {
@@ -131,7 +130,7 @@ SCENARIO("race: the quick one leads, the slow one is paid a slice", "[catalogue]
       CHECK_THAT(trial, Spends(fewer_than(tried(slow >> tree(), problem)).validity_checks()));
       CHECK_THAT(trial, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
     }
-    THEN("whoever knows the quick one spends fewer without a race") {
+    THEN("the quick one alone spends fewer than a race") {
       CHECK_THAT(trial, Spends(more_than(tried(quick >> tree(), problem)).validity_checks()));
     }
   }
@@ -144,7 +143,7 @@ SCENARIO("race: the quick one leads, the slow one is paid a slice", "[catalogue]
   }
 }
 
-SCENARIO("split: a sub-goal that halves the way, and one that nobody need reach", "[catalogue][combinators]") {
+SCENARIO("split: a sub-goal that halves the path, and an unnecessary one", "[catalogue][combinators]") {
   const PlannerSpec trees = PlannerSpec::make("rrt_connect", {{"proposals", std::int64_t{20000}}});
   const GuideSpec skeleton = guide("skeleton");
   GIVEN("a narrow passage, and a skeleton through it") {
@@ -163,7 +162,7 @@ SCENARIO("split: a sub-goal that halves the way, and one that nobody need reach"
                  Spends(more_than(tried(skeleton >> tree(), problem)).validity_checks()));
     }
   }
-  GIVEN("a cup, whose rim the way leads around") {
+  GIVEN("a cup, whose rim the path leads around") {
     const Problem problem = cup_problem();
     THEN("it saves checks beside no guide, and spends little more than undivided") {
       const Trial divided = tried(skeleton >> split(trees), problem);
@@ -182,8 +181,8 @@ SCENARIO("split: a sub-goal that halves the way, and one that nobody need reach"
   }
 }
 
-SCENARIO("guiding_space: what its writer knows, and what its writer believes", "[catalogue][combinators]") {
-  GIVEN("a script of somebody who knows of a door in the middle of the wall") {
+SCENARIO("guiding_space: correct and wrong knowledge of its author", "[catalogue][combinators]") {
+  GIVEN("a script for a door in the middle of the wall") {
     const Folder folder;
     const std::string script = folder.write("door.lua", R"lua(
       local door = guiding_space {
@@ -220,7 +219,7 @@ SCENARIO("guiding_space: what its writer knows, and what its writer believes", "
         CHECK_THAT(guided, Spends(fewer_than(knows.trial("plain", seeds(30), "a door")).validity_checks()));
       }
     }
-    WHEN("it is a slit, and the way is elsewhere") {
+    WHEN("it is a slit, and the path leads elsewhere") {
       const Trial guided = knows.trial("door", seeds(30), "a slit");
       THEN("it costs checks") {
         const Trial plain = knows.trial("plain", seeds(30), "a slit");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that change the environment, or nothing: what each is good for, and where it misleads, by the validity checks
-// of 30 runs, all levels together, beside those of the same planner without it.
+// Guides that change the environment, or nothing: where each saves checks, and where it misleads, by the validity
+// checks of 30 runs, all levels together, relative to the same planner without it.
 #include "support/catch.hpp"
 #include "support/trials.hpp"
 
@@ -10,7 +10,7 @@ using namespace trellis::testing;
 
 namespace {
 
-/// Boxes at random between start and goal.
+/// Random boxes between start and goal.
 Problem field() {
   Rectangles all;
   Stream stream(7, "", "field");
@@ -21,7 +21,7 @@ Problem field() {
   }
   return boxes("field", all, {1, 5, 0}, {9, 5, 0});
 }
-/// Two rows of boxes with the straight way between them.
+/// Two rows of boxes on both sides of the straight line between start and goal.
 Problem avenue() {
   Rectangles all;
   for (int i = 0; i < 7; ++i) {
@@ -39,16 +39,16 @@ SCENARIO("widen: a narrow passage made wide, and a wall made away with", "[catal
     const Problem problem = passage(0.4, 1);
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("widen", {{"distance", 0.1}}) >> tree(), problem);
-      THEN("the way through the wide one saves checks") {
+      THEN("the path through the wide one saves checks") {
         CHECK_THAT(guided, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
       }
     }
   }
-  GIVEN("a wall thinner than twice the distance, with a wide way round it") {
+  GIVEN("a wall thinner than twice the distance, with a wide route around it") {
     const Problem problem = boxes("thin wall", {{4.95, 0, 5.05, 8.5}}, {1, 3, 0}, {9, 3, 0});
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("widen", {{"distance", 0.1}}) >> tree(), problem);
-      THEN("the way through what vanished costs checks") {
+      THEN("the path through the vanished wall costs checks") {
         const Trial plain = tried(tree(), problem);
         CHECK_THAT(guided, Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
       }
@@ -91,17 +91,17 @@ SCENARIO("lazy below a planner and above other guides: it takes little from what
   }
 }
 
-SCENARIO("drop: obstacles that are not in the way, and those that are", "[catalogue][environments]") {
+SCENARIO("drop: obstacles beside the path, and obstacles on it", "[catalogue][environments]") {
   GIVEN("an avenue between rows of boxes") {
     const Problem problem = avenue();
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("drop") >> tree(), problem);
-      THEN("the way found without them holds, and saves checks") {
+      THEN("the path found without them is valid, and saves checks") {
         CHECK_THAT(guided, Spends(fewer_than(tried(tree(), problem)).validity_checks()));
       }
     }
   }
-  GIVEN("a cup whose walls are all in the way") {
+  GIVEN("a cup whose walls all block the path") {
     const Problem problem = cup_problem();
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("drop") >> tree(), problem);
@@ -113,8 +113,8 @@ SCENARIO("drop: obstacles that are not in the way, and those that are", "[catalo
   }
 }
 
-SCENARIO("aggregate: hulls leave the open ways, and close the narrow ones", "[catalogue][environments]") {
-  GIVEN("a field of boxes with a way round them") {
+SCENARIO("aggregate: hulls leave wide passages open, and close narrow ones", "[catalogue][environments]") {
+  GIVEN("a field of boxes with a route around them") {
     const Problem problem = field();
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("aggregate") >> trusting(tree()), problem);
@@ -123,7 +123,7 @@ SCENARIO("aggregate: hulls leave the open ways, and close the narrow ones", "[ca
       }
     }
   }
-  GIVEN("a world whose only way a hull would close") {
+  GIVEN("a world whose only passage a hull would close") {
     const Problem problem = simple_passage_problem();
     WHEN("a tree is guided by it") {
       const Trial guided = tried(guide("aggregate") >> tree(), problem);
@@ -145,7 +145,7 @@ SCENARIO("identity: the same instance by another planner, which is quicker or is
       }
     }
   }
-  GIVEN("a slit that both of them meet in front of, and a way round") {
+  GIVEN("a slit that both of them reach, and a route around it") {
     const Problem problem = detour();
     WHEN("one tree is guided by their path") {
       const Trial guided = tried(by_two_trees("identity") >> tree(), problem);

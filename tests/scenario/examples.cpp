@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The examples, run as their readers run them, and what they are meant to show.
+// Runs the examples as users do, and tests their claims.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ struct Result {
   Json document;
 };
 
-/// Each example runs once, however many THENs look at it.
+/// Each example runs once for all THENs.
 const Result& run(const std::string& name) {
   static std::map<std::string, Result> done;
   if (const auto it = done.find(name); it != done.end()) return it->second;
@@ -94,7 +94,7 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
           CHECK(level["efficiency"]["tree"]["value"].is_number());
           CHECK(level["root_efficiency"]["tree"]["value"].is_number());
         }
-        // What is searched exactly proposes nothing, and has no figure for it.
+        // An exact search proposes nothing, so it has no value for proposals.
         CHECK(run["levels"][3]["efficiency"]["expansion"]["value"].is_null());
       }
     }
@@ -174,7 +174,7 @@ SCENARIO("a strategy that was built in C++ is tried as one of a script", "[testi
     const StrategySpec guided =
         GuideSpec::make("skeleton", {}) >> StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}));
     WHEN("it runs on 15 seeds beside the plain RRT of the script") {
-      // Built in code it runs anew wherever it is made: once is enough.
+      // Strategies built in code run again in each section: test only once.
       static const Trial regions = trial("regions", guided, problem, seeds(15));
       const Trial plain = load(example("nested.lua")).trial("rrt", seeds(15));
       THEN("it spends a third less at the least") {
@@ -213,12 +213,12 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
   }
 }
 
-SCENARIO("planners that go on after their first path, and how little the lazy ones check for it", "[examples]") {
+SCENARIO("anytime planners, and how little the lazy ones check", "[examples]") {
   GIVEN("a robot beside a block, 3000 proposals, 30 seeds") {
     const Script script = load(example("optimal.lua"));
     const Trial eager = script.trial("prm_star", seeds(30));
-    // A point has 4.83 m round the block at the least, and the robot has to turn.
-    THEN("the first paths of RRT and PRM are long, those of the planners that go on short") {
+    // A point's path around the block has at least 4.83 m, and the robot has to turn.
+    THEN("the first paths of RRT and PRM are long, those of the anytime planners short") {
       CHECK_THAT(script.trial("rrt", seeds(30)), FindsPaths(above(7.0)));
       CHECK_THAT(script.trial("prm", seeds(30)), FindsPaths(above(7.0)));
       for (const auto* name : {"rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
@@ -300,7 +300,7 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
         CHECK(std::count_if(runs.begin(), runs.end(), [](const Json& run) { return run["solved"] == true; }) >= least);
       }
     }
-    THEN("a lazy roadmap's tree is the nodes that were looked at, and expansion does not apply to it") {
+    THEN("a lazy roadmap's tree contains the validated nodes, and expansion does not apply to it") {
       for (const auto* name : {"lazy_prm", "parasol_lazy_prm"}) {
         for (const auto& level : levels_of(name)) {
           if (level["solved"] != true) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What earlier runs are worth to later ones, and where they mislead: validity checks of 30 runs beside those of the
-// same planner without them.
+// Where the experience of earlier runs saves checks, and where it misleads: validity checks of 30 runs relative to the
+// same planner without it.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ using namespace trellis::testing;
 
 namespace {
 
-/// A wall with a narrow gap, and whatever else stands in the rooms.
+/// A wall with a narrow gap, and further obstacles in the rooms.
 Problem crossing(double gap, const Rectangles& more = {}) {
   Rectangles all = {{4.8, 0, 5.2, gap}, {4.8, gap + 0.5, 5.2, 10}};
   all.insert(all.end(), more.begin(), more.end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that change the robot: what each is good for, and where it misleads, by the validity checks of 30 runs, all
-// levels together, beside those of the same planner without it.
+// Guides that change the robot: where each saves checks, and where it misleads, by the validity checks of 30 runs, all
+// levels together, relative to the same planner without it.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ using namespace trellis::testing;
 
 namespace {
 
-/// Iterative relaxation: the robots of a quarter, a half and three quarters of the size, each guided by the path of the
-/// one before, and half of what each proposes is uniform.
+/// Iterative relaxation: robots of a quarter, a half and three quarters of the size, each guided by the path of the
+/// previous one; half of the proposals of each are uniform.
 /// \param planner  of each smaller robot
 GuideSpec relaxation(const PlannerSpec& planner) {
   const auto level = [&](double scale) {
@@ -28,7 +28,7 @@ Problem arm_problem(const std::string& name, const Arm& arm, const Rectangles& b
                     const Configuration& goal) {
   return make_problem(name, rectangle_world(boxes), Robot::arm(arm), start, goal);
 }
-/// An arm of four links, with a bar or a box somewhere about.
+/// An arm of four links, with a bar or a box nearby.
 Problem four_links(const Rectangles& boxes, const Configuration& goal) {
   const Arm arm{.links = {1.2, 1.2, 1.2, 1}, .widths = {0.1, 0.1, 0.1, 0.1}, .base = {5, 1}};
   return arm_problem("four links", arm, boxes, {0.9, 0.3, 0.2, 0.1}, goal);
@@ -40,7 +40,7 @@ PlannerSpec driving(std::vector<Options::Entry> options) {
   return PlannerSpec::make("kinodynamic_rrt", options);
 }
 
-/// A car that only goes forwards, and a goal behind it, headed as it is: it has to drive a whole turn.
+/// A forward-only car, and a goal behind it with the same heading: it has to drive a full turn.
 Problem goal_behind() {
   Problem problem =
       make_problem("goal behind", World(Box2{{0, 0}, {10, 10}}, {}), rectangle_robot(0.5, 0.3), {5, 5, 0}, {3, 5, 0});
@@ -63,7 +63,7 @@ SCENARIO("workspace: where a point goes, and whether the robot can follow", "[ca
   }
   GIVEN("passages that only a point fits through") {
     const Problem problem = trap_problem();
-    THEN("the point's way costs checks") {
+    THEN("the point's path costs checks") {
       const Trial plain = tried(tree(), problem);
       CHECK_THAT(tried(guide("workspace") >> tree(), problem),
                  Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
@@ -90,7 +90,7 @@ SCENARIO("skeleton: regions that lead through a passage, and regions in slits", 
       }
     }
   }
-  GIVEN("two trees in an open world, which find their way by themselves") {
+  GIVEN("two trees in an open world, which find a path without guidance") {
     const Problem problem = open_world();
     const PlannerSpec trees = PlannerSpec::make("rrt_connect", {{"step", 0.5}});
     THEN("they cost little") {
@@ -104,13 +104,13 @@ SCENARIO("shrink: what half of the robot passes, the whole may pass too, or may 
   const GuideSpec half = by_two_trees("shrink", {{"scale", 0.5}});
   GIVEN("a narrow passage") {
     const Problem problem = passage(0.35, 1);
-    THEN("the way of half the robot saves checks") {
+    THEN("the path of half the robot saves checks") {
       CHECK_THAT(tried(half >> tree(), problem), Spends(fewer_than(tried(tree(), problem)).validity_checks()));
     }
   }
-  GIVEN("a slit that only half of the robot fits through, and a way round") {
+  GIVEN("a slit that only half of the robot fits through, and a route around it") {
     const Problem problem = detour();
-    THEN("its way costs checks") {
+    THEN("its path costs checks") {
       const Trial plain = tried(tree(), problem);
       CHECK_THAT(tried(half >> tree(), problem), Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
     }
@@ -149,7 +149,7 @@ SCENARIO("shrink with several distinct paths", "[catalogue][robots]") {
   }
   GIVEN("alleys, and a robot that is too long for most of their corners") {
     const Problem problem = alleys();
-    THEN("looking for several ways of half of it costs checks") {
+    THEN("searching several paths of half of it costs checks") {
       const Trial plain = tried(tree(), problem);
       CHECK_THAT(tried(several >> tree(), problem), Spends(more_than(plain).validity_checks()) && LosesLittle(plain));
     }
@@ -206,7 +206,7 @@ SCENARIO("joints: the first ones say where the others are, or they say little", 
   }
 }
 
-SCENARIO("pca: a flat that has a way, and a motion that needs none", "[catalogue][robots]") {
+SCENARIO("pca: a subspace that contains a path, and a motion that needs none", "[catalogue][robots]") {
   GIVEN("an arm of four links that has to draw in a little to pass below a bar") {
     const Problem problem = four_links({{4.7, 5.35, 5.3, 5.5}}, {2.2, -0.3, -0.2, -0.1});
     THEN("a search of two dimensions saves checks, those of the fit counted") {
@@ -217,7 +217,7 @@ SCENARIO("pca: a flat that has a way, and a motion that needs none", "[catalogue
     const Problem problem = four_links({{3.6, 4.8, 4.4, 5.2}}, {1.4, 0.2, 0.2, 0.1});
     THEN("the fit costs more checks than there were to save") {
       const Trial plain = tried(tree(0.2), problem);
-      // What f spends on the fit is spent before the search begins: no bound holds it back.
+      // f spends checks on the fit before the search begins, so no bound limits them.
       CHECK_THAT(tried(flat() >> tree(0.2), problem), Spends(more_than(plain).validity_checks()));
     }
   }
@@ -237,7 +237,7 @@ SCENARIO("holonomic and decomposition: what forgets how the robot is driven", "[
   GIVEN("a car that only goes forwards, and a goal behind it") {
     const Problem problem = goal_behind();
     const PlannerSpec planner = driving({{"connect", 0.0}});
-    THEN("both cost checks, as the straight way there cannot be driven") {
+    THEN("both cost checks, because the robot cannot drive straight there") {
       const Trial plain = tried(planner, problem);
       CHECK_THAT(tried(guide("holonomic") >> planner, problem),
                  Spends(more_than(plain).validity_checks()) && LosesLittle(plain));

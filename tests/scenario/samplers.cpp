@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Biases without a space behind them (S = {0}): what each is good for, and where it misleads, by the validity checks of
-// 30 runs beside those of the same planner without it.
+// Biases without a space (S = {0}): where each saves checks, and where it misleads, by the validity checks of 30 runs
+// relative to the same planner without it.
 #include "support/catch.hpp"
 #include "support/trials.hpp"
 
@@ -68,7 +68,7 @@ SCENARIO("samples near what is invalid are not worth their checks where there is
       THEN("it costs checks") { CHECK_THAT(guided, Spends(more_than(plain).validity_checks()) && LosesLittle(plain)); }
     }
   }
-  GIVEN("a tree that finds its way by itself") {
+  GIVEN("a tree that finds a path without guidance") {
     WHEN("it is guided by obstacle_based in an open world") {
       const Problem problem = open_world();
       const Trial guided = tried(guide("obstacle_based") >> tree(), problem);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The one door to Catch2: Debian 12 has version 2, later releases version 3.
+// The only header that includes Catch2: Debian 12 has version 2, later releases version 3.
 #pragma once
 
 #if __has_include(<catch2/catch_all.hpp>)

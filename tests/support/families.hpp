@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Families of worlds that a heuristic can be learnt of: walls across the way, with a gap each.
+// Families of worlds for training a heuristic: walls across the direct route, with a gap each.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,12 +28,12 @@ inline World gap_world(std::uint64_t seed, double lo, double hi) {
   return rectangle_world(walls);
 }
 
-/// A point goes from the middle of the left side to the middle of the right one.
+/// A point from the middle of the left side to the middle of the right one.
 inline Problem gap_problem(std::uint64_t seed, double lo, double hi) {
   return make_problem(fmt::format("gaps {}", seed), gap_world(seed, lo, hi), Robot::point(), {0.5, 5.0}, {9.5, 5.0});
 }
 
-/// Gaps in the upper half; and their mirror images, which mislead who learnt of the former.
+/// Gaps in the upper half; and their mirror images, which mislead a model of the former.
 inline Problem upper_gaps(std::uint64_t seed) { return gap_problem(seed, 6.0, 8.8); }
 inline Problem lower_gaps(std::uint64_t seed) { return gap_problem(seed, 0.6, 3.4); }
 

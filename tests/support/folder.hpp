@@ -12,7 +12,7 @@
 
 namespace trellis::test {
 
-/// A folder of a test's own, gone when it ends.
+/// A temporary folder of a test; the destructor removes it.
 class Folder {
  public:
   Folder() {
@@ -28,7 +28,7 @@ class Folder {
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file; the way to it.
+  /// Writes a file; returns its path.
   [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return file(name);

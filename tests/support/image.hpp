@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worlds drawn as images, for what reads them.
+// Worlds drawn as images, for the readers of images.
 #pragma once
 
 #include <array>
@@ -32,7 +32,8 @@ inline void chunk(std::string& image, std::string_view type, const std::string& 
 
 }  // namespace png
 
-/// A PNG of grey values, without compression. `obstacle` says of each column and row, from the top, whether it is dark.
+/// Returns a PNG of grey values, without compression. `obstacle` returns for each column and row, from the top, whether
+/// it is dark.
 inline std::string image(std::size_t width, std::size_t height,
                          const std::function<bool(std::size_t, std::size_t)>& obstacle) {
   std::string bytes = "\x89PNG\r\n\x1a\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Worlds that heuristics are trained and validated on.
+// Worlds for training and validating heuristics.
 #pragma once
 
 #include <algorithm>

@@ -79,8 +79,8 @@ inline Document read_markdown(const std::string& text) {
   return document;
 }
 
-/// What is compared of a printed text: no colours, no blanks but one between words, rules of one dash; and no times, as
-/// they differ each time: numbers before ' ms' or ' s', and those under a heading 'ms' or 'time'.
+/// Normalises a printed text for the comparison: no colours, single blanks between words, rules of one dash; and no
+/// times, as they vary: numbers before ' ms' or ' s', and those under a heading 'ms' or 'time'.
 inline std::vector<std::string> comparable(const std::string& text) {
   static const std::regex colour("\x1b\\[[0-9;?]*[A-Za-z]|\r");
   static const std::regex time(R"([0-9]+(\.[0-9]+)?(e-?[0-9]+)? (ms|s)\b)");
@@ -90,7 +90,8 @@ inline std::vector<std::string> comparable(const std::string& text) {
     return std::count_if(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(end),
                          [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
   };
-  // Where a heading of times ends, in a line of headings: "ms" or "time" among words without digits, brackets apart.
+  // Returns where a heading of times ends, in a line of headings: "ms" or "time" among words without digits, ignoring
+  // brackets.
   const auto end_of_heading = [](const std::string& line) -> std::optional<std::size_t> {
     static const std::regex brackets(R"(\[[^\]]*\])");
     if (std::regex_replace(line, brackets, "").find_first_of("0123456789") != std::string::npos) return std::nullopt;
@@ -105,7 +106,7 @@ inline std::vector<std::string> comparable(const std::string& text) {
   std::vector<std::string> result;
   std::ptrdiff_t column = -1;  // where the numbers of a column of times end
   for (const std::string& raw : lines_of(text)) {
-    const auto erased = raw.rfind("\r\x1b[K");  // what a progress bar drew
+    const auto erased = raw.rfind("\r\x1b[K");  // drawn by a progress bar
     std::string line = std::regex_replace(erased == std::string::npos ? raw : raw.substr(erased), colour, "");
     line.erase(line.find_last_not_of(' ') + 1);
     if (line.empty() || line == "...") column = -1;  // what dots stand for ends with a table
@@ -143,12 +144,12 @@ inline bool shows_line(std::string shown, const std::string& line) {
   return first ? shown == line : line.size() >= at + shown.size() && line.ends_with(shown);
 }
 
-/// Whether a document that shows `shown` tells the truth about a program that printed `printed`. A line '...' stands
-/// for any number of lines, '...' within a line for any text.
+/// Whether the output `printed` of a program matches the `shown` text of a document. A line '...' matches any number of
+/// lines, '...' within a line any text.
 inline bool shows(const std::string& shown, const std::string& printed) {
   const auto expected = comparable(shown);
   const auto actual = comparable(printed);
-  // reached[j]: the lines of `expected` so far can stand for the first j of `actual`.
+  // reached[j]: the lines of `expected` so far match the first j of `actual`.
   std::vector<bool> reached(actual.size() + 1, false);
   reached[0] = true;
   for (const std::string& line : expected) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs the built program (TRELLIS_BINARY) in a folder of its own, as a user would.
+// Runs the built program (TRELLIS_BINARY) in its own folder, as a user would.
 #pragma once
 
 #include <fcntl.h>
@@ -28,10 +28,10 @@ struct Outcome {
   int status = -1;  ///< of the exit, or 1000 + the signal
   std::string out;
   std::string err;
-  long most_memory = 0;  ///< KiB that it held at most
+  long most_memory = 0;  ///< KiB, the peak memory of the process
 };
 
-/// A folder of its own for each test, gone afterwards.
+/// A temporary folder of each test.
 class Place {
  public:
   Place() : path_(fs::temp_directory_path() / ("trellis-cli-" + std::to_string(::getpid()))) {

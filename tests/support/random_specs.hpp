@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Hierarchies made at random: every way of combining guides, mixed kinds at every level.
+// Random hierarchies: all combinators of guides, mixed kinds at every level.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ class RandomSpecs {
     return all;
   }
 
-  /// `a >> b`, where the search at the end of b has a space to be guided in.
+  /// `a >> b`, where the search at the end of b has a space for a guide.
   GuideSpec nested(int depth) {
     GuideSpec above = guide(depth - 1);
     GuideSpec guided = guide(depth - 1);
@@ -81,7 +81,7 @@ class RandomSpecs {
     }
   }
 
-  /// With a planner of its own search, now and then one that splits.
+  /// With its own planner for the search, sometimes one that splits.
   GuideSpec searched(const std::string& name, const std::vector<Options::Entry>& given) {
     const PlannerSpec own =
         PlannerSpec::make(stream_.uniform() < 0.5 ? "rrt" : "rrt_connect", {{"proposals", std::int64_t{400}}});

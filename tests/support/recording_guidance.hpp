@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A guidance that keeps everything that a planner reports to it, and a validity that counts what it refuses.
+// A guidance that records everything that a planner reports to it, and a validity that counts its rejections.
 #pragma once
 
 #include <functional>
@@ -24,10 +24,10 @@ struct ReportedOutcome {
   bool from_goal = false;
   bool connected = false;
   std::uint32_t added_row = no_node;
-  std::size_t proposals = 0;  ///< drawn before it was reported
+  std::size_t proposals = 0;  ///< number of proposals before the report
 };
 
-/// Uniform with a share of goals. Its answers to a planner's questions can be replaced.
+/// Uniform with a share of goals. A test can replace its answers to a planner's queries.
 class RecordingGuidance final : public Guidance {
  public:
   explicit RecordingGuidance(const Instance& instance, double goal_bias = 0.0)
@@ -124,7 +124,7 @@ class ChangingValidity final : public Validity {
   std::uint64_t epoch_ = 0;
 };
 
-/// A planner with all that it works with, on a problem.
+/// A planner with its instance and guidance, on a problem.
 class PlannerRun {
  public:
   PlannerRun(const std::string& planner, const Problem& problem, std::uint64_t seed,

@@ -7,7 +7,7 @@
 
 namespace trellis::test {
 
-/// Whether a guide claims to need what the space of the other one lacks, in a problem.
+/// Whether a guide rejects the space of the other one in a problem, because the space lacks a requirement.
 inline bool refuses(const GuideKind& above, const GuideKind& guided, const Problem& problem) {
   const auto parent = make_instance(problem);
   const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);

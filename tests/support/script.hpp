@@ -10,18 +10,18 @@
 
 namespace trellis::test {
 
-/// What a piece of script returns, as texts.
+/// Returns the results of a piece of script, as texts.
 inline std::vector<std::string> values(const std::string& text, const dsl::SessionOptions& options = {}) {
   return dsl::Session("", options).evaluate(text, "test.lua");
 }
 
-/// The one text that an expression gives.
+/// Returns the single result of an expression, as text.
 inline std::string value(const std::string& expression, const dsl::SessionOptions& options = {}) {
   const auto all = values("return " + expression, options);
   return all.size() == 1 ? all.front() : "not one value but " + std::to_string(all.size());
 }
 
-/// The message of a script that fails, "" where it does not.
+/// Returns the message of a script that fails, "" if it succeeds.
 inline std::string failure(const std::string& text, const dsl::SessionOptions& options = {}) {
   try {
     values(text, options);

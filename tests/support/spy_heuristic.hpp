@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A heuristic that records every call of a planner and gives answers that nothing else would give.
+// A heuristic that records every call of a planner and returns unique values.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace trellis::test {
 
-/// What a spy was called with.
+/// The arguments of a call of a spy.
 struct HeardCalls {
   std::vector<TreeSide> sides;
   std::vector<std::pair<Configuration, Configuration>> connections;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A pseudo-terminal in which the built program (TRELLIS_BINARY), or another, runs as somebody would sit at it.
+// A pseudo-terminal that runs the built program (TRELLIS_BINARY), or another one, interactively.
 #pragma once
 
 #include <poll.h>
@@ -18,8 +18,7 @@
 
 namespace trellis::test {
 
-/// Types keys and reads what the screen is sent, up to a text that it waits for; a program that does not send it in
-/// time fails the test.
+/// Types keys and reads the output up to an expected text; a missing text fails the test after a timeout.
 class Terminal {
  public:
   using Environment = std::vector<std::pair<std::string, std::string>>;
@@ -54,7 +53,7 @@ class Terminal {
     }
   }
 
-  /// What was sent up to and with `text`, since the last call.
+  /// Returns the output up to and with `text`, since the last call.
   std::string wait_for(const std::string& text) {
     const auto end = std::chrono::steady_clock::now() + patience;
     while (true) {
@@ -76,14 +75,14 @@ class Terminal {
     return wait_for(prompt);
   }
 
-  /// What was sent since the last call of wait_for().
+  /// Returns the output since the last call of wait_for().
   [[nodiscard]] const std::string& rest() const { return sent_; }
 
-  /// Waits for the program to end; its status, 1000 + the signal where one ended it.
+  /// Waits for the program to end; returns its status, 1000 + the signal if a signal ended it.
   int finish() {
     while (read(static_cast<int>(std::chrono::milliseconds(patience).count()))) {
     }
-    if (silent_) ::kill(child_, SIGKILL);  // else it would be waited for without end
+    if (silent_) ::kill(child_, SIGKILL);  // else the wait would not end
     int status = 0;
     ::waitpid(child_, &status, 0);
     child_ = -1;

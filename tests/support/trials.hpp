@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Trials of guides beside the same planner without them, for the scenarios of what each guide is good for.
+// Trials of guides relative to the same planner without them, for the scenarios of the guides' benefits.
 #pragma once
 
 #include <fmt/format.h>
@@ -27,8 +27,8 @@ inline testing::Trial tried(StrategySpec strategy, const Problem& problem) {
   return testing::trial("", std::move(strategy), problem, testing::seeds(30));
 }
 
-/// Of the validity checks of runs beside those of the same seeds without guidance, the median ratio is at most `most`:
-/// a guide may mislead, but its loss is bounded. A run without a path costs infinitely much.
+/// The median ratio of the validity checks to those of the same seeds without guidance is at most `most`: a guide may
+/// mislead, but its loss is bounded. A run without a path costs infinitely much.
 class BoundedLoss final : public trial::Matcher {
  public:
   explicit BoundedLoss(testing::Trial plain) : plain_(std::move(plain)) {}
@@ -81,15 +81,15 @@ inline GuideSpec by_two_trees(const std::string& name, const std::vector<Options
 inline PlannerSpec tree(double step = 0.5) {
   return PlannerSpec::make("rrt", {{"step", step}, {"proposals", std::int64_t{20000}}});
 }
-/// The planner without the bound on what its guide may spend. Bounded loss leaves more than half of the work unguided:
-/// the savings of a guide that saves less than half show only without it.
+/// The planner without the bound on its guide's cost. Bounded loss leaves more than half of the work unguided, which
+/// hides the benefit of a guide that saves less than half.
 inline PlannerSpec trusting(const PlannerSpec& planner) {
   auto options = planner.options().entries();
   std::erase_if(options, [](const auto& entry) { return entry.first == "bound"; });
   options.emplace_back("bound", 0.0);
   return PlannerSpec::make(planner.name(), options);
 }
-/// A roadmap whose nodes are few enough that a narrow passage is easily missed.
+/// A roadmap with so few nodes that it often misses a narrow passage.
 inline PlannerSpec roadmap() { return PlannerSpec::make("prm", {{"proposals", std::int64_t{4000}}}); }
 
 inline Problem boxes(const std::string& name, const Rectangles& all, const Configuration& start,
@@ -118,12 +118,12 @@ inline Problem rows() {
   }
   return boxes("rows", all, {1, 5, 0}, {9, 5, 0});
 }
-/// Alleys with corners, and a robot that is too long to turn about most of them.
+/// Corridors with corners, and a robot that is too long to turn around most of them.
 inline Problem alleys() {
   return make_problem("alleys", rectangle_world({{3, 1, 4.6, 6}, {5, 1, 7, 4.6}, {3, 6.4, 7, 9}, {5, 5, 7, 6}}),
                       rectangle_robot(1.6, 0.2), {2, 5, 0}, {8, 5, 0});
 }
-/// A wall of pickets with slits that only a point goes through; below it there is room.
+/// A wall of pickets with slits that only a point passes; there is free space below it.
 inline Problem pickets() {
   Rectangles all;
   for (int i = 0; i < 6; ++i) {
@@ -132,7 +132,7 @@ inline Problem pickets() {
   }
   return boxes("pickets", all, {2, 6, 0}, {8, 6, 0});
 }
-/// A wall with a slit that the robot is too wide for, half of it is not; and a way round.
+/// A wall with a slit that is too narrow for the robot but not for half of it; and a route around it.
 inline Problem detour() { return boxes("detour", {{4, 1, 6, 4.94}, {4, 5.06, 6, 10}}, {2, 5, 0}, {8, 5, 0}); }
 
 }  // namespace trellis::test

@@ -5,7 +5,7 @@
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 
-// The two backends, and a reference that shares nothing with them, say the same of every configuration and motion.
+// The two backends, and an independent reference, give the same result for every configuration and motion.
 
 using namespace collision_test;
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double resolution = 0.05;
 
-/// What did not agree, and how far from touching the worst of it was.
+/// The disagreements, and the largest distance from contact among them.
 struct Tally {
   std::size_t backends = 0;
   std::size_t reference = 0;

@@ -222,7 +222,7 @@ TEST_CASE("motions of length zero, and configurations that are no numbers") {
     CHECK_FALSE(stuck.valid);
     CHECK(stuck.checks == 1);
     CHECK(stuck.invalid_at == 1.0);
-    // The start counts as checked.
+    // The caller has validated the start.
     CHECK(checker->motion(in, open).valid == false);
     const auto leaving = checker->motion(Configuration{3.75, 3, 0}, Configuration{3.75 - 0.04, 3, 0});
     CHECK(leaving.valid);
@@ -250,8 +250,8 @@ TEST_CASE("angles of any size") {
   }
 }
 
-TEST_CASE("a motion across the end of the angle's period goes the short way") {
-  // Pointing left, a little up and down; the long way round would hit the box on the right.
+TEST_CASE("a motion across the end of the angle's period takes the shorter direction") {
+  // Pointing left, a little up and down; the longer direction would hit the box on the right.
   const Shape bar = Box2{{0, -0.05}, {1, 0.05}};
   for (const auto& backend : backends) {
     const auto c = one_box(Robot::rigid({bar}), {bar});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How far from an invalid configuration all others are invalid too.
+// Lower bounds on the distance from an invalid configuration to valid ones.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,7 +50,7 @@ struct Bound {
   int positive = 0;
 };
 
-/// That the bound holds, at random invalid configurations of a case.
+/// Tests the bound at random invalid configurations of a case.
 Bound check_bound(const Case& c, const Space& space, std::uint64_t seed, int count) {
   const auto checker = make_planar_checker(c.scene, space, 0.05);
   Stream stream(seed, "", "invalid radius");

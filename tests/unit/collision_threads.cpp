@@ -8,11 +8,11 @@
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 
-// What a checker takes from the process it runs in: no memory while it checks, and nothing that another one changes.
+// A checker's use of the process: no memory allocation while it checks, and no shared mutable state.
 
 using namespace collision_test;
 
-// The address sanitizer has an allocator of its own, which is not to be mixed with this one.
+// The address sanitizer has its own allocator, which conflicts with this one.
 #if !defined(__SANITIZE_ADDRESS__)
 
 namespace {

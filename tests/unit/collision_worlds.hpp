@@ -21,7 +21,7 @@ namespace collision_test {
 
 using namespace trellis;
 
-/// A robot as the reference wants it: shapes as given, per body.
+/// A robot in the reference's form: the given shapes, per body.
 struct Case {
   std::string name;
   std::shared_ptr<const Scene> scene;
@@ -93,7 +93,7 @@ inline std::vector<Case> mixed_cases() {
   cases.push_back(make_case("rectangle, not turning", mixed_world(), Robot::rigid({rectangle}, false), {{rectangle}}));
   cases.push_back(make_case("ell", mixed_world(), Robot::rigid({ell}), {{ell}}));
   cases.push_back(make_case("kite and disc", mixed_world(), Robot::rigid({kite, off_centre}), {{kite, off_centre}}));
-  // In R^2 x SO(2)^2: both angles in the world.
+  // In R^2 x SO(2)^2: both angles refer to the world.
   cases.push_back(make_case(
       "car with trailer", mixed_world(),
       Robot("car with trailer", {{convex({rectangle}), -1, {}, 2, true}, {convex({trailer}), 0, {-0.4, 0}, 3, true}}),
@@ -105,7 +105,7 @@ inline std::vector<Case> mixed_cases() {
                                    {convex({hand, disc}), 1, {1.2, 0}, 2, false}},
                                   false, {0.3, 0.1}),
                             {{link}, {link}, {hand, disc}}));
-  // Bodies that must not meet each other: links that fold back, and shapes of every kind.
+  // Self-collision pairs: links that fold back, and shapes of every kind.
   Arm folding;
   folding.links = {0.9, 0.7, 0.8, 0.6};
   folding.widths = {0.1, 0.08, 0.06, 0.1};
@@ -155,7 +155,7 @@ inline std::vector<Vec2> outline(const Shape& shape) {
   return std::get<Polygon>(shape).vertices;
 }
 
-/// The distance between two closed shapes, 0 where they meet.
+/// The distance between two closed shapes, 0 in contact.
 inline double reference_distance(const Shape& a, const Shape& b) {
   const auto* disc_a = std::get_if<Disc>(&a);
   const auto* disc_b = std::get_if<Disc>(&b);
@@ -190,7 +190,7 @@ inline Shape moved(const Shape& shape, const Pose2& pose) {
   return polygon;
 }
 
-/// How far the shape is inside the bounds; negative where it sticks out.
+/// The distance of the shape to the bounds from inside; negative outside.
 inline double reference_margin(const Shape& shape, const Box2& bounds) {
   const auto of_point = [&](Vec2 p) {
     return std::min({p.x - bounds.lo.x, bounds.hi.x - p.x, p.y - bounds.lo.y, bounds.hi.y - p.y});
@@ -201,8 +201,8 @@ inline double reference_margin(const Shape& shape, const Box2& bounds) {
   return margin;
 }
 
-/// The clearance at q: of all bodies from all obstacles and the boundary, and from bodies that they must not meet. Not
-/// positive in collision.
+/// The clearance at q: of all bodies to all obstacles and the boundary, and between the bodies of self-collision pairs.
+/// Not positive in collision.
 inline double reference_clearance(const Case& c, View q) {
   std::vector<Pose2> poses(c.bodies.size());
   c.scene->robot.place(q, poses);

@@ -22,7 +22,7 @@ TEST_CASE("each of a character's eight dots can be set by itself") {
   }
 }
 
-TEST_CASE("a line shows in all characters on its way") {
+TEST_CASE("a line shows in all characters that it crosses") {
   Braille picture(4, 1);
   picture.line({0, 0.5}, {8, 0.5}, {});
   CHECK(picture.text(false) == "⠉⠉⠉⠉\n");
@@ -83,7 +83,7 @@ TEST_CASE("an area is a background where it fills characters, and dots where it 
   CHECK(picture.text(true) ==
         "\x1b[0m\x1b[48;5;240m \x1b[0m\x1b[38;5;3m\x1b[48;5;240m⠁\x1b[0m\x1b[38;5;240m⡇\x1b[0m \n");
   CHECK(picture.text(false) == "⣿⣿⡇ \n");
-  // Where it does not fill a character it gives way, lest it be taken for something else.
+  // Where it does not fill a character it is not drawn, so that it cannot look like another ink.
   picture.dot({5.5, 3.5}, {.colour = 3, .rank = 1});
   CHECK_THAT(picture.text(true), Catch::Matchers::Contains("\x1b[38;5;3m⢀"));
 }

@@ -216,7 +216,7 @@ TEST_CASE("wrapped and shortened text fits", "[draw]") {
   CHECK(wrap_text("i", 0.1, font) == std::vector<std::string>{"i"});
 }
 
-TEST_CASE("the palette is told apart", "[draw]") {
+TEST_CASE("the palette's colours are distinguishable", "[draw]") {
   for (std::size_t i = 0; i < palette::series.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Colour a = palette::series[i];

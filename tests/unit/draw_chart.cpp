@@ -203,7 +203,7 @@ TEST_CASE("the legend covers no data", "[draw]") {
     figure.legend = legend;
     return plot(figure).height();
   };
-  // A rising line leaves a corner free; points all over leave none.
+  // A rising line leaves a corner free; points everywhere leave none.
   Figure free = figure_of(series_of(Series::Kind::line, {1.0, 2.0, 3.0, 4.0}));
   free.panels[0].references.clear();
   CHECK(height(free, Legend::automatic) == height(free, Legend::none));

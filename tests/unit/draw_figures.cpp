@@ -54,7 +54,7 @@ TEST_CASE("a waterfall's bars add up", "[draw]") {
   CHECK(bars[3].text == "+1.20");
 }
 
-TEST_CASE("a waterfall of any numbers hangs together", "[draw]") {
+TEST_CASE("a waterfall of any numbers is connected", "[draw]") {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int trial = 0; trial < 500; ++trial) {

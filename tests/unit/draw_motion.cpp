@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of a robot on its way and of the space that it moves in.
+// Pictures of a robot on its path and of its space.
 #include <numbers>
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures of a planar world: cells, circles, colours, and what they are drawn from.
+// Pictures of a planar world: cells, circles, colours, and their data.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -193,8 +193,8 @@ TEST_CASE("the sizes below a panel are round and at most the largest", "[draw][p
   CHECK(sizes_explained({.layers = {layer({0.0})}}).empty());
 }
 
-TEST_CASE("roles are told apart with any colour vision", "[draw][planar]") {
-  // Machado, Oliveira and Fernandes 2009: what those who lack one kind of cone see, in linear RGB.
+TEST_CASE("roles are distinguishable with any colour vision", "[draw][planar]") {
+  // Machado, Oliveira and Fernandes 2009: the colours without one kind of cone, in linear RGB.
   using Matrix = std::array<std::array<double, 3>, 3>;
   const Matrix all = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const Matrix protan = {

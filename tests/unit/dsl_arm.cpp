@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Arms, and guides that drop joints of theirs, in the language.
+// Arms, and guides that drop their joints, in the language.
 #include <string>
 
 #include "support/catch.hpp"
@@ -48,7 +48,7 @@ TEST_CASE("a start in which an arm meets itself names the links") {
              Contains("goal is out of bounds: theta = 2.5, expected it in [-3, 2]"));
 }
 
-TEST_CASE("what is wrong with an arm is told") {
+TEST_CASE("errors in an arm are reported") {
   CHECK_THAT(failure("robot.arm { width = 1 }"), Contains("links"));
   CHECK_THAT(failure("robot.arm { links = {1, -1} }"), Contains("length of link 2") && Contains("got -1"));
   CHECK_THAT(failure("robot.arm { links = {1, 1}, widths = {0.1} }"), Contains("2 links and 1 widths"));

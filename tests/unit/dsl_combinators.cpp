@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Schedules, races and splits as scripts write them.
+// Schedules, races and splits in scripts.
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What can be written next, as a prompt offers it.
+// Completions at a prompt.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -37,7 +37,7 @@ TEST_CASE("a name is completed to globals, keywords and the names of the session
   CHECK(dsl::completions("my_g", mine).words == Words{"my_guide"});
 }
 
-TEST_CASE("what is completed is told by where it begins") {
+TEST_CASE("a completion reports the position where it begins") {
   CHECK(dsl::completions("local g = shr").begin == 10);
   CHECK(dsl::completions("scenes.tr").begin == 7);
   CHECK(dsl::completions("rrt { ").begin == 6);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that scripts write: what they are, what they do in a run, and what is said of those that are wrong.
+// User-defined guides: their definition, their behaviour in a run, and the diagnostics of errors.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,7 +24,7 @@ const std::string room =
     "local room = problem { name = 'room', world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 7} },\n"
     "  robot = robot.rectangle(0.6, 0.2), start = {1, 1, 0}, goal = {9, 1, 0} }\n";
 
-/// An experiment on the room, after a line of the script's own.
+/// An experiment on the room, after a line of the script.
 std::string script(const std::string& guide, const std::string& strategy, const std::string& more = "") {
   return room + guide + "\nreturn experiment { problems = room, strategies = { it = " + strategy +
          " }, measure = false" + more + " }\n";
@@ -41,7 +41,7 @@ RunRecord run_of(const std::string& guide, const std::string& strategy = "g >> r
   return execute(experiment.strategies.front().second, experiment.problems.front(), seed);
 }
 
-/// What a run fails with, "" where it does not.
+/// Returns the error of a run, "" if there is none.
 std::string run_failure(const std::string& guide, const std::string& strategy = "g >> rrt {}") {
   try {
     run_of(guide, strategy);
@@ -136,7 +136,7 @@ TEST_CASE("by default h is along the path that was found") {
   }
 }
 
-TEST_CASE("f is told by the names of axes: what S lacks is lifted uniformly, and the density is exact") {
+TEST_CASE("f by the names of axes: the axes that S lacks are lifted uniformly, and the density is exact") {
   const std::string point = "guiding_space { name = 'point', space = {'x', 'y'}, robot = robot.point() }";
   const RunRecord run = run_of(point);
   CHECK(run.solved);
@@ -184,7 +184,7 @@ TEST_CASE("f and its fibres may be functions") {
   CHECK(run.levels[1].start == Configuration{9, 1, 0});
   CHECK(run.levels[1].root_nodes[0][0] == Approx(1.0));
   CHECK(run.levels[1].search.checks.validity > 0);
-  // Its density would need that of the fibre.
+  // Its density would require that of the fibre.
   CHECK_FALSE(run.levels[0].proposal_density);
   CHECK_FALSE(run.levels[1].root_proposal_density);
   CHECK_THAT(run_failure("guiding_space { name = 'skew', project = function(x, y, t) return x, y, t end,\n"
@@ -204,7 +204,7 @@ TEST_CASE("S may be an explicit graph, searched exactly") {
   CHECK(run.solved);
   REQUIRE(run.levels.size() == 2);
   CHECK(run.levels[1].planner == "graph_search");
-  // The dearer way, as its edges are made cheap.
+  // The longer path, because its edges are made cheap.
   CHECK(all(run.levels[1].solution.path) == std::vector<double>{1, 1, 5, 9, 9, 1});
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("h may be a function that draws, with its density") {
                  Contains("where it drew a sample: it returned 0, expected a finite number greater than 0"));
 }
 
-TEST_CASE("h is told what became of its proposals, may change by that, and asks for another solution") {
+TEST_CASE("h receives the outcomes of its proposals, may adapt to them, and requests another solution") {
   const RunRecord run = run_of(
       "(function() local n, kinds = 0, {}\n"
       "return guiding_space { name = 'told', valid = 'free', resolves = 2,\n"
@@ -293,8 +293,8 @@ TEST_CASE("a distribution that a script returns hears of everything that it woul
   }
 }
 
-TEST_CASE("where the planner lost nodes a script is told so, hears of those that are left, and makes h anew") {
-  // What blocks the way is dropped, and comes back: the tree in that space loses branches.
+TEST_CASE("where the planner lost nodes a script is notified, receives the others, and recomputes h") {
+  // `drop` removes the blocking obstacle, which returns: the tree in that space loses branches.
   const std::string strategy = "g >> drop { planner = rrt { step = 0.5, bound = 1 } } >> rrt { step = 0.5, bound = 1 }";
   const auto guide = [](const std::string& restart, const std::string& more) {
     return "(function() local lost = false\n"
@@ -353,7 +353,7 @@ TEST_CASE("what a function leaves behind reaches no other run, and any number of
   CHECK(one[0] != one[2]);
 }
 
-TEST_CASE("a script that defines other guides when it is loaded again is told so") {
+TEST_CASE("a script that defines other guides when it is loaded again is an error") {
   dsl::SessionOptions options;
   options.trust = true;
   const std::string fickle = script(
@@ -389,7 +389,7 @@ TEST_CASE("what is wrong with a guide is said where it is written") {
   CHECK_THAT(test::failure("lifted(3)"), Contains("lifted: takes a distribution over S"));
 }
 
-TEST_CASE("what goes wrong in a guide's function is told with the level, the run and the line") {
+TEST_CASE("an error in a guide's function names the level, the run and the line") {
   const std::string at = "test.lua:3: in g >> rrt, level 1 (problem 'room', seed 1): ";
   const auto fails = [](const std::string& fields) {
     return run_failure("guiding_space { name = 'g', " + fields + " }");

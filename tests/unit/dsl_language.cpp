@@ -194,9 +194,9 @@ TEST_CASE("scene files are looked for, and read, with options") {
             .find("did you mean 'resolution'?") != std::string::npos);
 }
 
-TEST_CASE("help knows every word and each of its options") {
+TEST_CASE("help has every word and each of its options") {
   const std::string all = dsl::vocabulary_text();
-  // A name is followed by what it means, on a line of its own where it is long.
+  // The meaning follows the name, on its own line where it is long.
   const auto has = [](const std::string& text, const std::string& name) {
     return text.find("  " + name + " ") != std::string::npos || text.find("  " + name + "\n") != std::string::npos;
   };
@@ -218,7 +218,7 @@ TEST_CASE("help knows every word and each of its options") {
   CHECK_THROWS_WITH(dsl::help_text("planner.shrink"), Catch::Contains("no help on 'planner.shrink'"));
 }
 
-TEST_CASE("help tells the options of a function of the standard library, with its own defaults") {
+TEST_CASE("help lists the options of a function of the standard library, with its own defaults") {
   const std::string irc = dsl::help_text("strategies.irc");
   CHECK(irc.starts_with("strategies.irc: ever larger robots"));
   CHECK(irc.find("source: Bayazit") != std::string::npos);
@@ -241,7 +241,7 @@ TEST_CASE("help tells the options of a function of the standard library, with it
   CHECK(default_of("strategies.blend", "memory") == "0.98");
 }
 
-TEST_CASE("help tells what can be done with a type of values") {
+TEST_CASE("help lists the operators and members of a type") {
   CHECK(dsl::help_text("guide").find("guide >> planner   a strategy") != std::string::npos);
   CHECK(dsl::help_text("strategy").find(":hash()") != std::string::npos);
   CHECK(dsl::help_text("planner").find(":tree()") != std::string::npos);

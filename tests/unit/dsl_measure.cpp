@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Targets, estimators, and how an experiment says what it measures.
+// Targets, estimators, and the measure of an experiment.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,7 +24,7 @@ namespace {
 
 dsl::Program load(const std::string& text) { return dsl::Session("").load(text, "test.lua"); }
 
-/// An experiment of one RRT on a point among nothing, with more fields.
+/// An experiment of one RRT for a point in an empty world, with more fields.
 std::string experiment(const std::string& fields) {
   return "return experiment { problems = problem { name = 'room', world = world { bounds = {0, 0, 10, 10} }, "
          "robot = robot.point(), start = {2, 5}, goal = {8, 5} }, strategies = { rrt = rrt { step = 0.5 } }, " +
@@ -36,7 +36,7 @@ const Measure& measure_of(const dsl::Program& program) {
   return *program.experiment.measure;
 }
 
-/// The message of an experiment whose target's functions are these, "" where it runs.
+/// Returns the message of an experiment with these functions of a target, "" if it runs.
 std::string run_failure(const std::string& functions) {
   const auto program = load(experiment("cross = 0,\nmeasure = target { " + functions + ", points = 64, pool = 64 }"));
   try {
@@ -47,7 +47,7 @@ std::string run_failure(const std::string& functions) {
   return "";
 }
 
-/// T uniform within 0.5 of the path, as a script would write it: drawn by rejection. Its volume is that of a capsule.
+/// T uniform within 0.5 of the path, as in a user's script: by rejection sampling. Its volume is that of a capsule.
 constexpr const char* own_tube = R"(
 local function distance(q, path)
   local best = math.huge
@@ -280,7 +280,7 @@ TEST_CASE("a user's target scores an experiment, the same each time, after its s
   }
 }
 
-TEST_CASE("a user's functions are told the path, the problem and its space") {
+TEST_CASE("a user's functions receive the path, the problem and its space") {
   const std::string density = ", log_density = function() return -math.log(100) end";
   const auto told = [&](const std::string& what) {
     const std::string message = run_failure("sample = function(c) error(tostring(" + what + "), 0) end" + density);
@@ -305,7 +305,7 @@ TEST_CASE("a user's functions are told the path, the problem and its space") {
   CHECK(told("math.type(c.normal())") == "float");
 }
 
-TEST_CASE("what is wrong in a user's function is told with the function, the draw and the line") {
+TEST_CASE("an error in a user's function names the function, the draw and the line") {
   const std::string sample = "sample = function(c) return { 10 * c.random(), 10 * c.random() } end, ";
   const std::string density = ", log_density = function() return -math.log(100) end";
   const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -348,7 +348,7 @@ TEST_CASE("what is wrong in a user's function is told with the function, the dra
   }
 }
 
-TEST_CASE("what is wrong in a user's density is told with the sample and the level that it was asked for") {
+TEST_CASE("an error in a user's density names the sample and its level") {
   // The density fails when it is called for the n-th time; the draws come first, then each level's samples.
   const auto message = [](int n, const std::string& what) {
     const auto program = load(
@@ -386,7 +386,7 @@ TEST_CASE("what is wrong in a user's density is told with the sample and the lev
   CHECK(endless.find(" and comes to no end; is there a loop without end?") != std::string::npos);
 }
 
-TEST_CASE("help tells of targets, estimators and the construct of a target of one's own") {
+TEST_CASE("help describes targets, estimators and the construct of a user's target") {
   const std::string all = dsl::vocabulary_text();
   for (const char* word : {"targets:", "estimators:", "tube", "near_optimal", "progress", "knn", "exact", "kde",
                            "histogram", "legacy", "target", "ablations"}) {

@@ -26,12 +26,12 @@ std::string content(const fs::path& path) {
 }
 
 std::string message_of(const fs::path& script) {
-  // Enough for the deepest recursion; the script that wants all memory shall not get a gigabyte in a test.
+  // Enough for the deepest recursion; the script that allocates all memory must not get a gigabyte in a test.
   dsl::Session session("bad_input", {.memory = std::size_t{256} << 20U});
   try {
     session.load(content(script), script.filename().string());
   } catch (const Error& error) {
-    // How deep Lua lets a script recurse is Lua's affair.
+    // Lua determines the limit of recursion.
     return std::regex_replace(error.what(), std::regex("skipping [0-9]+ levels"), "skipping N levels") + "\n";
   }
   return "no error\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The methods of the standard library are what docs/methods.md says, and compose with everything.
+// The methods of the standard library match docs/methods.md, and compose with all guides.
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The registry is complete, and what is committed of it is what it says.
+// The registry is complete, and the committed documents match it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -42,14 +42,14 @@ void check_option(const dsl::Word& word, const Option& option) {
   const bool quantity = option.type == Option::Type::number || option.type == Option::Type::integer;
   CHECK((!quantity || !option.unit.empty() || is_pure(option.name)));
   CHECK((option.type != Option::Type::choice || option.choices.size() > 1));
-  // The default is one that could be given.
+  // The default is a valid value.
   const Component alone{Component::Kind::guide, word.name, "", "", {option}, {}};
   CHECK_NOTHROW(Options::validate(alone, {{option.name, option.default_value}}));
 }
 
 }  // namespace
 
-TEST_CASE("every word tells all that there is to know") {
+TEST_CASE("every word has a complete description") {
   REQUIRE(dsl::words().size() > 60);
   std::vector<std::string> names;
   for (const dsl::Word& word : dsl::words()) {

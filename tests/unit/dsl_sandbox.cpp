@@ -19,7 +19,7 @@ using test::values;
 
 namespace {
 
-/// A folder that goes with the object.
+/// A temporary folder.
 class Folder {
  public:
   Folder() : path_(fs::temp_directory_path() / ("trellis-dsl-" + std::to_string(::getpid()))) {
@@ -133,7 +133,7 @@ TEST_CASE("what a script works is counted, and has an end") {
   CHECK(value("#('x'):rep(1000)", little) == "1000");
   CHECK(failure("for _ = 1, 1e9 do end", little)
             .starts_with("test.lua:1: the script has spent 100000 instructions and comes to no end"));
-  // The same script ends at the same place, however fast the machine.
+  // The same script ends at the same instruction on every machine.
   const std::string counts = "n = 0 while true do n = n + 1 end";
   dsl::Session first("", little), second("", little);
   CHECK_THROWS_AS(first.evaluate(counts, "test.lua"), Error);
@@ -154,16 +154,16 @@ TEST_CASE("names that nothing has are found in functions that are never called")
   CHECK(unknown("local function f()\n return function()\n\n return nowhere\n end\n end")
             .front()
             .starts_with("test.lua:4: unknown name 'nowhere'"));
-  // What is set anywhere is known, what is local or a field is no global.
+  // A name that is set anywhere is defined; a local or a field is no global.
   CHECK(unknown("local function set() later = 1 end local function get() return later end").empty());
   CHECK(unknown("local t = { inside = 1 } local function f(inside) local x = inside return x, t.inside end").empty());
-  // Lines are told over long stretches too.
+  // Line numbers are correct after long gaps too.
   const std::string text =
       "local function f()\n do\n local x\n" + std::string(400, '\n') + " x = 1\n end\n return nowhere\nend";
   CHECK(unknown(text).front().starts_with("test.lua:406: unknown name 'nowhere'"));
 }
 
-TEST_CASE("whoever runs a script can end it") {
+TEST_CASE("the caller can end a script") {
   int asked = 0;
   dsl::Session session("", {.interrupted = [&asked] { return ++asked > 3; }});
   CHECK_THROWS_AS(session.evaluate("while true do pcall(function() while true do end end) end", "test.lua"),
@@ -201,7 +201,7 @@ TEST_CASE("memory has a limit, and the interpreter lives on") {
   CHECK(session.evaluate("return 1", "test.lua").front() == "1");
 }
 
-TEST_CASE("recursion without end is an error") {
+TEST_CASE("infinite recursion is an error") {
   CHECK(failure("local function f() return 1 + f() end f()").find("stack overflow") != std::string::npos);
   CHECK(failure("local t = {} t.__index = function(_, k) return t[k] end setmetatable(t, t) return t.x")
             .find("overflow") != std::string::npos);
@@ -213,7 +213,7 @@ TEST_CASE("recursion without end is an error") {
 TEST_CASE("what a script throws comes with a traceback, what we say does not") {
   CHECK(failure("local function f() error('no luck') end\nf()") ==
         "test.lua:1: no luck\nstack traceback:\n\ttest.lua:1: in local 'f'\n\ttest.lua:2: in main chunk");
-  // Where the traceback would only say the line again, there is none.
+  // Without a traceback, where it would only repeat the line.
   CHECK(failure("error('no luck')") == "test.lua:1: no luck");
   CHECK(failure("rrt { step = -1 }").find("traceback") == std::string::npos);
   CHECK(failure("error(setmetatable({}, { __tostring = function() return 'odd' end }))")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts in Lua taken apart.
+// Tokens of Lua texts.
 #include <dsl/language/tokens.hpp>
 #include <string>
 #include <vector>

@@ -52,7 +52,7 @@ bool sees(Vec2 a, Vec2 b) {
   return to - from <= 1e-12;
 }
 
-/// The shortest way past the wall's two corners.
+/// The shortest path past the wall's two corners.
 double geodesic(Vec2 a, Vec2 b) {
   if (sees(a, b)) return length(a, b);
   const Vec2 left{4, 8};
@@ -83,7 +83,7 @@ std::pair<double, double> excess(const CostField& field, const Problem& problem,
       continue;
     }
     const double truth = geodesic(start, p) + geodesic(p, goal);
-    // Never below the truth, but for what a motion may cut of a corner between two looks at it.
+    // Never below the true cost, except for corners that a motion cuts between two checked configurations.
     CHECK(cost >= truth - 0.01);
     sum += cost / truth - 1.0;
     most = std::max(most, cost / truth - 1.0);

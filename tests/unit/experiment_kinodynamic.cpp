@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A robot that is driven: what is recorded of its paths, and which planners are refused.
+// Kinodynamic robots: the record of their paths, and the planners that are rejected.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -79,8 +79,7 @@ TEST_CASE("a planner that cannot respect the motion model is refused, and one th
   }
   CHECK_THROWS_WITH(check(strategy({}), test::cup_problem()),
                     Contains("kinodynamic_rrt drives a motion model") && Contains("motion.unicycle1"));
-  // The level that shrink makes keeps the motion model: what searches it drives by default, and says so where another
-  // planner was chosen.
+  // shrink's level has the motion model: its default planner is kinodynamic, and another planner is an error.
   CHECK_NOTHROW(check(strategy({GuideSpec::make("shrink", {})}), driven));
   CHECK_THROWS_WITH(check(strategy({GuideSpec::make("shrink", {}, PlannerSpec::make("rrt", {}))}), driven),
                     Contains("level 1") && Contains("rrt joins configurations by straight motions"));

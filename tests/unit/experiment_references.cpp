@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Perfect guidance scores 0 and uniform sampling its own divergence, in every scene; what a guide whose tube is the
-// target comes to.
+// Perfect guidance scores 0 and uniform sampling its own divergence, in every scene; the score of a guide whose tube is
+// the target.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -30,7 +30,7 @@ Experiment experiment_on(const Problem& problem, const StrategySpec& strategy, s
   return experiment;
 }
 
-/// What the estimators err by where the truth is 0 (docs/measure.md: T itself).
+/// The estimators' errors where the truth is 0 (docs/measure.md: T itself).
 constexpr double accuracy = 0.01;
 
 void check_zero(const std::vector<double>& values) {

@@ -153,7 +153,7 @@ TEST_CASE("an unsolved run has no target", "[experiment]") {
   }
 }
 
-TEST_CASE("progress is told of every cell, one at a time", "[experiment]") {
+TEST_CASE("progress reports every cell, one at a time", "[experiment]") {
   Experiment experiment = small();
   experiment.measure.reset();
   for (const unsigned jobs : {1U, 2U}) {

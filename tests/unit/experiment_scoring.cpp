@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What each run is scored on: its own path, those of other seeds, and targets that are no tubes.
+// The targets of each run: its own path, those of other seeds, and targets that are no tubes.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -48,8 +48,8 @@ Experiment open_experiment() {
   return experiment;
 }
 
-/// A target that tells which paths a run was scored on: that of the i-th path has the divergence 2^i / 64 from uniform
-/// sampling, so that a mean over several of them names them all.
+/// A target that identifies the paths of a score: that of the i-th path has the divergence 2^i / 64 from uniform
+/// sampling, so that a mean over several paths identifies all of them.
 class Marks {
  public:
   Marks() : paths_(std::make_shared<std::vector<std::vector<double>>>()) {}
@@ -163,7 +163,7 @@ TEST_CASE("a run is scored on the paths of other seeds, the same ones under ever
       const auto used = Marks::of(root_of(fine).root_cross, count);
       CHECK(used == Marks::of(root_of(coarse).root_cross, count));
       for (const RunResult* own : {&fine, &coarse}) {
-        // Its own path makes its own target, and no path of its seed is among the others.
+        // Each path makes its own target, and no path of its seed is among the others.
         const auto mark = Marks::of(root_of(*own).root, 1);
         CHECK(used.count(*mark.begin()) == 0);
         if (used.count(*mark.begin()) == 0) givers.insert(used.begin(), used.end());
@@ -209,13 +209,13 @@ TEST_CASE("a run without a path is scored on the others' and never dropped", "[s
     REQUIRE(root_of(failed).root_cross);
     CHECK(root_of(failed).root_cross->expansion.samples == 40);
     CHECK(std::isfinite(root_of(failed).root_cross->expansion.value));
-    // Only the runs with a path give one.
+    // Only runs with a path provide one.
     const auto used = Marks::of(root_of(failed).root_cross, 2);
     CHECK(std::includes(paths.begin(), paths.end(), used.begin(), used.end()));
     CHECK(used == Marks::of(root_of(find(result, "fine", seed)).root_cross, 2));
   }
 
-  // Where nobody finds a path there is nothing to score on, and every run is still there.
+  // Without any path there is no target, and the result still has every run.
   experiment.strategies = {{"short", rrt(0.5, 5.0)}};
   const ExperimentResult none = run(experiment);
   REQUIRE(none.runs.size() == 3);
@@ -254,7 +254,7 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
     CHECK(own.expansion.others.front().estimator == "knn");
     CHECK(own.expansion.samples == record.search.proposals.size());
   }
-  // Where no list was given the headline alone is asked.
+  // Without a list of estimators, only the headline's runs.
   experiment.measure = Measure{};
   for (const RunResult& run : run(experiment).runs) {
     CHECK(root_of(run).own->expansion.estimator == "exact");
@@ -382,7 +382,7 @@ TEST_CASE("every figure is the same to the last bit whatever the number of jobs"
   CHECK(once == Bytes(run(experiment, options)));
 }
 
-TEST_CASE("near_optimal is the ellipse about start and goal where nothing stands in the way", "[scoring]") {
+TEST_CASE("near_optimal is the ellipse about start and goal in an empty world", "[scoring]") {
   Experiment experiment = open_experiment();
   experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 20.0)}};
   NearOptimalSettings settings;
@@ -436,7 +436,7 @@ TEST_CASE("progress ranks a motion by the share of its rivals that come closer t
     level.search.nodes.push(level.search.proposals.back());
     level.search.parents.push_back(0);
   }
-  // What grew from no node is no motion, nor is one without length.
+  // An entry without a parent node is no motion, nor is one without length.
   level.search.proposals.push(std::vector{1.0, 1.0});
   level.search.near.push_back(no_node);
   level.search.proposals.push(std::vector{0.0, 0.0});
@@ -600,7 +600,7 @@ TEST_CASE("a user's target lies in the root's space: levels are scored on it lif
     CHECK(run.levels[1].root->tree.uniform == run.levels[0].root->tree.uniform);
     CHECK(run.levels[1].root_cross);
   }
-  // What a target's function throws comes out.
+  // An exception in a target's function reaches the caller.
   UserTarget broken;
   broken.make = [](const UserTarget::Context&) -> Target::Distribution { throw Error("no target today"); };
   experiment.measure->target = broken;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Roadmap metrics, information and shares of proposals, in worlds where they are known and against brute force.
+// Roadmap metrics, information and shares of proposals: in worlds with closed forms, and by brute force.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -89,7 +89,7 @@ TEST_CASE("nodes of two rooms are what they do for the roadmap", "[experiment][s
 TEST_CASE("coverage and connectivity of two rooms without a door", "[experiment][search_metrics]") {
   Place place(test::make_problem("closed", test::rectangle_world({{4.9, 0, 5.1, 10}}), Robot::point(), {1, 1}, {9, 9}));
   SearchMetricsSettings settings;
-  settings.neighbours = 256;  // every witness is looked at
+  settings.neighbours = 256;  // checks every witness
   const auto witnesses = valid_witnesses(place.problem.space, place.valid, settings.witnesses, 0);
   REQUIRE(witnesses.size() == 256);
   double left = 0.0;
@@ -213,14 +213,14 @@ TEST_CASE("information is what the labelled proposals foretell", "[experiment][s
   const auto any_motion = [](View, View) { return true; };
   Search search(2);
   CHECK(std::isnan(search_metrics(space, search, anywhere, any_motion).information));
-  // One valid sample foretells 2/3 everywhere; the same one again tells nothing more.
+  // One valid sample predicts 2/3 everywhere; a repetition adds no information.
   propose(search, {0.5, 0.5}, Fate::rejected);
   CHECK(search_metrics(space, search, anywhere, any_motion).information == Approx(std::log(4.0 / 3.0)));
   propose(search, {0.5, 0.5}, Fate::rejected);
   const auto twice = search_metrics(space, search, anywhere, any_motion);
   CHECK(twice.information == Approx(std::log(4.0 / 3.0)));
   CHECK(twice.information_per_sample == Approx(0.5 * std::log(4.0 / 3.0)));
-  // Five and more foretell 6/7: the most that five neighbours can.
+  // Five and more predict 6/7: the maximum with five neighbours.
   for (int i = 0; i < 9; ++i) propose(search, {0.1 * i, 0.3}, Fate::rejected);
   CHECK(search_metrics(space, search, anywhere, any_motion).information == Approx(std::log(12.0 / 7.0)));
   // Where validity ends within the space, samples of the one side mislead about the other, samples of both do not.
@@ -317,7 +317,7 @@ TEST_CASE("metrics of runs: trees are one component, and shares add up", "[exper
   }
 }
 
-TEST_CASE("few motions are looked at for each node", "[experiment][search_metrics]") {
+TEST_CASE("few motions are checked for each node", "[experiment][search_metrics]") {
   const auto walled = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                          {1, 4, 0}, {9, 4, 0});
   for (const auto* planner : {"rrt", "rrt_connect", "prm"}) {

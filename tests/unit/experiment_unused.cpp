@@ -20,7 +20,7 @@ Experiment experiment(const StrategySpec& strategy) {
   return e;
 }
 
-/// Has no proposal of a guide enter the tree of a level.
+/// Removes all proposals of a guide from the tree of a level.
 void turn_away(ExperimentResult& result, const std::string& key) {
   for (RunResult& run : result.runs) {
     for (LevelResult& level : run.levels) {
@@ -35,7 +35,7 @@ void turn_away(ExperimentResult& result, const std::string& key) {
 
 }  // namespace
 
-TEST_CASE("a guide whose proposals never entered a tree is told, with its line and level", "[experiment][unused]") {
+TEST_CASE("a guide whose proposals never entered a tree is reported, with its line and level", "[experiment][unused]") {
   const auto e =
       experiment(written("skeleton", 3) >> written("shrink", 4) >> PlannerSpec::make("rrt", {{"step", 0.2}}));
   auto result = run(e);
@@ -47,7 +47,7 @@ TEST_CASE("a guide whose proposals never entered a tree is told, with its line a
   CHECK_THAT(sentences[0], Contains(" proposals in 2 runs, and none of them entered the tree"));
 }
 
-TEST_CASE("a guide that never drew is told where no path was found", "[experiment][unused]") {
+TEST_CASE("a guide that never drew is reported where no path was found", "[experiment][unused]") {
   const auto unheard = written("shrink", 7) >> PlannerSpec::make("rrt", {{"uniform", 1.0}, {"proposals", 40.0}});
   const auto e = experiment(unheard);
   const auto result = run(e);
@@ -55,7 +55,7 @@ TEST_CASE("a guide that never drew is told where no path was found", "[experimen
   CHECK(unused_guides(e, result) ==
         std::vector<std::string>{
             "script.lua:7: strategy 'guided', rrt, level 0: shrink(0.5) drew none of the 80 proposals in 2 runs"});
-  // One that a path was found without is as it should be.
+  // A guide whose strategy found a path is not reported.
   const auto quick = experiment(sequence({written("lazy", 1), written("shrink", 2)}, 50'000) >>
                                 PlannerSpec::make("rrt", {{"step", 0.5}}));
   CHECK(unused_guides(quick, run(quick)).empty());

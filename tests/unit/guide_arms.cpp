@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that look at positions, for arms that are fixed to their base: inverse kinematics is the lift.
+// Guides in the workspace, for arms with a fixed base: inverse kinematics is the lift.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -247,7 +247,7 @@ TEST_CASE("points of a path are lifted to configurations that follow one another
   const PositionProjection position("skeleton", *parent);
   const PointLift lift = position.point_lift(*parent);
   Stream stream(7, "0", "follow");
-  // Half way round the base, 3 m from it, in steps of about 0.1 m.
+  // Half a turn around the base, 3 m from it, in steps of about 0.1 m.
   constexpr int steps = 100;
   const auto at = [](int i) {
     const double angle = pi * i / steps;
@@ -319,7 +319,7 @@ TEST_CASE("what has no tip that moves in the plane is refused with the reason", 
   CHECK(why_not(Robot("arm", {link, wheel}, false, {5, 5})) ==
         "the last link of the robot 'arm' has its middle at its joint, and no end");
   CHECK(why_not(Robot("arm", {link, same}, false, {5, 5})) == "two joints of the robot 'arm' are at one place");
-  // The guides say so, and what they need.
+  // The guides report this, and their requirements.
   const auto refusal = [](const std::string& name, const std::vector<Options::Entry>& given, const Robot& robot) {
     const auto problem = problem_of(robot);
     const auto parent = make_instance(problem);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the guides of the catalogue do beyond the laws that all of them keep.
+// Properties of the guides of the catalogue beyond the laws of all guides.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -69,7 +69,7 @@ void block(Work& w, const Configuration& at) {
   w.h->observe(outcome, true);
 }
 
-/// Boxes, discs and polygons that are not convex, between start and goal at the left and right.
+/// Boxes, discs and non-convex polygons, between start and goal at the left and right.
 Problem mixed_field(std::uint64_t seed) {
   Stream stream(seed, "", "mixed field");
   std::vector<Obstacle> obstacles;
@@ -119,7 +119,7 @@ TEST_CASE("hulls hold what they stand for, and a smaller error makes more of the
       for (int i = 0; i < 2000; ++i) {
         const Configuration p = {stream.uniform(0, 10), stream.uniform(0, 10)};
         if (among_hulls->valid(p)) REQUIRE(real->valid(p));
-        // Within the error of what is real, up to the tenth of it that the outline is looked at with.
+        // Within the error of the true obstacles, up to the sampling interval of the outline, a tenth of it.
         if (!among_hulls->valid(p) && error > 0.0) CHECK(real->clearance(p) <= 1.1 * error + 0.01);
       }
     }
@@ -168,7 +168,7 @@ TEST_CASE("every path found among hulls is valid among the obstacles", "[guide][
   CHECK(solved >= 60);
 }
 
-TEST_CASE("where the hulls close the only way they are refined until it is open", "[guide][aggregate]") {
+TEST_CASE("where the hulls close the only passage they are refined until it is open", "[guide][aggregate]") {
   const auto problem = test::simple_passage_problem();
   const Work w = work("aggregate", {{"error", 1.0}}, problem);
   CHECK(w.found.solved());
@@ -181,7 +181,7 @@ TEST_CASE("where the hulls close the only way they are refined until it is open"
   CHECK(freed.found.solved());
 }
 
-TEST_CASE("a dropped obstacle comes back when C finds it in the way, and no other", "[guide][drop]") {
+TEST_CASE("only a dropped obstacle that refutes a path in C returns", "[guide][drop]") {
   const auto problem = test::cup_problem();
   auto w = work("drop",
                 {{"obstacles", std::vector<std::string>{"obstacle 1", "obstacle 2"}}, {"follow", std::string("tube")}},
@@ -194,7 +194,7 @@ TEST_CASE("a dropped obstacle comes back when C finds it in the way, and no othe
   CHECK_FALSE(w.sub->valid(in_third));
   REQUIRE(w.found.solved());
   const auto spent = w.parent->checks.validity;
-  // What is in the way elsewhere stays out.
+  // A blocking obstacle elsewhere stays removed.
   block(w, {4.5, 1.75, 0.5});
   CHECK(w.parent->checks.validity == spent);
   CHECK_FALSE(w.h->stale());
@@ -210,7 +210,7 @@ TEST_CASE("a dropped obstacle comes back when C finds it in the way, and no othe
     }
   }
   CHECK(w.h->stale());
-  CHECK(w.parent->checks.validity > spent);  // looking for what is in the way is on C's account
+  CHECK(w.parent->checks.validity > spent);  // finding the blocking obstacles counts in C
   w.guide->before_resolve();
   CHECK_FALSE(w.sub->valid(in_first));
   CHECK(w.sub->valid(in_second));
@@ -235,13 +235,13 @@ TEST_CASE("what is presumed valid and found invalid at one place, time and again
     const Configurations refuted = w.guide->refuted_places();
     REQUIRE(refuted.size() == 1);
     CHECK(std::hypot(refuted[0][0] - place[0], refuted[0][1] - place[1]) < 1e-9);
-    // Another search in S finds another path, or none; what was counted is forgotten.
+    // Another search in S finds another path, or none, and clears the counts.
     w.guide->before_resolve();
     if (!w.sub->graph) CHECK_FALSE(w.sub->valid(place));
   }
 }
 
-TEST_CASE("drop knows the world's obstacles by name", "[guide][drop]") {
+TEST_CASE("drop identifies the world's obstacles by name", "[guide][drop]") {
   const auto parent = make_instance(test::cup_problem());
   const auto make = [&](const std::string& name) {
     const GuideKind& kind = *find_guide("drop");
@@ -323,7 +323,7 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
   }
 }
 
-TEST_CASE("informed goes by the best path that it is told of, while that holds", "[guide][informed]") {
+TEST_CASE("informed uses the best reported path as long as it is valid", "[guide][informed]") {
   const auto problem = test::point_problem(5);
   const Work w = work("informed", {}, problem);
   const Configuration corner = {9.5, 0.5};
@@ -390,14 +390,14 @@ TEST_CASE("samples out of obstacles lie at their surface, those on the medial ax
   }
 }
 
-TEST_CASE("the point's way is the shortest on the grid, and keeps clear of obstacles", "[guide][workspace]") {
+TEST_CASE("the point's path is the shortest on the grid, and has clearance to obstacles", "[guide][workspace]") {
   const Work w = work("workspace", {{"cell", 0.5}}, test::cup_problem());
   REQUIRE(w.found.solved());
   const auto& space = w.sub->space;
   for (std::size_t i = 1; i < w.found.path.size(); ++i) {
     CHECK(w.sub->motion(w.found.path[i - 1], w.found.path[i]).valid);
   }
-  // The graph with every edge looked at, searched exactly.
+  // The graph with every edge validated, searched exactly.
   auto all = std::make_shared<Graph>(*w.sub->graph);
   std::erase_if(all->edges, [&](const Graph::Edge& e) {
     return !w.sub->motion(std::as_const(all->vertices)[e.from], std::as_const(all->vertices)[e.to]).valid;

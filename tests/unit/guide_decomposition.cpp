@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Leads through a triangulation: which nodes are expanded, and when a lead is abandoned.
+// Leads through a triangulation: the expanded nodes, and the end of a lead.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -114,7 +114,7 @@ TEST_CASE("a lead is abandoned when it improves no coverage, and after so many e
     outcome.added_row = 1;
     lead.h->observe(outcome, true);
     CHECK_FALSE(lead.h->stale());
-    // The same place again is no news.
+    // The same position again is no progress.
     lead.h->sample(stream, q);
     outcome.added_row = 2;
     lead.h->observe(outcome, true);
@@ -124,7 +124,7 @@ TEST_CASE("a lead is abandoned when it improves no coverage, and after so many e
   for (int i = 0; i < 30; ++i) {
     CHECK_FALSE(lead.h->stale());
     lead.h->sample(stream, q);
-    // What others draw is not the lead's.
+    // Proposals of other guides do not belong to the lead.
     lead.h->observe(failed(q, problem.start), false);
     lead.h->observe(failed(q, problem.start), true);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the guide makes of stored paths: which it retrieves, how it joins them, and what it follows.
+// Retrieval of stored paths, their connection, and the resulting guidance.
 #include <stdlib.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ Configurations way(const Points& points) {
   return path;
 }
 
-/// A library of its own in a file that is gone with it. A process reads each file once, so each has its own name.
+/// A temporary library. A process reads each file once, so each has its own name.
 class Stored {
  public:
   explicit Stored(const std::vector<std::pair<Problem, Configurations>>& solved) {
@@ -51,7 +51,7 @@ class Stored {
   test::Folder folder_;
 };
 
-/// The guide at work on an instance: its space is solved, and h made, as the executor does.
+/// The guide on an instance: its space is solved and h created, as by the executor.
 struct Retrieved {
   std::unique_ptr<Instance> parent;
   std::unique_ptr<Guide> guide;
@@ -120,7 +120,7 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
   }
 }
 
-TEST_CASE("a stored path is followed from the query's start to its goal, whichever way round it was stored",
+TEST_CASE("a stored path is followed from the query's start to its goal, in either stored direction",
           "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}});
@@ -149,7 +149,7 @@ TEST_CASE("of several paths the one is followed that the present world violates 
   const Problem blocked = plane({{4, 0, 6, 3}}, {1, 1}, {9, 1});
   const auto r = retrieve(blocked, {{"db", library.file()}});
   CHECK(farthest(r.sub->space, r.h->lifted_path(), way(over)) < 0.3);
-  // Walls across both, a thin one across the long one: what is dear enough to repair is gone round.
+  // Walls across both, a thin one across the long one: the path avoids walls whose repair costs more than the detour.
   const Problem both = plane({{4, 0, 6, 3}, {4, 8.9, 4.1, 9.1}}, {1, 1}, {9, 1});
   const auto thin = retrieve(both, {{"db", library.file()}});
   CHECK(farthest(thin.sub->space, thin.h->lifted_path(), way(over)) < 0.3);
@@ -157,7 +157,7 @@ TEST_CASE("of several paths the one is followed that the present world violates 
   CHECK(farthest(cheap.sub->space, cheap.h->lifted_path(), way(under)) < 0.3);
 }
 
-TEST_CASE("only what could be the way that needs least repair is checked", "[guide][experience]") {
+TEST_CASE("only candidates for the path with the least repair are checked", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored one({{stored, way(under)}});
   const Stored both({{stored, way(under)}, {stored, way(over)}});
@@ -168,7 +168,7 @@ TEST_CASE("only what could be the way that needs least repair is checked", "[gui
   CHECK(alone.sub->checks.validity == beside.sub->checks.validity);
 }
 
-TEST_CASE("ways from A to B and from B to C make one from A to C", "[guide][experience]") {
+TEST_CASE("paths from A to B and from B to C make one from A to C", "[guide][experience]") {
   const Points ab = {{1, 1}, {1, 9}, {5, 9}};
   const Points bc = {{9, 1}, {9, 9}, {5.1, 9}};  // stored from C to B, and ends a little beside
   const Stored library({{plane({}, {1, 1}, {5, 9}), way(ab)}, {plane({}, {9, 1}, {5.1, 9}), way(bc)}});
@@ -181,7 +181,8 @@ TEST_CASE("ways from A to B and from B to C make one from A to C", "[guide][expe
   CHECK(farthest(query.space, path, whole) < 1e-6);
   CHECK(farthest(query.space, whole, path) < 0.3);
   for (std::size_t i = 1; i < path.size(); ++i) CHECK(r.parent->motion(path[i - 1], path[i]).valid);
-  // Too far apart to be joined: the way changes over where it costs least, outside of what was stored.
+  // Too far from each other to be connected: the path changes between them where that costs least, outside of the
+  // stored paths.
   const auto apart = retrieve(query, {{"db", library.file()}, {"join", 0.05}});
   CHECK(apart.found.solved());
 }
@@ -196,7 +197,7 @@ TEST_CASE("only paths of the same space and robot are retrieved", "[guide][exper
   CHECK(retrieve(wider, {{"db", library.file()}}).found.status == Status::no_path);
 }
 
-TEST_CASE("several ways guide at once, each another one", "[guide][experience]") {
+TEST_CASE("several distinct paths guide at once", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   const auto r = retrieve(
@@ -212,7 +213,7 @@ TEST_CASE("several ways guide at once, each another one", "[guide][experience]")
   CHECK(above < 600);
 }
 
-TEST_CASE("a way on which the planner is stuck is left for another one", "[guide][experience]") {
+TEST_CASE("a path without progress of the planner is replaced by another one", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, way(over)}, {stored, way(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});
@@ -242,7 +243,7 @@ void block(Retrieved& r, View at) { report(r, test::blocked(at), true); }
 TEST_CASE("motions of a path that are valid are not checked again, and those that are not are repaired",
           "[guide][experience]") {
   const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}});
-  // A box on the upper side of the way.
+  // A box above the path.
   const Problem query = plane({{4, 0, 6, 3}, {4.5, 8.5, 5.5, 9.5}}, {1, 1}, {9, 1});
   auto r = retrieve(query, {{"db", library.file()}});
   REQUIRE(r.found.solved());
@@ -258,10 +259,10 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   REQUIRE(gaps == 1);
   // Only the gap cost checks.
   CHECK(r.parent->checks.validity - before < 30);
-  // Before the tree has come there, the points of the path are proposed themselves.
+  // Before the tree reaches them, the guide proposes the points of the path themselves.
   CHECK(r.h->atom_mass() == 1.0);
   for (std::size_t i = 1; i <= gap; ++i) add_node(r, path[i]);
-  // The far end is tried first; then half of the proposals lie about the gap, on either side of the box.
+  // First the far end; then half of the proposals lie about the gap, on either side of the box.
   block(r, Configuration{4.6, 9});
   CHECK(r.h->atom_mass() < 0.6);
   const auto count = [&](const auto& where) {
@@ -277,7 +278,7 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   CHECK(count([](View q) { return q[0] > 4.4 && q[0] < 5.6 && std::abs(q[1] - 9) > 0.15; }) > 200);
   CHECK(r.h->density(Configuration{5, 9.2}) > 0.0);
   CHECK(r.h->density(Configuration{5, 5}) == 0.0);
-  // The balls grow: the way round the box comes into them.
+  // The balls grow until they contain the route around the box.
   const auto around = [](View q) { return q[0] > 4.4 && q[0] < 5.6 && q[1] < 8.3; };
   CHECK(count(around) == 0);
   for (int i = 0; i < 70; ++i) block(r, Configuration{4.6, 9});
@@ -307,7 +308,7 @@ TEST_CASE("a gap that stays open refutes the path, which is no candidate any mor
     auto r = retrieve(query, {{"db", library.file()}, {"evidence", std::int64_t{20}}, {"follow", follow}});
     CHECK(refuted_distance(r) > 1.0);
   }
-  // Where no other is left it is followed again: what the tree has reached since may be beyond the gap.
+  // Without another path the guide follows it again: the tree may have passed the gap since.
   const Stored one({{plane({}, {1, 1}, {9, 1}), way(over)}});
   auto r = retrieve(query, {{"db", one.file()}, {"evidence", std::int64_t{20}}});
   CHECK(refuted_distance(r) < 0.1);
@@ -331,7 +332,7 @@ TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][ex
   CHECK(after > before + 1.0);
   block(r, Configuration{5, 9});
   CHECK(cost() == after);
-  // Beside the way it says nothing of it, and of what was found valid nothing either.
+  // Outcomes far from the path change nothing, nor do outcomes about valid parts of it.
   block(r, Configuration{5, 8});
   block(r, Configuration{5, 0.5});
   CHECK(cost() == after);

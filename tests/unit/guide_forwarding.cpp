@@ -112,7 +112,7 @@ void check_forwards(Wrapped w) {
     asked += calls->connections.size();
     for (const auto& connection : calls->connections) CHECK(connection == pair);
   }
-  CHECK(asked == 1);  // whoever drew decides
+  CHECK(asked == 1);  // the guide of the proposal decides
   CHECK(h.progress() == SpyHeuristic::metres * static_cast<double>(w.calls.size()));
   CHECK(h.connected() == 2.0 * SpyHeuristic::metres * static_cast<double>(w.calls.size()));
   CHECK(h.edge_factor(a, b) == SpyHeuristic::factor);

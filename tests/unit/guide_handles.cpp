@@ -37,7 +37,7 @@ Problem with_trailer() {
                             {3, 0.8, 0, 0}, {9.2, 9, 0.5 * std::numbers::pi, 0.5 * std::numbers::pi});
 }
 
-/// How far a line's angle is from a direction, either way round.
+/// The angle between a line and a direction, in either orientation.
 double off(double angle, double direction) { return std::abs(std::remainder(angle - direction, std::numbers::pi)); }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the validities of guiding spaces say of how far all is invalid.
+// The invalid radius of the validities of guiding spaces.
 #include <memory>
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Some of the degrees of freedom: which robot is left, and what is valid for it.
+// A subset of the degrees of freedom: the reduced robot, and its validity.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -51,7 +51,7 @@ std::string fault_of(const std::vector<std::string>& axes, const Problem& proble
   return "";
 }
 
-/// Of this many configurations of S, those in which it says otherwise than a checker of its own.
+/// The number of configurations of S, among this many, in which it differs from a separate checker.
 int differences(Instance& sub, const Robot& robot, const World& world) {
   const auto scene = std::make_shared<const Scene>(Scene{world, robot});
   const auto checker = make_checker("planar", scene, sub.space, sub.resolution);
@@ -81,14 +81,14 @@ TEST_CASE("without its last joints an arm is cut off", "[guide][joints]") {
   }
 }
 
-TEST_CASE("a joint in the middle takes what hangs on it along", "[guide][joints]") {
+TEST_CASE("a joint in the middle moves the links that it carries", "[guide][joints]") {
   const auto problem = arm_problem();
   const auto parent = make_instance(problem);
   for (const auto& axes : std::vector<std::vector<std::string>>{{"theta", "theta3"}, {"4", "1"}}) {
     const auto sub = keeping(axes)->project(*parent);
     REQUIRE(sub->space.dimension() == 2);
     CHECK(sub->space.axes()[0].name == "theta");
-    // Whatever the other angle is, the first link is all that is looked at.
+    // At any other angle, it checks the first link only.
     Stream stream(1, "joints", "middle");
     const auto link = std::make_shared<const Scene>(Scene{problem.scene->world, arm_of(1)});
     const auto checker = make_checker("planar", link, default_space(link->robot, link->world, 1.0), 0.05);
@@ -110,7 +110,7 @@ TEST_CASE("without its angle a body is the largest disc inside it", "[guide][joi
   CHECK(sub->start == Configuration{1, 8.5});
 }
 
-TEST_CASE("what joints cannot keep is told", "[guide][joints]") {
+TEST_CASE("joints that cannot be kept are reported", "[guide][joints]") {
   CHECK_THAT(fault_of({"theta2"}, arm_problem()), Contains("nothing of the robot 'arm' is placed by theta2 alone"));
   CHECK_THAT(fault_of({"x", "theta"}, test::cup_problem()), Contains("keep x and y too"));
   CHECK_THAT(fault_of({"thetta2"}, arm_problem()), Contains("no axis 'thetta2'") &&

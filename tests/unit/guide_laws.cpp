@@ -486,7 +486,7 @@ TEST_CASE("regions travel along the skeleton as the planner's nodes enter them",
     return sum;
   };
   const double before = mean_x();
-  // A walker that follows the path found in S half way through the corridor.
+  // A walker that has followed the path found in S to the middle of the corridor.
   for (std::size_t i = 0; i < solved.found.path.size(); ++i) {
     const View p = std::as_const(solved.found.path)[i];
     if (p[0] > 5.0) break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that follow the points of a path, and several paths; what spaces are kept out of; options of the skeleton.
+// Guides that follow the points of one or several paths; excluded regions of spaces; options of the skeleton.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +25,7 @@ using namespace trellis;
 
 namespace {
 
-/// A guide with its space at work, solved as the executor does it.
+/// A guide with its space, solved as by the executor.
 struct Work {
   std::unique_ptr<Instance> parent;
   std::unique_ptr<Guide> guide;
@@ -94,7 +94,7 @@ double least_distance(const Space& space, View q, const Configurations& path) {
 
 }  // namespace
 
-TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][waypoints]") {
+TEST_CASE("waypoints are proposed in turn, each until it is reached", "[guide][waypoints]") {
   for (const auto* name : {"shrink", "identity", "lazy"}) {
     CAPTURE(name);
     auto w = work(name, waypoints, test::cup_problem());
@@ -112,7 +112,7 @@ TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][
       h.sample(stream, q);
       CHECK(w.parent->space.distance(q, path[at]) <= (kept ? 0.0 : h.radius() + 1e-12));
       if (kept) {
-        // The way to it is blocked: what is near it is proposed as well.
+        // The motion to it is blocked: the guide proposes points near it as well.
         tell(w, {}, true);
         CHECK(h.waypoint() == at);
         CHECK(h.atom_mass() == 0.5);
@@ -126,7 +126,7 @@ TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][
       CHECK(h.waypoint() == at);
       tell(w, path[at], true);
     }
-    // Afterwards the whole path serves.
+    // Afterwards the guide uses the whole path.
     CHECK(h.atom_mass() == 0.0);
     for (int i = 0; i < 200; ++i) {
       h.sample(stream, q);
@@ -135,7 +135,7 @@ TEST_CASE("way-points are proposed in turn, each until it is reached", "[guide][
   }
 }
 
-TEST_CASE("a way-point without progress makes h stale, and another path goes on where the planner is",
+TEST_CASE("a waypoint without progress makes h stale, and another path continues from the planner's nodes",
           "[guide][waypoints]") {
   auto options = waypoints;
   options.emplace_back("evidence", std::int64_t{30});
@@ -153,7 +153,7 @@ TEST_CASE("a way-point without progress makes h stale, and another path goes on 
   CHECK(dynamic_cast<WaypointHeuristic&>(*next).waypoint() >= 4);
 }
 
-TEST_CASE("what h along way-points or several paths enters into a record is its density at every step",
+TEST_CASE("the recorded density of h along waypoints or several paths is correct at every step",
           "[guide][waypoints][paths][density]") {
   auto both = waypoints;
   both.emplace_back("paths", std::int64_t{2});
@@ -200,13 +200,13 @@ TEST_CASE("what h along way-points or several paths enters into a record is its 
         CHECK(record.at(std::as_const(probes)[i]) == Approx(sums[i]).epsilon(1e-9).margin(1e-300));
       }
       record.compact();
-      // One for the balls about each way-point's path, five for the sizes of them where paths are followed by steps.
+      // One for the balls about each waypoint's path, five for their sizes where paths are followed by steps.
       CHECK(record.terms() <= (options.front().first == "follow" ? 1 : 5 * w.paths.size()));
     }
   }
 }
 
-TEST_CASE("several paths keep apart but near their ends, and what was excluded is valid again", "[guide][paths]") {
+TEST_CASE("several paths are separated except near their ends, and exclusions end", "[guide][paths]") {
   const auto problem = test::cup_problem();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     auto w = work("shrink",
@@ -246,7 +246,7 @@ TEST_CASE("where there is no second path the search for it ends with its budget,
       work("identity", {{"paths", std::int64_t{4}}, {"effort", std::int64_t{300}}}, test::simple_passage_problem());
   REQUIRE(w.paths.size() == 1);
   CHECK(dynamic_cast<StepHeuristic*>(w.h.get()) != nullptr);
-  // Asked again, it looks for as many again.
+  // A resumed search searches for as many again.
   CHECK(w.guide->another(&w.found) == 300);
   CHECK(w.guide->another(nullptr) == 0);
 }
@@ -276,7 +276,7 @@ TEST_CASE("excluded balls are what brute force says", "[guide][paths]") {
       REQUIRE(t.has_value() == enters);
       if (t) {
         space.interpolate(a, b, *t, b);
-        // At the place that is told it is inside, rounding apart.
+        // The reported position is inside, up to rounding.
         double least = std::numeric_limits<double>::infinity();
         for (const auto& c : centres) least = std::min(least, space.distance(c, b));
         CHECK(least <= radius + 1e-9);

@@ -227,7 +227,7 @@ TEST_CASE("a subspace is fitted to stored paths, and nothing is checked for it",
                     Contains("has 1 paths, and none of this robot in SE(2)") && Contains("--learn"));
 }
 
-TEST_CASE("what cannot be fitted is told", "[guide][pca]") {
+TEST_CASE("a failed fit is reported", "[guide][pca]") {
   auto parent = make_instance(arm_problem());
   CHECK_THROWS_WITH(guide_of({{"dimensions", std::int64_t{3}}})->project(*parent),
                     Contains("fewer dimensions than SO(2) x R x SO(2), which has 3"));

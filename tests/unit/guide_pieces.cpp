@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distributions that h is put together from, projections by the names of axes, and what is lifted.
+// Distributions of which h is composed, projections by the names of axes, and lifts.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -55,7 +55,7 @@ std::pair<double, double> mass(const Space& space, const std::function<double(Vi
 
 }  // namespace
 
-TEST_CASE("axes are told by their names, whatever their order", "[guide][projection]") {
+TEST_CASE("axes are identified by their names in any order", "[guide][projection]") {
   const AxisProjection f(se2, some_axes({2, 0}));
   Configuration s(2);
   f.project(Configuration{1, 2, 3}, s);
@@ -148,7 +148,7 @@ TEST_CASE("a sum of distributions draws by its weights and has their density", "
   CHECK(sum.density(Configuration{8, 8, 0}) == Approx(3.0 * sum.density(Configuration{2, 2, 0})));
 }
 
-TEST_CASE("pieces are told from each other, and lie in the space", "[guide]") {
+TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
   const auto path = path_of({{1, 1, 0}, {2, 2, 0}});
   CHECK(along(path, plain())->description().identity == along(path, plain())->description().identity);
   CHECK(along(path, plain())->description().identity !=
@@ -159,7 +159,7 @@ TEST_CASE("pieces are told from each other, and lie in the space", "[guide]") {
   CHECK_THROWS_WITH(along(path_of({{1, 1, 0}, {2, 20, 0}}), plain())->over(*parent, reached),
                     "along: point 2 of the path, (2, 20, 0), is outside of the space SE(2)");
   CHECK_THROWS_WITH(ball({1, 1}, 0.5)->over(*parent, reached), Contains("ball: its centre has 2 coordinates"));
-  // Nothing to go by.
+  // Without any information.
   CHECK(along(Configurations(3), plain())->over(*parent, reached)->density(parent->start) ==
         Approx(std::exp(-parent->space.log_volume())));
 }

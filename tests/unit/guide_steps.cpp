@@ -59,7 +59,7 @@ TEST_CASE("proposals are a step ahead of the node that came farthest along the p
   CHECK(h.progress() == Approx(front - 1.0).margin(0.2));
 }
 
-TEST_CASE("two trees go on from both ends of a path", "[guide][steps]") {
+TEST_CASE("two trees continue from both ends of a path", "[guide][steps]") {
   const auto problem = test::cup_problem();
   auto h = follow(problem.space, straight());
   Stream stream(1, "0", "steps");
@@ -74,7 +74,7 @@ TEST_CASE("two trees go on from both ends of a path", "[guide][steps]") {
   h.select_tree(TreeSide::start);
   h.sample(stream, q);
   CHECK(q[0] < 1.7);
-  // Far apart, connecting the trees is not worth its checks; where they meet it is.
+  // Far from each other, connecting the trees costs too many checks; close together it does not.
   CHECK_FALSE(h.worth_connecting(std::vector<double>{1, 5, 0}, std::vector<double>{8.5, 5, 0}));
   for (double x = 1.5; x < 8.0; x += 0.5) h.observe(reached(std::vector<double>{x, 5, 0}, 8), true);
   CHECK(h.worth_connecting(std::vector<double>{7.5, 5, 0}, std::vector<double>{8.5, 5, 0}));
@@ -93,7 +93,7 @@ TEST_CASE("what lies behind a wall beside the path is no progress, nor is a vert
   Configuration q(3);
   h.observe(reached(std::vector<double>{1.5, 5.0, 0}, 1), true);
   const double before = h.progress();
-  // Near the way back by a metric that knows no walls.
+  // Near the return path in a metric that ignores walls.
   h.observe(reached(std::vector<double>{1.5, 5.25, 0}, 2), true);
   CHECK(h.progress() <= before + 0.5);
   Outcome loose = reached(std::vector<double>{2.0, 5.0, 0}, 3);
@@ -112,7 +112,7 @@ TEST_CASE("evidence refutes a path, and nothing else does", "[guide][steps]") {
   CHECK_FALSE(h.stale());
   for (int i = 0; i < 29; ++i) h.observe(blocked(far), true);
   CHECK_FALSE(h.stale());
-  // What others drew is no evidence against this path.
+  // Proposals of other guides are no evidence against this path.
   for (int i = 0; i < 100; ++i) h.observe(blocked(far), false);
   CHECK_FALSE(h.stale());
   h.observe(blocked(far), true);
@@ -172,7 +172,7 @@ TEST_CASE("a path is validated at points that are the spacing apart, and each is
   SparseValidation sparse(instance->space, 0.5);
   const SparsePath path = sparse.validate(*instance, straight(), true, as_it_is);
   CHECK_FALSE(path.refuted);
-  // 16 pieces of 8 m, both ends known to be valid.
+  // 16 pieces of 8 m, with valid ends.
   CHECK(path.waypoints.size() == 17);
   CHECK(instance->checks.validity == 15);
   sparse.validate(*instance, straight(), true, as_it_is);
@@ -304,7 +304,7 @@ TEST_CASE("a motion towards a guided proposal is checked once for C and the spac
     if (!whole->state(a)) continue;
     const MotionReport in_s = alone->motion(a, b);
     const MotionReport in_c = whole->motion(a, b);
-    // What nothing guides is checked in S alone.
+    // A search without a guide checks in S only.
     relaxed.expect_guided(false);
     const MotionReport unguided = relaxed.motion(a, b);
     CHECK(unguided.valid == in_s.valid);
@@ -394,7 +394,7 @@ TEST_CASE("along edges that were verified their ends are proposed themselves", "
     h.sample(stream, q);
     CHECK(q == Configuration(path[vertex + 1].begin(), path[vertex + 1].end()));
     CHECK(h.density(q) == 0.0);
-    // A node half way is on the edge too.
+    // A node in the middle lies on the edge too.
     Configuration half = q;
     half[0] -= 0.25;
     h.observe(reached(half, static_cast<std::uint32_t>(2 * vertex + 1)), true);
@@ -412,7 +412,7 @@ TEST_CASE("along edges that were verified their ends are proposed themselves", "
   h.observe(reached(std::vector<double>{3.8, 5.02, 0.1}, 21), true);
   h.sample(stream, q);
   CHECK(q == Configuration{4.0, 5, 0});
-  // Where that is blocked, what is near it is proposed.
+  // Where that is blocked, it proposes points nearby.
   h.observe(blocked(q), true);
   CHECK(h.atom_mass() == 0.0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One goal of a set of them.
+// Goals of a goal region.
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -41,7 +41,7 @@ TEST_CASE("a goal is chosen that reaches its box, and is valid", "[instance][goa
   CHECK(again.goal == problem.goal);
 }
 
-TEST_CASE("a box out of reach, or within an obstacle, is told", "[instance][goal]") {
+TEST_CASE("a box out of reach, or within an obstacle, is an error", "[instance][goal]") {
   Problem far = reaching({{9, 9}, {9.5, 9.5}});
   CHECK_THROWS_WITH(settle_goal(far), Catch::Contains("brings link 3 into the box (9, 9) to (9.5, 9.5)"));
   Problem inside = reaching({{3.2, 4.5}, {3.6, 4.8}});

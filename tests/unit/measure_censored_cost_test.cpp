@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Costs of runs of which some found no path: one rule, and intervals that cover what they claim to.
+// Costs of runs some of which found no path: one rule, and intervals with the nominal coverage.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -580,7 +580,7 @@ TEST_CASE("Every estimator comes near the truth where it is known, as near as is
       CHECK(e.js >= 0.0);
       CHECK(e.js <= std::log(2.0));
       CHECK(e.gain == Approx(e.uniform - e.value));
-      // Smoothing by a constant in each cell shares out a third of the samples: what nothing hits it cannot tell.
+      // Piecewise constant smoothing distributes a third of the samples: it cannot detect regions without a hit.
       if (c.mendable && !(row.spec.name() == "histogram" && std::isinf(c.d))) {
         CHECK(e.value == Approx(c.d_defended).margin(row.tolerance));
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a set of samples is made of, what it covers, what it may not be, and what does not matter to it.
+// Sets of samples: their content, their coverage, invalid input, and invariances.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -33,7 +33,7 @@ const Space& se2() {
   return space;
 }
 
-/// The tube of radius 0.5 about a straight way from (1, 5) to (9, 5).
+/// The tube of radius 0.5 about the straight line from (1, 5) to (9, 5).
 const Target& capsule() {
   static const Target target(plane(), path_of({{1, 5}, {9, 5}}), {0, 1}, {}, verify::anywhere, 3);
   return target;
@@ -279,7 +279,7 @@ TEST_CASE("Where a turn begins does not matter: across the wrap is as in the mid
     check_same(by(spec, a, samples), by(spec, b, turned_samples), 1e-9);
   }
 
-  // A tube about a way that turns across the wrap, asked at points of its own.
+  // A tube about a path that wraps around the angle, with its own evaluation points.
   TubeSettings full;
   full.distance = "full";
   const Target inner(se2(), path_of({{2, 5, -0.5}, {8, 5, 0.5}}), {}, full, verify::anywhere, 3);
@@ -426,7 +426,7 @@ TEST_CASE("The bound by the mass in the target is Clopper and Pearson's") {
   CHECK(bound(50, 50) == 1.0);
 }
 
-TEST_CASE("What samples are too few to tell is flagged") {
+TEST_CASE("Results of too few samples are flagged") {
   // As many uniform samples would put 10 into the capsule at N = 114.
   const double needed = 10.0 * std::exp(capsule().uniform());
   CHECK(needed == Approx(10 * 100 / (8 + pi / 4)).epsilon(0.01));

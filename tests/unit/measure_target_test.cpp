@@ -34,7 +34,7 @@ TubeSettings tube(const std::string& distance, double delta = 0.5) {
 
 double volume(const Target& target) { return std::exp(target.log_volume()); }
 
-/// The distance to a polyline by steps along it, an independent and slow way.
+/// The distance to a polyline by steps along it: independent and slow.
 double stepped_distance(const Space& space, const Configurations& path, View x, const std::vector<std::size_t>& axes) {
   double best = std::numeric_limits<double>::infinity();
   Configuration at(space.dimension());
@@ -122,7 +122,7 @@ TEST_CASE("Tubes in SE(2): planar ones take every heading, full ones wrap") {
   CHECK(full.distance(std::vector{3.0, 5.0, -3.1}) == Approx((2 * pi - 6.1) / pi));
   CHECK_FALSE(full.contains(std::vector{3.0, 5.0, 0.0}));
 
-  // A leg from 3 to -3 takes the short way, 0.28 rad; the tube is that of a straight leg as long.
+  // A leg from 3 to -3 takes the shorter direction, 0.28 rad; the tube is that of a straight leg of this length.
   const Target turning(se2, path_of({{2, 5, 3.0}, {7, 5, -3.0}}), {0, 1}, tube("full", delta), anywhere, 1);
   const double length = std::hypot(5.0, (2 * pi - 6.0) / pi);
   CHECK(volume(turning) == Approx(pi * delta * delta * length + 4.0 / 3.0 * pi * std::pow(delta, 3)).epsilon(0.004));

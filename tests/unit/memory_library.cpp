@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The path number n of a family: straight ways at different heights, all alike but for that.
+/// The path number n of a family: straight lines at different heights, otherwise equal.
 Configurations numbered(int n, int points = 8) {
   Configurations path(3);
   for (int i = 0; i < points; ++i) path.push(Configuration{0.5 + i, 0.25 + 0.01 * n, 1e-3 * n + 0.1 * i});
@@ -94,7 +94,7 @@ TEST_CASE("a library gives back what was put into it, to the last bit", "[memory
   CHECK(std::distance(fs::directory_iterator(fs::path(file).parent_path()), fs::directory_iterator()) == 1);
 }
 
-TEST_CASE("a path is added only when it is new, whichever way round and however it is divided", "[memory][library]") {
+TEST_CASE("a path is added only when it is new, in either direction and with any waypoints", "[memory][library]") {
   const test::Folder folder;
   Library library(folder.file("a.db"), Library::Mode::write);
   REQUIRE(library.add(stored(0), space(), 0.3));
@@ -110,14 +110,14 @@ TEST_CASE("a path is added only when it is new, whichever way round and however 
   CHECK_FALSE(library.add(stored(10), space(), 0.3));
   CHECK(library.add(stored(10), space(), 0.05));
   CHECK(library.add(stored(60), space(), 0.3));
-  // The same way of another robot is another experience.
+  // The same path of another robot is another experience.
   other = stored(0);
   other.robot = identity(Robot::disc(0.3));
   CHECK(library.add(other, space(), 0.3));
   CHECK(library.paths().size() == 4);
 }
 
-TEST_CASE("the distance of paths is zero for one way, symmetric, and that of parallel ways their gap",
+TEST_CASE("the distance of paths is zero for equal paths, symmetric, and the gap for parallel ones",
           "[memory][library]") {
   const Space plane = Space::euclidean({{0, 10}, {0, 10}});
   const auto way = [](std::initializer_list<std::array<double, 2>> points) {
@@ -136,7 +136,7 @@ TEST_CASE("the distance of paths is zero for one way, symmetric, and that of par
   CHECK(path_distance(plane, round, flat) == Approx(path_distance(plane, flat, round)).epsilon(1e-12));
 }
 
-TEST_CASE("what a path was found in is told apart by what matters", "[memory][library]") {
+TEST_CASE("identities distinguish the spaces, robots and worlds of paths", "[memory][library]") {
   const Problem cup = test::cup_problem();
   CHECK(identity(cup.space) == identity(test::trap_problem().space));
   CHECK(identity(cup.scene->world) != identity(test::trap_problem().scene->world));
@@ -148,7 +148,7 @@ TEST_CASE("what a path was found in is told apart by what matters", "[memory][li
   CHECK(identity(cup.space) == identity(Space("another name", cup.space.axes())));
 }
 
-TEST_CASE("a file that is no library is told and left as it is", "[memory][library]") {
+TEST_CASE("a file that is no library is an error and stays unchanged", "[memory][library]") {
   const test::Folder folder;
   const std::string file = folder.file("a.db");
   const auto both = [&](const std::string& fault) {
@@ -244,7 +244,7 @@ TEST_CASE("killed at any time, a library opens and has every path that was commi
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-      // Tells each path as soon as `add` has returned, and goes on until it is killed.
+      // Reports each path as soon as `add` has returned, and continues until it is killed.
       try {
         Library library(file, Library::Mode::write);
         for (int n = static_cast<int>(library.paths().size());; ++n) {

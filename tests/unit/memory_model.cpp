@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a learner is shown, what it learns, and what becomes of it in a file.
+// The training data of a model, its predictions, and its file.
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -30,7 +30,7 @@ TrainingSettings quick(std::uint64_t seed = 1) {
   return settings;
 }
 
-/// Learnt of gaps in the upper half.
+/// Trained on gaps in the upper half.
 const Model& learnt() {
   static const Model model = Model::train(test::family(test::upper_gaps, 1, 25), quick(), "upper gaps");
   return model;
@@ -71,7 +71,7 @@ TEST_CASE("a grid's cells are free where no obstacle comes into them", "[memory]
   CHECK(wide.rows() == 10);
 }
 
-TEST_CASE("the oracle knows the shortest ways over the grid", "[memory][grid]") {
+TEST_CASE("the oracle finds the shortest paths over the grid", "[memory][grid]") {
   const WorldGrid empty(test::rectangle_world({}), square, 20);
   const auto ways = ways_to(empty, empty.at({9.75, 9.75}));
   CHECK(ways[empty.at({9.75, 9.75})] == 0.0);
@@ -95,7 +95,7 @@ TEST_CASE("the oracle knows the shortest ways over the grid", "[memory][grid]") 
   CHECK(found->shortest > 16.0);
 }
 
-TEST_CASE("the oracle's lengths keep the triangle inequality and are lengths of ways", "[memory][grid]") {
+TEST_CASE("the oracle's lengths satisfy the triangle inequality and are lengths of paths", "[memory][grid]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Problem problem = test::upper_gaps(seed);
     const WorldGrid grid(problem.scene->world, square, 40);
@@ -113,7 +113,7 @@ TEST_CASE("the oracle's lengths keep the triangle inequality and are lengths of 
   }
 }
 
-TEST_CASE("what is learnt of a family tells where ways lead in worlds of it that were never shown", "[memory][model]") {
+TEST_CASE("a model of a family predicts paths in its held-out worlds", "[memory][model]") {
   const Validation own = validate(learnt(), test::family(test::upper_gaps, 1001, 15), tolerance);
   CAPTURE(own.learned, own.uniform, own.straight, own.error);
   REQUIRE(own.tasks == 15);

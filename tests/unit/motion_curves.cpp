@@ -59,7 +59,7 @@ TEST_CASE("curves lead from pose to pose, and are no shorter than the straight l
     for (const CurvePiece& piece : forwards.pieces) CHECK(piece.length > 0.0);
     CHECK(both.length() >= std::hypot(a.x - b.x, a.y - b.y) - 1e-9);
     CHECK(both.length() <= forwards.length() + 1e-9);
-    // Half way along it is half way done.
+    // Half of its length leads to its midpoint.
     const CurvePose middle = both.at(a, 0.5 * both.length());
     CHECK(reeds_shepp(a, middle, radius).length() <= 0.5 * both.length() + 1e-9);
   }
@@ -77,7 +77,7 @@ TEST_CASE("no other curve to the same pose is shorter", "[motion][curves]") {
   }
 }
 
-TEST_CASE("Reeds and Shepp's length is a metric; Dubins' is one but for the way back", "[motion][curves]") {
+TEST_CASE("Reeds and Shepp's length is a metric; Dubins' is one except for symmetry", "[motion][curves]") {
   Stream stream(3, "", "poses");
   for (int i = 0; i < 2000; ++i) {
     const CurvePose a = random_pose(stream, 2.0);
@@ -88,7 +88,7 @@ TEST_CASE("Reeds and Shepp's length is a metric; Dubins' is one but for the way 
     CHECK(rs(a, b) == Approx(rs(b, a)).margin(1e-9));
     CHECK(rs(a, c) <= rs(a, b) + rs(b, c) + 1e-9);
     CHECK(forwards(a, c) <= forwards(a, b) + forwards(b, c) + 1e-9);
-    // Backwards in time with both headings turned about is the same way.
+    // The reversed motion with both headings turned around is the same curve.
     const auto about = [](CurvePose p) { return CurvePose{p.x, p.y, p.theta + pi}; };
     CHECK(forwards(a, b) == Approx(forwards(about(b), about(a))).margin(1e-9));
   }

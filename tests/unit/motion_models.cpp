@@ -53,7 +53,7 @@ Configuration random_control(const MotionModel& model, Stream& stream) {
 
 }  // namespace
 
-TEST_CASE("driving is deterministic, and held controls add up in time to the bit", "[motion]") {
+TEST_CASE("propagation is deterministic, and durations of constant controls add up to the bit", "[motion]") {
   for (const auto& kind : motion_kinds()) {
     CAPTURE(kind.component->name);
     const auto model = model_of(kind);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The record of what h was, and of where proposals and nodes came from.
+// The record of h, and of the sources of proposals and nodes.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -33,7 +33,7 @@ class Constant final : public Density {
   double value_;
 };
 
-/// An h of which a test says what it is, and that counts how often it was asked.
+/// An h with a given density, which counts its calls.
 class Told final : public Guidance {
  public:
   double uniform = 1.0;
@@ -113,14 +113,14 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
   CHECK(h.asked == 4);
   CHECK(record.terms() == 2);
 
-  SECTION("a copy goes its own way") {
+  SECTION("a copy is independent") {
     const DensityRecord copy = record;
     const double before = copy.at({});
     for (int i = 0; i < 100; ++i) record.served(h);
     CHECK(copy.at({}) == before);
     CHECK(copy.total() == 20);
   }
-  SECTION("compacting changes no value, and the record goes on") {
+  SECTION("compacting changes no value, and the record continues") {
     record.compact();
     CHECK(record.terms() == 1);
     CHECK(record.at({}) == Approx(sum / served).epsilon(1e-12));
@@ -147,7 +147,7 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
   }
 }
 
-TEST_CASE("a record of ever new densities does not grow without end", "[planner][density]") {
+TEST_CASE("a record of ever new densities has bounded size", "[planner][density]") {
   DensityRecord record;
   Told h;
   h.uniform = 0.0;
@@ -231,11 +231,12 @@ TEST_CASE("nodes know their parents, and proposals the nodes that they grew from
       roots += search.parents[row] == row ? 1 : 0;
       if (hung_anew) continue;
       REQUIRE(search.parents[row] <= row);
-      // The step of the trees; of one that is driven, the second at most that a control is held, at two metres each.
+      // The step of the trees; for a kinodynamic tree, the longest duration of a control, a second, at two metres per
+      // second.
       CHECK(space.distance(search.nodes[search.parents[row]], search.nodes[row]) <=
             (kind.kinodynamic ? 2.3 : 0.5 + 1e-9));
     }
-    // Asked again, what keeps its tree plants no other.
+    // When resumed, a planner that keeps its tree creates no other one.
     if (tree) CHECK(roots == (name == "rrt_connect" ? 4 : hung_anew ? 1 : 2));
     CHECK(search.edges.empty() == tree);
     const auto checker = make_planar_checker(problem.scene, space, problem.resolution);

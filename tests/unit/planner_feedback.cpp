@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What planners report to their guidance, and what they ask it.
+// The reports of planners to their guidance, and their queries.
 #include <algorithm>
 #include <set>
 #include <string>

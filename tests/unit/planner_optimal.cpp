@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What asymptotically optimal planners promise: paths that get shorter, and come near the shortest.
+// Properties of asymptotically optimal planners: paths become shorter, and approach the shortest one.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@ using namespace trellis;
 
 namespace {
 
-/// Uniform, and told of the paths found.
+/// Uniform; receives the paths found.
 class Told final : public Guidance {
  public:
   explicit Told(const Space& space) : uniform_(space) {}
@@ -68,7 +68,7 @@ Problem point_among(const std::string& name, const test::Rectangles& rectangles,
   return test::make_problem(name, test::rectangle_world(rectangles), Robot::point(), start, goal);
 }
 
-/// The shortest way leads along the upper edge of the block, 8.63 m; the one along the lower edge has 9.62 m.
+/// The shortest path leads along the upper edge of the block, 8.63 m; the one along the lower edge has 9.62 m.
 Problem corner() { return point_among("corner", {{4, 2, 5, 6}}, {1, 4.5}, {9, 4.5}); }
 double round_corner() { return std::hypot(3.0, 1.5) + 1.0 + std::hypot(4.0, 1.5); }
 
@@ -114,7 +114,7 @@ TEST_CASE("round one corner the paths come near the shortest", "[planner][optima
   }
 }
 
-TEST_CASE("in an empty world the way is straight", "[planner][optimal]") {
+TEST_CASE("in an empty world the path is straight", "[planner][optimal]") {
   const Problem problem = point_among("empty", {}, {1, 2}, {9, 8});
   for (const auto& planner : optimal_planners()) {
     CAPTURE(planner);
@@ -126,7 +126,7 @@ TEST_CASE("in an empty world the way is straight", "[planner][optimal]") {
   }
 }
 
-TEST_CASE("a tree of RRT* holds what its path is as long as, and no neighbour's way is shorter",
+TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a shorter path",
           "[planner][optimal][tree]") {
   const Problem problem = test::cup_problem();
   const auto& space = problem.space;
@@ -166,7 +166,7 @@ TEST_CASE("a tree of RRT* holds what its path is as long as, and no neighbour's 
         REQUIRE(std::isfinite(length[at][out.search.parents[at]]));
         way += length[at][out.search.parents[at]];
       }
-      // A node whose parent's way became shorter hands that on to its own, but not to their other neighbours.
+      // A node passes a shorter path of its parent on to its own children, but not to their other neighbours.
       CHECK(way >= cost[row] * (1.0 - 1e-9));
       same += way <= cost[row] * (1.0 + 1e-9) ? 1 : 0;
     }
@@ -201,7 +201,7 @@ TEST_CASE("Lazy-PRM* finds the paths of PRM* and checks a fraction of its edges"
   }
 }
 
-TEST_CASE("asked again, an optimal planner goes on with what it has", "[planner][optimal]") {
+TEST_CASE("a resumed optimal planner continues with its tree or roadmap", "[planner][optimal]") {
   for (const auto& planner : optimal_planners()) {
     CAPTURE(planner);
     const Run once = run(planner, test::cup_problem(), 2, 300);

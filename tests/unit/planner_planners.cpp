@@ -114,7 +114,7 @@ TEST_CASE("the same seed gives the same search, another seed another", "[planner
   }
 }
 
-TEST_CASE("a budget of proposals or checks ends the search, with the way to what came nearest", "[planner]") {
+TEST_CASE("a budget of proposals or checks ends the search, with the path to the nearest node", "[planner]") {
   // The goal is walled in.
   auto problem = test::make_problem("walled", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(),
                                     {1, 5, 0}, {9, 5, 0});
@@ -130,7 +130,7 @@ TEST_CASE("a budget of proposals or checks ends the search, with the way to what
   }
 }
 
-TEST_CASE("an invalid start or goal is told apart from a search without success", "[planner]") {
+TEST_CASE("an invalid start or goal is distinct from a search without success", "[planner]") {
   auto problem = test::cup_problem();
   problem.start = {6.75, 5, 0};
   auto other = test::cup_problem();
@@ -142,7 +142,7 @@ TEST_CASE("an invalid start or goal is told apart from a search without success"
   }
 }
 
-TEST_CASE("asked again after success, a planner looks for another path within the same budget", "[planner]") {
+TEST_CASE("a resumed planner searches for another path within the same budget", "[planner]") {
   for (const auto* kind : sampling_planners()) {
     CAPTURE(kind->component->name);
     const auto problem = test::cup_problem();
@@ -174,7 +174,7 @@ TEST_CASE("lazy roadmaps spend fewer checks than eager ones on an open scene", "
   CHECK(lazy < eager);
 }
 
-TEST_CASE("every way of a lazy roadmap finds valid paths and says which nodes it looked at", "[planner][lazy]") {
+TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the validated nodes", "[planner][lazy]") {
   const auto& kind = *find_planner("lazy_prm");
   for (const std::string remove : {"all", "first"}) {
     for (const std::string edges : {"in_turn", "coarse_to_fine"}) {
@@ -188,7 +188,7 @@ TEST_CASE("every way of a lazy roadmap finds valid paths and says which nodes it
             check_path(problem, out.solution.path);
             CHECK_FALSE(out.search.expands);
             REQUIRE(out.search.looked_at.size() == out.search.nodes.size());
-            // Each node looked at is one check beside those of edges; those of the path were looked at.
+            // Each validated node is one check beside those of edges; the path's nodes are validated.
             const auto looked_at = std::count(out.search.looked_at.begin(), out.search.looked_at.end(), 1);
             CHECK(static_cast<std::uint64_t>(looked_at) <= out.checks.validity);
             CHECK(looked_at >= static_cast<std::ptrdiff_t>(out.solution.path.size()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Planners that are called again after the instance changed keep what is still valid.
+// Planners that are called again after a change of the instance keep their valid parts.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -89,7 +89,7 @@ TEST_CASE("a path that is still valid after the instance changed is found again 
       const Solution again = run.solve();
       REQUIRE(again.solved());
       check_path(run, again.path);
-      if (planner.find("star") != std::string::npos && planner != "rrt_star") continue;  // it goes on to improve
+      if (planner.find("star") != std::string::npos && planner != "rrt_star") continue;  // it continues to improve
       CHECK(run.search.proposals.size() == proposals);
       CHECK(run.search.nodes.size() == nodes);
       CHECK(equal(first.path, again.path));
@@ -153,8 +153,7 @@ TEST_CASE("a roadmap keeps its vertices when the instance changes", "[planner][r
   }
 }
 
-TEST_CASE("where only configurations were excluded, a roadmap checks nothing that it knows",
-          "[planner][repair][roadmap]") {
+TEST_CASE("where only configurations were excluded, a roadmap rechecks nothing", "[planner][repair][roadmap]") {
   for (const std::string planner : {"prm", "lazy_prm"}) {
     CAPTURE(planner);
     auto run = make_run(planner, 2);
@@ -178,7 +177,7 @@ TEST_CASE("where only configurations were excluded, a roadmap checks nothing tha
   }
 }
 
-TEST_CASE("the repair of a tree pauses and goes on where it was", "[planner][repair]") {
+TEST_CASE("the repair of a tree pauses and resumes", "[planner][repair]") {
   for (const auto& planner : trees()) {
     CAPTURE(planner);
     auto whole = make_run(planner, 5);

@@ -14,7 +14,7 @@ using namespace trellis;
 
 namespace {
 
-/// Dijkstra over what is left of the graph: the independent answer.
+/// Dijkstra's search over the remaining graph: the independent result.
 double shortest(const LifelongSearch& graph) {
   const double infinity = std::numeric_limits<double>::infinity();
   std::vector<double> distance(graph.vertices(), infinity);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The search of every planner without a guide, pinned: what planners exchange with guides must not change it.
+// The search of every planner without a guide, as a digest: the exchange with guides must not change it.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -93,7 +93,7 @@ std::uint64_t fingerprint(const std::string& planner, std::vector<Options::Entry
       auto plan = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false, {}});
       for (int solve = 0; solve < 2; ++solve) {
         const Solution solution = plan->solve(common.budget);
-        // A lazy roadmap that has spent its proposals goes on without, which is newer than these prints.
+        // A lazy roadmap that has spent its proposals continues without them; these digests predate that.
         if (planner == "lazy_prm" && search.proposals.size() >= 3000) break;
         add_search(print, search, instance->checks, solution);
       }

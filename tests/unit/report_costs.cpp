@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Costs beside a reference: from the documents of runs to ratios, tables and pictures.
+// Costs relative to a reference: from the documents of runs to ratios, tables and pictures.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -236,7 +236,7 @@ TEST_CASE("a curve of success counts the runs that found a path within each cost
   CHECK(failing.spent == 214.0);
   CHECK(success_curve(data, 0, strategy("rrt"), CostKind::seconds).at.front() == Approx(0.4));
 
-  // Runs that found their paths at one cost are one step; a run that goes on had its path before it ended.
+  // Runs with equal costs of their paths are one step; an anytime run had its path before it ended.
   const CostData going_on = anytime({{{100, 12.0}, {600, 11.0}}, {{100, 13.0}}, {}});
   const SuccessCurve curve = success_curve(going_on, 0, 0, CostKind::checks);
   CHECK(curve.at == std::vector<double>{100});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What `trellis explain` says, held against the registry and against what runs.
+// Compares `trellis explain` with the registry and with actual runs.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -243,14 +243,14 @@ TEST_CASE("waterfalls side by side have one scale, which ends beyond perfect gui
   }
 }
 
-TEST_CASE("names of levels are shortened to what tells them apart", "[report][figures]") {
+TEST_CASE("names of levels are shortened but stay distinct", "[report][figures]") {
   CHECK(short_level("lazy()", 14) == "lazy()");
   CHECK(short_level("shrink { 0.6666666666, keep_tree = true }", 14) == "shrink(0.667)");
   CHECK(short_level("skeleton { follow = \"regions\" }", 14) == "skeleton");
   CHECK(short_level("a_function_of_a_script", 14) == "a_function_of_a_script");
 }
 
-TEST_CASE("a mixture has a waterfall for each way to the root", "[report][figures]") {
+TEST_CASE("a mixture has a waterfall for each path to the root", "[report][figures]") {
   auto [experiment, result] = fixture::passage();
   // The skeleton guides the root beside lazy >> shrink.
   for (RunResult& run : result.runs) {
@@ -311,7 +311,7 @@ TEST_CASE("pictures that cannot be written are an error that says where and why"
     CHECK_THROWS_WITH(write_figures(experiment, result, folder.path().string()),
                       "cannot write '" + picture.string() + "': Is a directory");
   }
-  SECTION("a folder that nobody may make") {
+  SECTION("a folder without permission to create it") {
     if (fs::exists("/proc")) CHECK_THROWS_AS(write_figures(experiment, result, "/proc/trellis-figures"), Error);
   }
 }
@@ -361,7 +361,7 @@ TEST_CASE("strategies are compared with the baseline seed by seed", "[report][co
   CHECK(better.solved.difference.value == Approx(-0.2));
   CHECK(better.solved.difference.lo >= -1.0);
   CHECK(better.solved.less == 1);
-  // A strategy with a guide taken out stands beside the whole one.
+  // An ablation is listed beside the complete strategy.
   const Comparison& without = compared[1];
   CHECK(without.baseline == "better");
   CHECK(without.text == "without lazy()");

@@ -136,7 +136,7 @@ TEST_CASE("a file is written whole or not at all", "[report][files]") {
     CHECK_THROWS_WITH(write_file(path, "x"), "cannot write '" + path + "': No such file or directory");
     CHECK(entries(folder) == 1);
   }
-  SECTION("a folder in the way") {
+  SECTION("a folder at the file's path") {
     const fs::path taken = folder.path() / "taken";
     fs::create_directory(taken);
     CHECK_THROWS_WITH(write_file(taken.string(), "x"), "cannot write '" + taken.string() + "': Is a directory");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A result made by hand, so that what is printed depends on nothing but the report.
+// A constructed result, so that the output depends on the report only.
 #pragma once
 
 #include <cmath>

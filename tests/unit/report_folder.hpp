@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Folders that figures are written into, and what is looked at of the files.
+// Output folders of figures, and checks of their files.
 #pragma once
 
 #include <algorithm>

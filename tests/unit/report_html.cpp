@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page as a file. What a browser makes of it is tested in tests/browser.
+// The page as a file. tests/browser tests it in a browser.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -140,7 +140,7 @@ std::size_t held(const std::string& html) {
 
 }  // namespace
 
-TEST_CASE("the page is one file, well formed, and asks nobody for anything", "[report][html]") {
+TEST_CASE("the page is one file, well formed, and makes no requests", "[report][html]") {
   const Experiment experiment = small();
   const ExperimentResult result = run(experiment);
   const std::string html = report_html(experiment, result, {.script = "small.lua"});
@@ -234,7 +234,7 @@ TEST_CASE("the page holds the records", "[report][html]") {
   CHECK(data["robots"].size() == 3);
 }
 
-TEST_CASE("a rejected proposal is told apart by its own validity", "[report][html]") {
+TEST_CASE("rejected proposals are distinguished by their own validity", "[report][html]") {
   Experiment experiment = small();
   experiment.strategies = {{"rrt", fixture::plain()}};
   experiment.measure.reset();
@@ -339,7 +339,7 @@ TEST_CASE("of a long search the page holds a part, whose trees and turns are who
   CHECK(page["turns"].back()[1] == proposals.size() / d);
   CHECK(page["turns"].back()[2] == nodes.size() / d);
 
-  // Each node held is one of the search, in its order, and its parent one of its ancestors there.
+  // Each node on the page is one of the search, in its order, and its parent one of its ancestors there.
   std::vector<std::uint32_t> rows;
   std::uint32_t row = 0;
   for (std::size_t k = 0; k < nodes.size(); k += d, ++row) {

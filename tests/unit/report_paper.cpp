@@ -113,7 +113,7 @@ TEST_CASE("the values are one to a line, and none is infinite without being coun
                     [](const auto& l) { return l.starts_with("\"a|b, \"\"c\"\"\",nested,,,,success,0,"); }));
 }
 
-TEST_CASE("what nobody published is not compared", "[report]") {
+TEST_CASE("values without a published counterpart are not compared", "[report]") {
   auto [experiment, result] = published();
   experiment.published.reset();
   const std::string text = report_markdown(experiment, result);
@@ -121,7 +121,7 @@ TEST_CASE("what nobody published is not compared", "[report]") {
   CHECK(text.find("Spearman") == std::string::npos);
 }
 
-TEST_CASE("an experiment that measured nothing has tables of what it knows", "[report]") {
+TEST_CASE("an experiment without a measure has tables of its other values", "[report]") {
   auto [experiment, result] = published();
   experiment.measure.reset();
   for (RunResult& run : result.runs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where samples lie in the world, as files.
+// Pictures of the samples in the world, as files.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Plain definitions, as slow as they are obvious, to hold the scene floor against.
+// Simple and slow reference implementations for the scene layer.
 #pragma once
 
 #include <algorithm>

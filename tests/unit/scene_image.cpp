@@ -80,7 +80,7 @@ TEST_CASE("rows that are alike make one box", "[scene][image]") {
   CHECK(problems.front().scene->world.obstacles().size() == 2);
 }
 
-TEST_CASE("an image that cannot be read is told, however much of it is missing", "[scene][image]") {
+TEST_CASE("an unreadable image is an error, wherever it is truncated", "[scene][image]") {
   const test::Folder folder;
   const std::string image = test::image(20, 20, [](std::size_t column, std::size_t) { return column == 3; });
   for (std::size_t length = 8; length < image.size(); length += 7) {

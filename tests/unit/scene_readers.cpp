@@ -123,7 +123,7 @@ TEST_CASE("the circle world and its queries", "[scene][readers]") {
     }
   }
 
-  // As many independent ways around as there are groups of touching discs off the boundary.
+  // The number of independent cycles equals the number of groups of touching discs off the boundary.
   const Skeleton skeleton = medial_axis(world);
   std::vector<Disc> discs;
   for (const auto& obstacle : world.obstacles()) discs.push_back(std::get<Disc>(obstacle.shape));
@@ -169,7 +169,7 @@ TEST_CASE("every dynobench scene is read, its start and goal inside the boundary
         std::vector<Pose2> poses(robot.bodies().size());
         robot.place(q, poses);
         for (std::size_t b = 0; b < poses.size(); ++b) {
-          // Small bodies against large boxes: points along the outline tell an overlap.
+          // Small bodies against large boxes: points along the outline detect an overlap.
           const auto& v = std::get<Polygon>(robot.bodies()[b].parts[0]).vertices;
           for (std::size_t i = 0; i < v.size(); ++i) {
             for (const double t : {0.0, 0.25, 0.5, 0.75}) {
@@ -295,7 +295,7 @@ TEST_CASE("a car with a trailer is placed as the format means it", "[scene][read
   CHECK(norm(centre - Vec2{1 - 0.5 * std::cos(1.2), 2 - 0.5 * std::sin(1.2)}) < 1e-12);
 }
 
-TEST_CASE("a malformed circle world is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed circle world is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   folder.write("w_queries.txt", queries);
   const auto world = [&](const std::string& content) { return fault_of(folder.write("w_obstacles.txt", content)); };
@@ -324,7 +324,7 @@ TEST_CASE("a malformed circle world is told with file, line and what was expecte
              Contains("lonely_queries.txt") && Contains("cannot be opened"));
 }
 
-TEST_CASE("a malformed dynobench scene is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed dynobench scene is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   const std::string model = folder.write("shared/models/car1_v0.yaml", car_model);
   const auto fault = [&](const std::string& from, const std::string& to) {
@@ -387,7 +387,7 @@ TEST_CASE("an arm of SBPL's: its base, angles, goal cell and cells", "[scene][re
   std::vector<Pose2> poses(2);
   p.scene->robot.place(p.start, poses);
   CHECK(norm(poses[p.reach->body](p.reach->point) - Vec2{3.5, 2.0}) < 1e-12);
-  // The cells that are taken, whatever rectangles they are put into.
+  // The occupied cells, for any decomposition into rectangles.
   for (int column = 0; column < 5; ++column) {
     for (int row = 0; row < 4; ++row) {
       const bool taken = (row == 0 && column == 4) || (row == 1 && column >= 3);
@@ -422,7 +422,7 @@ TEST_CASE("SBPL's own arms start where they are free", "[scene][readers]") {
   }
 }
 
-TEST_CASE("a malformed arm of SBPL's is told with file, line and what was expected", "[scene][readers]") {
+TEST_CASE("a malformed arm of SBPL's is an error with file, line and expected content", "[scene][readers]") {
   const Folder folder;
   const auto fault = [&](const std::string& from, const std::string& to) {
     return fault_of(folder.write("bad.cfg", replaced(arm_file, from, to)));

@@ -83,7 +83,7 @@ std::vector<std::pair<std::size_t, Vec2>> marks_of(const Robot& robot, Stream& s
   return marks;
 }
 
-// The length of the way of every point along the motion, by small steps, never exceeds the bound.
+// The length of the path of every point along the motion, by small steps, never exceeds the bound.
 void check_displacement(const Robot& robot, const Space& space, std::uint64_t seed) {
   Stream stream(seed, "0", "displacement");
   double tightest = 0.0;
@@ -207,7 +207,7 @@ TEST_CASE("bodies are placed along their chain", "[scene][robot]") {
     CHECK(norm(tip(arm(3, false), {a, b, c}) - expected) < 1e-14);
     CHECK(norm(tip(arm(3, true), {a, a + b, a + b + c}) - expected) < 1e-14);
   }
-  SECTION("a trailer hangs at the car and has its own heading") {
+  SECTION("a trailer is jointed to the car and has its own heading") {
     const auto p = points_of(car_with_trailer(), Configuration{1, 2, 0.7, pi / 2}, {{1, {-0.5, 0}}})[0];
     CHECK(norm(p - Vec2{1, 1.5}) < 1e-15);
   }
@@ -323,7 +323,7 @@ TEST_CASE("no point moves farther than the displacement bound", "[scene][robot]"
   check(offset, 6);
 }
 
-TEST_CASE("the displacement bound knows its cases", "[scene][robot]") {
+TEST_CASE("the displacement bound covers its cases", "[scene][robot]") {
   const Robot bar = Robot::rigid({Box2{{-1, -0.1}, {1, 0.1}}});
   const Space space = default_space(bar, World({{0, 0}, {10, 10}}, {}), 1 / pi);
   const double r = std::hypot(1, 0.1);
@@ -358,7 +358,7 @@ TEST_CASE("every robot has a default space", "[scene][robot]") {
   CHECK(default_space(arm(3, false), world, 0.4).dimension() == 3);
 }
 
-TEST_CASE("an arm is a chain of links with limits, whose distant links are kept apart", "[scene][robot]") {
+TEST_CASE("an arm is a chain of links with limits, whose distant links are self-collision pairs", "[scene][robot]") {
   const World world({{-5, -5}, {5, 5}}, {});
   Arm description{.links = {2, 1.5, 1}, .widths = {0.2, 0.1, 0.1}, .base = {1, 0}};
   description.limits = {std::nullopt, std::pair(-2.0, 1.0)};
@@ -382,7 +382,7 @@ TEST_CASE("an arm is a chain of links with limits, whose distant links are kept 
   CHECK(Robot::arm(description).pairs().empty());
 }
 
-TEST_CASE("an arm that cannot be is told", "[scene][robot]") {
+TEST_CASE("an impossible arm is an error", "[scene][robot]") {
   const auto fault = [](const Arm& arm) { return fault_of([&] { static_cast<void>(Robot::arm(arm)); }); };
   CHECK_THAT(fault({}), Contains("at least one link"));
   CHECK_THAT(fault({.links = {1, 0}, .widths = {1, 1}}), Contains("length of link 2") && Contains("got 0"));

@@ -175,7 +175,7 @@ TEST_CASE("the skeleton of the simple passage joins the rooms through the corrid
   REQUIRE(skeleton.vertices.size() == 6);
   REQUIRE(skeleton.edges.size() == 5);
   CHECK(components(skeleton).count == 1);
-  // The only way from a vertex on the left to one on the right keeps to the corridor's middle line.
+  // The only path from a vertex on the left to one on the right follows the corridor's middle line.
   int through = 0;
   for (const auto& edge : skeleton.edges) {
     if (skeleton.vertices[edge.from].x > 4 || skeleton.vertices[edge.to].x < 6) continue;
@@ -244,9 +244,9 @@ TEST_CASE("discs are discs, not polygons", "[scene][skeleton]") {
     }
     CHECK(least == Approx(0.5 * gap).epsilon(1e-9));
   }
-  SECTION("discs that overlap less than their polygons show close the way") {
+  SECTION("discs that overlap less than their polygons close the passage") {
     const auto ways = [](double gap) {
-      // The polygons' flat sides face each other: between them the way seems open in any case.
+      // The polygons' flat sides face each other: the passage between them is always open in the diagram.
       const double angle = 3.14159265358979 / 24, apart = 4.0 + gap;
       const Vec2 to{apart * std::cos(angle), apart * std::sin(angle)};
       const World world({{0, 0}, {10, 10}},
@@ -334,7 +334,7 @@ TEST_CASE("the skeleton is the same every time and in any order of the obstacles
   CHECK(same(first, medial_axis(brute::box_world(boxes))));
 }
 
-TEST_CASE("a world's skeleton is made once, whoever asks", "[scene][skeleton]") {
+TEST_CASE("a world's skeleton is computed once for all callers", "[scene][skeleton]") {
   World world = trap();
   std::vector<std::shared_ptr<const Skeleton>> found(8);
   {

@@ -47,7 +47,7 @@ TEST_CASE("the metric of every space is a metric", "[space][laws]") {
   }
 }
 
-TEST_CASE("interpolation goes the short way at constant speed and ends exactly", "[space][laws]") {
+TEST_CASE("interpolation takes the shortest motion at constant speed and ends exactly", "[space][laws]") {
   for (const auto& space : spaces()) {
     CAPTURE(space.name());
     Stream stream(2, space.name(), "interpolation");
@@ -81,7 +81,7 @@ TEST_CASE("the nearest point of a motion is nearest", "[space][laws]") {
     for (int i = 0; i < 300; ++i) {
       space.sample_uniform(stream, a);
       space.sample_uniform(stream, b);
-      space.interpolate(a, b, 0.2, b);  // short enough that nothing meets itself the other way round
+      space.interpolate(a, b, 0.2, b);  // short enough not to wrap around
       space.sample_uniform(stream, q);
       space.interpolate(a, q, 0.2, q);
       const auto foot = nearest_on_motion(space, a, b, q);

@@ -20,7 +20,7 @@ GuideSpec guide(const std::string& name, const std::vector<Options::Entry>& give
 GuideSpec shrink(double scale) { return guide("shrink", {{"scale", scale}}); }
 PlannerSpec rrt(const std::vector<Options::Entry>& given = {}) { return PlannerSpec::make("rrt", given); }
 
-/// What was taken out, and what is left, as they are written.
+/// The removed guide, and the remaining strategy, as texts.
 std::vector<std::string> names(const std::vector<Ablation>& all) {
   std::vector<std::string> result;
   for (const Ablation& a : all) result.push_back(a.text());
@@ -60,7 +60,7 @@ TEST_CASE("a blend is ablated part by part and keeps its settings", "[ablation]"
                             "blend { skeleton(), uniform() >> shrink(0.5), floor = 0.4 } >> rrt()"});
 }
 
-TEST_CASE("what was taken out and what is left are told as they are written", "[ablation]") {
+TEST_CASE("the removed guide and the remaining strategy have their script texts", "[ablation]") {
   const auto all = ablations(guide("skeleton") >> shrink(0.5) >> guide("lazy") >> rrt());
   CHECK(names(all) == Texts{"without lazy()", "skipping lazy()", "without shrink(0.5)", "skipping shrink(0.5)",
                             "without skeleton()"});
@@ -101,7 +101,7 @@ TEST_CASE("guides that occur more than once are numbered, and each is taken out 
   CHECK(chain[4].guide.ends_with(" #2"));
   CHECK(chain[1].strategy == shrink(0.5) >> guide("lazy") >> rrt());
   CHECK(chain[4].strategy == guide("uniform") >> guide("lazy") >> shrink(0.5) >> rrt());
-  // Two of one name with other options are told apart by these.
+  // Options distinguish two of one name.
   for (const Ablation& a : ablations(shrink(0.3) >> shrink(0.5) >> rrt())) {
     CHECK(a.guide.find('#') == std::string::npos);
   }

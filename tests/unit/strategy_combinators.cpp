@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// schedule, race, split and the rules of blend: their laws, and what they do step by step.
+// schedule, race, split and the rules of blend: their laws, and their steps.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -29,7 +29,7 @@ GuideSpec shrink(double scale, const std::vector<Options::Entry>& more = {}) {
   given.insert(given.end(), more.begin(), more.end());
   return guide("shrink", given);
 }
-/// A planner that leaves its guides all proposals that they want.
+/// A planner without a limit on its guides' proposals.
 PlannerSpec unbounded(std::vector<Options::Entry> given = {}) {
   given.emplace_back("bound", 0.0);
   return PlannerSpec::make("rrt", given);
@@ -150,7 +150,7 @@ TEST_CASE("each guide of a schedule serves until it is refuted, and none comes b
         unbounded({{"proposals", std::int64_t{3000}}});
     const auto run = execute(strategy, problem, 1);
     CHECK(order(run.levels[0]) == "012");
-    // Solved as often as it was refuted, but for the last time, which was the next one's turn.
+    // Each refutation causes a solve, except the last one, after which the next guide had its turn.
     CHECK(run.levels[1].solves == static_cast<std::uint64_t>(rounds));
     CHECK(run.levels[2].solves == static_cast<std::uint64_t>(rounds));
   }
@@ -176,13 +176,13 @@ TEST_CASE("a guide that finds nothing has no turn in a schedule, and loses a rac
     const char winner = combined.terms().front().guide == shrink(0.5) ? '0' : '1';
     CHECK(order(run.levels[0]) == std::string(1, winner));
   }
-  // Where nobody finds a path the run goes on all the same.
+  // Without any path the run continues.
   CHECK(execute(race({hopeless(), hopeless()}) >> rrt(), problem, 2).solved);
   CHECK(execute(schedule({hopeless(), hopeless()}) >> rrt(), problem, 2).solved);
 }
 
 TEST_CASE("the searches of a race have slices that double, and rest once one has won", "[combinators][race]") {
-  // The passage is too narrow for the second robot; the first is a search that goes on for long.
+  // The passage is too narrow for the second robot; the first robot's search is long.
   const auto problem = test::make_problem("slit", test::rectangle_world({{4, 0, 6, 4.95}, {4, 5.05, 6, 10}}),
                                           test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
   const auto run = execute(race({guide("identity"), shrink(0.2, {{"follow", std::string("tube")}})}, {.slice = 16}) >>
@@ -203,7 +203,7 @@ TEST_CASE("the searches of a race have slices that double, and rest once one has
   CHECK(run.levels[2].solves == 1);
 }
 
-TEST_CASE("a race goes on when its winner is refuted", "[combinators][race]") {
+TEST_CASE("a race continues when its winner is refuted", "[combinators][race]") {
   const auto problem = test::make_problem("slit", test::rectangle_world({{4, 0, 6, 4.97}, {4, 5.03, 6, 10}}),
                                           test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
   const std::vector<Options::Entry> hasty = {
@@ -241,7 +241,7 @@ TEST_CASE("a blend by exp3 draws by the documented rule, step by step", "[combin
 
 TEST_CASE("credit by efficiency moves the weights to the part that is dense where progress is made",
           "[combinators][blend]") {
-  // In an empty world a tube about the way is where the search comes nearer to the goal; a wide normal about nothing in
+  // In an empty world the search makes progress with a tube about the path, but not with a wide normal about nothing in
   // particular is not. Counted by nodes the two are alike: in an empty world every proposal leads to one.
   const auto problem =
       test::make_problem("empty", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
@@ -320,7 +320,7 @@ TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][
   CHECK(spent.levels[0].search.proposals.size() == 500);
 }
 
-TEST_CASE("what never draws is told", "[combinators][check]") {
+TEST_CASE("a guide that never draws is reported", "[combinators][check]") {
   const auto told = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
   REQUIRE(told(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
   CHECK_THAT(told(schedule({guide("uniform"), shrink(0.5)})).front(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The density of a level's proposals, recorded as the run goes, against h asked at every single step; and what of a
-// level can still be asked when the run is over.
+// The density of a level's proposals, recorded during the run, compared with h at every step; and the queries that a
+// level answers after the run.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -286,7 +286,7 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
         CAPTURE(problem.name, strategy.text(), level.name);
         const auto& search = level.search;
         if (search.proposals.size() < 100) continue;
-        // The goal of S is what the root's is projected to. Atoms are told by their source, or because they are
+        // The goal of S is the projection of the root's goal. Atoms are identified by their source, or because they are
         // proposed again, or are vertices of a path found in a space that guides and has these coordinates.
         std::vector<char> is_atom(search.proposals.size(), 0);
         std::map<std::vector<double>, int> times;

@@ -66,7 +66,7 @@ void check_run(const Problem& problem, const RunRecord& run) {
 
 }  // namespace
 
-TEST_CASE("every guide composes with every other, in every way", "[executor]") {
+TEST_CASE("every guide composes with every other, with all operators", "[executor]") {
   const auto problem = test::cup_problem();
   int solved = 0;
   int runs = 0;
@@ -161,7 +161,7 @@ TEST_CASE("a lazy guide spends fewer checks than its planner alone around the cu
   CHECK(2 * lazy < alone);
 }
 
-TEST_CASE("a guide's way of lifting is part of the run, the same twice", "[executor]") {
+TEST_CASE("a guide's lift is part of the run, the same twice", "[executor]") {
   for (const auto* lift : {"uniform", "handles"}) {
     CAPTURE(lift);
     const StrategySpec strategy = guide("workspace", {{"lift", std::string(lift)}}) >> rrt({{"step", 0.5}});
@@ -315,7 +315,7 @@ TEST_CASE("a blend draws by the documented rule, step by step", "[executor][blen
   CHECK(step == search.proposals.size());
 }
 
-TEST_CASE("a level without a path says so and the run goes on", "[executor]") {
+TEST_CASE("a level without a path reports it and the run continues", "[executor]") {
   // The shrunken robot's search has too small a budget to find anything.
   const auto weak = GuideSpec::make("shrink", {}, rrt({{"proposals", std::int64_t{5}}}));
   const auto run = execute(weak >> rrt(), test::cup_problem(), 1);
@@ -339,7 +339,7 @@ TEST_CASE("a level that is solved again says why", "[executor][resolves]") {
           all.changed_world += level.resolves.changed_world;
           exhausted = exhausted || level.resolves.exhausted;
         }
-        // Nothing asks the root for another solve.
+        // No level requests another solve of the root.
         CHECK(resolves(run.levels.front()) == 0);
       }
     }
@@ -416,7 +416,7 @@ TEST_CASE("a problem is checked before anything runs, and the message names the 
   CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("resolution"));
 }
 
-TEST_CASE("a hierarchy without end is refused", "[executor][errors]") {
+TEST_CASE("a hierarchy of unlimited depth is rejected", "[executor][errors]") {
   auto deep = guide("identity");
   for (int i = 0; i < 80; ++i) deep = guide("identity") >> deep;
   CHECK_THROWS_WITH(execute(deep >> rrt(), test::cup_problem(), 1), Contains("deeper than"));
@@ -467,7 +467,7 @@ TEST_CASE("a run can be stopped at any proposal, and has done what the whole run
   }
 }
 
-TEST_CASE("what cannot be projected is told with the whole way to it", "[executor]") {
+TEST_CASE("an error in a projection names all levels up to the root", "[executor]") {
   Body link{{rectangle_polygon({{0, -0.1}, {1, 0.1}})}, -1, {}, 0};
   const auto arm =
       test::make_problem("arm", World({{0, 0}, {10, 10}}, {}), Robot("arm", {link}, false, {5, 5}), {0}, {1});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Between a level's planner and a guide's heuristic stand the level, whoever watches it, and what combines guides: each
-// passes on every call.
+// Between a level's planner and a guide's heuristic are the level, its observers, and the combinators: each forwards
+// every call.
 #include <algorithm>
 #include <cstdint>
 #include <memory>

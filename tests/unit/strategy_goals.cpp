@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Problems with several goals, any of which will do.
+// Problems with several goals, each of which solves them.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -67,7 +67,7 @@ TEST_CASE("every planner stops at whichever goal it comes to", "[strategy][goals
   }
 }
 
-TEST_CASE("planners that go on find the way to the nearer goal", "[strategy][goals]") {
+TEST_CASE("anytime planners find the path to the nearer goal", "[strategy][goals]") {
   Problem problem =
       test::make_problem("open", test::rectangle_world({{4, 4, 5, 5}}), test::rectangle_robot(), {2, 2, 0}, {9, 9, 0});
   add_goal(problem, {2, 5, 0});

@@ -21,7 +21,7 @@ using namespace trellis;
 
 namespace {
 
-/// A guide made by a function: what a user may write who means no good.
+/// A guide from a function: a worst case of a user-defined guide.
 class Adversary final : public CustomGuide {
  public:
   using Make = std::unique_ptr<Guide> (*)();
@@ -33,7 +33,7 @@ class Adversary final : public CustomGuide {
   Make make_;
 };
 
-/// h that draws one configuration for ever.
+/// An h that always samples one configuration.
 class PointHeuristic : public Heuristic {
  public:
   explicit PointHeuristic(Configuration point) : point_(std::move(point)) {}
@@ -84,7 +84,7 @@ class ThroughWalls final : public Bias {
   }
 };
 
-/// Everything is valid but what crosses a circle about the goal: a search that never ends.
+/// Everything is valid except crossing a circle about the goal: a search that never ends.
 class MoatValidity final : public Validity {
  public:
   MoatValidity(Space space, Configuration goal) : space_(std::move(space)), goal_(std::move(goal)) {}

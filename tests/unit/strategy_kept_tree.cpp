@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a search in C keeps of the tree that was grown in S.
+// The part of the tree in S that a search in C keeps.
 #include <algorithm>
 #include <memory>
 #include <set>

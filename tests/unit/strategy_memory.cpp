@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides that read what earlier runs left behind.
+// Guides that use the files of earlier runs.
 #include <algorithm>
 #include <string>
 

@@ -15,7 +15,7 @@ using namespace trellis;
 
 namespace {
 
-/// A block in the way, small enough that every guide finds something to do at once.
+/// A block on the direct route, small enough that every guide has an effect at once.
 Problem block_problem() {
   return test::make_problem("block", test::rectangle_world({{1.5, 1, 2, 3}, {2.4, 1.2, 2.8, 2}}, 4.0),
                             test::rectangle_robot(), {0.6, 2, 0}, {3.4, 2, 0});

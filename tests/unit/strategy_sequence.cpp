@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// a .. b: when a turn ends, and what one space tells the next.
+// a .. b: when a turn ends, and the information from one space to the next.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -31,7 +31,7 @@ bool same(const Configurations& a, const Configurations& b) {
   return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
 }
 
-/// A part of a sequence that does what a test says, and notes what it is given.
+/// A scripted part of a sequence, which records its input.
 struct Part final : Prepared {
   Advance advance = Advance::found;
   std::uint64_t times_refuted = 0;
@@ -71,7 +71,7 @@ struct Three {
     }
     sequence = make_sequence({.turn = turn}, std::move(owned));
   }
-  /// Who draws the next proposals: "001".
+  /// The guides of the next proposals: "001".
   std::string draw(int proposals) {
     std::string drew;
     for (int i = 0; i < proposals; ++i) {
@@ -254,7 +254,7 @@ TEST_CASE("a skeleton goes round what another space's evidence refuted", "[strat
   CHECK(height() > 8.5);
 }
 
-TEST_CASE("h of a space that is searched late goes on from where the search stands", "[strategy][sequence]") {
+TEST_CASE("h of a space that is searched late continues from the state of the search", "[strategy][sequence]") {
   const auto problem =
       test::make_problem("empty", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0});
   for (const std::string name : {"shrink", "identity", "widen"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What each matcher holds for, what it does not hold for, and what it says then.
+// For each matcher: a trial that satisfies it, one that does not, and its message.
 #include <memory>
 #include <string>
 #include <vector>
@@ -46,7 +46,7 @@ const Trial& guided() {
   static const Trial trial = trial_of("guided", guide("skeleton") >> rrt());
   return trial;
 }
-/// Hardly begins before its budget is spent.
+/// Its budget ends the search almost at once.
 const Trial& hopeless() {
   static const Trial trial = trial_of("hopeless", rrt({{"proposals", 10.0}}));
   return trial;
@@ -63,7 +63,7 @@ Said judge(const Trial& trial, const MatcherPointer& matcher) {
   return {verdict.holds, sentence(trial, *matcher, verdict), evidence(trial, *matcher, verdict)};
 }
 
-/// A robot between walls without a way out.
+/// A robot in a closed room.
 Problem prison() {
   return test::make_problem("prison", test::rectangle_world({{4, 0, 6, 10}}), test::rectangle_robot(), {1, 1, 0},
                             {9, 9, 0});
@@ -71,7 +71,7 @@ Problem prison() {
 
 }  // namespace
 
-TEST_CASE("a trial runs once, whoever asks, and comes out the same on any number of threads") {
+TEST_CASE("a trial runs once for all callers, with the same result on any number of threads") {
   const Trial copy = plain();
   CHECK(&copy.runs() == &plain().runs());
   CHECK(plain().text() == "plain on simple_passage, 12 seeds (1–12)");
@@ -137,20 +137,20 @@ TEST_CASE("spends: fewer than another, seed by seed, with a confidence") {
   CHECK_FALSE(other_way.holds);
   CHECK_THAT(other_way.help, Contains("; guided spent "));
   CHECK_THAT(other_way.help, StartsWith("seed "));
-  // Nobody spends less than itself, however often one looks.
+  // No strategy spends less than itself, however often it is tested.
   CHECK_FALSE(judge(plain(), spends(fewer_than(plain()).validity_checks())).holds);
   CHECK_FALSE(judge(guided(), spends(fewer_than(plain()).validity_checks().by(0.99))).holds);
 }
 
 TEST_CASE("spends: a run without a path has spent its budget for nothing") {
-  // It spent far fewer checks than anybody, and found no path.
+  // It spent far fewer checks than the others, and found no path.
   const Said said = judge(hopeless(), spends(fewer_than(plain()).validity_checks()));
   CHECK_FALSE(said.holds);
   CHECK_THAT(said.text, Contains("12 without a path"));
   CHECK_THAT(said.help, Contains("found no path (budget spent); spent "));
   CHECK_FALSE(judge(hopeless(), spends(at_most(1e9).validity_checks())).holds);
   CHECK(judge(hopeless(), spends(exactly(10).proposals())).holds);
-  // What hopeless spent is the least that it would have cost, and guided may cost more than that.
+  // The cost of `hopeless` is a lower bound of its cost to a path, so guided may cost more than that.
   CHECK_FALSE(judge(guided(), spends(fewer_than(hopeless()).validity_checks())).holds);
 }
 
@@ -170,8 +170,8 @@ TEST_CASE("spends: more than another, which is what misleads") {
   CHECK_FALSE(judge(plain(), spends(more_than(guided()).validity_checks().by(1e6))).holds);
 }
 
-TEST_CASE("spends: more than one that found no path is more than can be told") {
-  // Nobody knows what hopeless would have spent; and it has itself spent no more than its budget.
+TEST_CASE("spends: more than a run without a path cannot be shown") {
+  // The cost of `hopeless` to a path is unknown; its actual cost is at most its budget.
   CHECK_FALSE(judge(plain(), spends(more_than(hopeless()).validity_checks())).holds);
   CHECK_FALSE(judge(hopeless(), spends(more_than(plain()).validity_checks())).holds);
   const Trial beaten = trial_of("beaten", rrt({{"proposals", 5.0}}));
@@ -205,7 +205,7 @@ TEST_CASE("spends: budgets, of all levels and of one") {
   CHECK_THAT(little.text, Contains("nodes at the median of 6 runs, at most "));
 }
 
-TEST_CASE("levels are found by their numbers, names and ways, and mistakes are told") {
+TEST_CASE("levels are found by their numbers, names and paths, and errors are reported") {
   const Trial nested = trial_of("nested", guide("shrink") >> guide("lazy") >> rrt(), 1);
   const auto& runs = nested.runs();
   CHECK(find_level(runs, "root") == "0");
@@ -266,7 +266,7 @@ TEST_CASE("is_deterministic: counts make a budget that reproduces, seconds do no
   CHECK_THAT(said.text, Contains("timed is deterministic: made again on "));
 }
 
-TEST_CASE("trials that cannot be compared are told so") {
+TEST_CASE("trials that cannot be compared are an error") {
   const Trial shorter = trial_of("plain", rrt(), 5);
   CHECK_THROWS_WITH(judge(guided(), spends(fewer_than(shorter).nodes())), Contains("their seeds differ"));
   const Trial elsewhere = trial_of("plain", rrt(), 12, test::cup_problem());

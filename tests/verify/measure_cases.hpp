@@ -21,7 +21,7 @@ struct Case {
   std::string name;
   std::string what;
   std::shared_ptr<const Target> target;
-  /// The same target with other evaluation points: what is common to all repetitions would pass for bias.
+  /// The same target with other evaluation points: a common error of all repetitions would look like bias.
   std::function<std::shared_ptr<const Target>(std::uint64_t)> remake;
   std::function<void(Stream&, MutableView)> draw;
   double d = 0.0;           ///< D(T || Q)

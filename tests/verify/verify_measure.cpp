@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures the estimators' errors where the truth is known, and writes what it found: a section of Markdown on stdout,
+// Measures the estimators' errors for known divergences, and writes the results: a section of Markdown on stdout,
 // pictures into a folder. scripts/verify-measure puts the section into docs/measure.md.
 #include <fmt/format.h>
 
@@ -180,7 +180,7 @@ void error_tables(Report& report, const std::vector<Case>& cases) {
     panel.x.categories = names;
     panel.y.label = "error (nats)";
     panel.references.push_back({0.0, ""});
-    // Half covered lies far below: an arrow tells it.
+    // Half coverage lies far below: an arrow marks it.
     panel.y.lo = -0.35;
     panel.y.hi = 0.2;
     panel.series.push_back(points("", bias[k], spread[k]));
@@ -237,7 +237,7 @@ void estimator_table(Report& report, const std::vector<Case>& cases) {
   report.text += '\n';
 }
 
-/// How often Student's interval over the runs of an experiment holds the truth.
+/// The coverage of Student's interval over the runs of an experiment.
 constexpr std::size_t runs_each = 15;
 
 void interval_table(Report& report, const std::vector<Case>& cases) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scenario tests of strategies, in Catch2 (version 2 or 3). docs/testing.md tells about them.
+// Scenario tests of strategies, in Catch2 (version 2 or 3). See docs/testing.md.
 //
 //     const Script script = load("doorway.lua");
 //     const Trial guided = script.trial("guided", seeds(30));
@@ -39,19 +39,19 @@ using trial::more_than;
 using trial::seeds;
 using trial::Trial;
 
-/// A level by its name or number: level("lazy").expansion().lifted().
+/// Selects a level by its name or number: level("lazy").expansion().lifted().
 inline trial::Level level(std::string name) { return {std::move(name)}; }
 inline trial::Level level(int number) { return {number}; }
 
 /// The problems and strategies of a script's experiment.
 class Script {
  public:
-  /// Throws Error with the nearest name.
+  /// \throws Error with the nearest name.
   [[nodiscard]] StrategySpec strategy(const std::string& name) const;
-  /// Without a name the only one; throws Error where there are several.
+  /// Without a name, returns the only problem; \throws Error if there are several.
   [[nodiscard]] Problem problem(const std::string& name = "") const;
-  /// A strategy on a problem. Asked for again, it is the same trial, whose runs are made once: Catch2 goes through a
-  /// test case from its beginning for each of its sections.
+  /// Returns the trial of a strategy on a problem. A repeated call returns the same trial, whose runs execute once:
+  /// Catch2 runs a test case from its beginning for each of its sections.
   [[nodiscard]] Trial trial(const std::string& strategy, std::vector<std::uint64_t> seeds = trial::seeds(30),
                             const std::string& problem = "") const;
 
@@ -62,10 +62,10 @@ class Script {
   std::shared_ptr<State> state_;
 };
 
-/// Runs a script, once as long as its text stays as it is. Throws Error where it cannot be run.
+/// Runs a script, once as long as its text does not change. \throws Error if it fails.
 Script load(const std::string& path);
 
-/// A strategy that was built in C++.
+/// Returns the trial of a strategy that C++ code builds.
 inline Trial trial(std::string name, StrategySpec strategy, Problem problem,
                    std::vector<std::uint64_t> on = trial::seeds(30)) {
   return Trial(trial::Setup{
@@ -78,8 +78,8 @@ using CatchMatcher = Catch::Matchers::MatcherBase<Trial>;
 using CatchMatcher = Catch::MatcherBase<Trial>;
 #endif
 
-/// A matcher as Catch2 takes it. What it says of a trial that it has judged is what it found, and of one that does not
-/// match what helps: a seed, its levels, and how to see it again.
+/// Adapts a matcher to Catch2. Its description of a judged trial is the finding; for a failed one it adds the evidence:
+/// a seed, its levels, and how to reproduce the run.
 class Matches final : public CatchMatcher {
  public:
   explicit Matches(trial::MatcherPointer matcher) : matcher_(std::move(matcher)) {}

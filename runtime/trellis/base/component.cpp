@@ -12,7 +12,7 @@ std::string to_string(const OptionValue& value) {
   struct Text {
     std::string operator()(double x) const {
       if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
-      // As many digits as it takes to read the same number back.
+      // Prints as many digits as reading the same number back requires.
       std::string text = fmt::format("{:g}", x);
       return std::stod(text) == x || std::isnan(x) ? text : fmt::format("{}", x);
     }

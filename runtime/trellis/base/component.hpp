@@ -14,10 +14,10 @@
 
 namespace trellis {
 
-/// What an option may hold. Integers are kept apart from numbers so that 15 and 15.5 are told apart in messages.
+/// The value of an option. Integers and other numbers have separate types so that messages distinguish 15 and 15.5.
 using OptionValue = std::variant<double, std::int64_t, bool, std::string, std::vector<std::string>>;
 
-/// The text of a value as a script would write it.
+/// Returns the text of a value in the syntax of a script.
 std::string to_string(const OptionValue& value);
 
 struct Range {
@@ -27,7 +27,7 @@ struct Range {
   bool open_hi = false;
 
   [[nodiscard]] bool contains(double x) const;
-  /// "in (0, 1]", "greater than 0", "any finite number".
+  /// Describes the range: "in (0, 1]", "greater than 0", "any finite number".
   [[nodiscard]] std::string text() const;
 
   static Range any() { return {}; }
@@ -37,7 +37,7 @@ struct Range {
   static Range at_least(double lo) { return {.lo = lo}; }
 };
 
-/// One option of a component, described once: validation, messages, help, stubs and the reference are made from it.
+/// One option of a component. Validation, messages, help, stubs and the reference use this one description.
 struct Option {
   enum class Type { number, integer, boolean, choice, names, file };
 
@@ -50,7 +50,7 @@ struct Option {
   std::string doc;
 };
 
-/// What an option takes: "a number greater than 0 (m)", "one of \"planar\", \"full\"".
+/// Returns the values that an option accepts, as text: "a number greater than 0 (m)", "one of \"planar\", \"full\"".
 std::string expectation(const Option& option);
 
 /// A planner, guide, combinator, target or other part that a script can name.
@@ -60,9 +60,9 @@ struct Component {
   Kind kind = Kind::guide;
   std::string name;
   std::string summary;  ///< one line
-  std::string source;   ///< the publication the idea comes from
+  std::string source;   ///< the publication of the method
   std::vector<Option> options;
-  /// Names of the options that may be given without a name, in order: shrink(0.5).
+  /// Names of the options that a script may give by position, in order: shrink(0.5).
   std::vector<std::string> positional;
 
   [[nodiscard]] const Option* find(std::string_view option) const;
@@ -70,15 +70,16 @@ struct Component {
 
 std::string_view to_string(Component::Kind kind);
 
-/// A full, validated set of a component's options in the component's order (defaults filled in).
+/// A complete, validated set of a component's options, in the component's order, with the defaults filled in.
 class Options {
  public:
   using Entry = std::pair<std::string, OptionValue>;
 
   Options() = default;
 
-  /// Checks `given` against the component. Throws Error naming the component, the option, what was expected, and for
-  /// a misspelt name the nearest right one. NaN is never accepted; infinity only where the default is infinite.
+  /// Checks `given` against the component.
+  /// \throws Error that names the component, the option, the expected value and, for a misspelt name, the nearest valid
+  ///     name. NaN is never valid; infinity is valid only where the default is infinite.
   static Options validate(const Component& component, const std::vector<Entry>& given);
 
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
@@ -90,8 +91,8 @@ class Options {
   std::vector<Entry> entries_;
 };
 
-/// Binds a component's options to the fields of its settings struct, so that name, type, unit, default, range and
-/// meaning of an option stand in one place. The default is the field's initialiser.
+/// Binds a component's options to the fields of its settings struct. Name, type, unit, default, range and docstring of
+/// an option thus stand in one place. The default is the field's initialiser.
 ///
 ///     static const Settings<RrtSettings> settings = Settings<RrtSettings>(Component::Kind::planner, "rrt", "...",
 ///     "LaValle 1998")
@@ -126,19 +127,20 @@ class Settings {
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
     return *this;
   }
-  /// The name of a file that is read; by default there is none.
+  /// Declares an option that names a file to read; the default is no file.
   Settings& file(std::string name, std::string S::*field, std::string doc) {
     add({std::move(name), Option::Type::file, "", S{}.*field, {}, {}, std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
     return *this;
   }
-  /// A list of names; given without its own, the last of the unnamed options.
+  /// Declares an option that is a list of names. A call without option names may give these names after the other
+  /// positional options.
   Settings& names(std::string name, std::vector<std::string> S::*field, std::string doc) {
     add({std::move(name), Option::Type::names, "", S{}.*field, {}, {}, std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::vector<std::string>>(v); });
     return *this;
   }
-  /// The options that may be given without a name, in order.
+  /// Sets the options that a script may give by position, in order.
   Settings& positional(std::vector<std::string> names) {
     component_.positional = std::move(names);
     return *this;
@@ -146,7 +148,7 @@ class Settings {
 
   [[nodiscard]] const Component& component() const { return component_; }
 
-  /// The settings struct that validated options stand for.
+  /// Returns the settings struct that has the values of the validated options.
   [[nodiscard]] S read(const Options& options) const {
     S settings;
     const auto& entries = options.entries();

@@ -11,12 +11,12 @@ namespace trellis {
 
 /// One configuration that owns its coordinates: raw values in the order of the space's axes.
 using Configuration = std::vector<double>;
-/// A configuration that somebody else owns.
+/// A configuration that another object owns.
 using View = std::span<const double>;
 using MutableView = std::span<double>;
 
-/// Configurations of one dimension in one contiguous block, row by row. Rows never change once pushed; views are
-/// invalidated by the next push.
+/// Configurations of one dimension in one contiguous block, row by row. Rows never change once pushed. The next push
+/// invalidates views.
 class Configurations {
  public:
   Configurations() = default;
@@ -31,7 +31,7 @@ class Configurations {
   [[nodiscard]] View back() const { return (*this)[size() - 1]; }
   [[nodiscard]] std::span<const double> values() const { return data_; }
 
-  /// Appends a copy; returns its index. `q` may be a row of this very block.
+  /// Appends a copy and returns its index. `q` may be a row of this same block.
   std::uint32_t push(View q) {
     const auto id = static_cast<std::uint32_t>(size());
     if (data_.size() + dimension_ > data_.capacity()) {
@@ -40,7 +40,7 @@ class Configurations {
       data_.reserve(std::max(least_rows * dimension_, 2 * data_.capacity()));
       data_.insert(data_.end(), copy.begin(), copy.end());
     } else {
-      // A row is a few numbers: cheaper one by one than as a range.
+      // A row is a few numbers: pushing them one by one costs less than inserting a range.
       for (const double x : q) data_.push_back(x);
     }
     return id;

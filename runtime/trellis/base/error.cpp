@@ -32,7 +32,7 @@ std::string nearest_name(std::string_view given, std::span<const std::string> kn
   for (const auto& name : known) {
     const std::size_t allowed = std::max<std::size_t>(2, std::max(given.size(), name.size()) / 3);
     const std::size_t length = std::min(given.size(), name.size());
-    if (std::max(given.size(), name.size()) - length > allowed) continue;  // at least as far apart
+    if (std::max(given.size(), name.size()) - length > allowed) continue;  // a lower bound of the distance
     const std::size_t distance = edit_distance(given, name);
     if (distance <= allowed && distance < length && (best == nullptr || distance < least)) {
       best = &name;

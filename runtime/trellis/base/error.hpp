@@ -9,24 +9,25 @@
 
 namespace trellis {
 
-/// Something the user gave cannot be used. The message says what is wrong, what was expected and, where there is
-/// one, the nearest right name. Thrown at borders (construction, loading, set-up), never in a hot loop.
+/// Input from the user is invalid. The message states the fault, the expected value and, where one exists, the nearest
+/// valid name. Constructors, loaders and set-up functions throw it; hot loops never do.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}
 };
 
-/// A fault of Trellis itself: a broken invariant. The command line answers with exit status 1.
+/// A fault of Trellis itself: a broken invariant. The command line exits with status 1.
 class Fault : public std::logic_error {
  public:
   explicit Fault(const std::string& message) : std::logic_error(message) {}
 };
 
-/// The entry of `known` with the smallest edit distance to `given`, or "" when none is near enough to be meant
-/// (distance over a third of the longer name, at least 2; or as long as the shorter name, which then shares nothing).
+/// Returns the entry of `known` with the smallest edit distance to `given`, or "" if no entry is near enough. An entry
+/// is too far if its distance exceeds a third of the longer name (at least 2), or equals the length of the shorter
+/// name, which then shares no letter.
 std::string nearest_name(std::string_view given, std::span<const std::string> known);
 
-/// " (did you mean 'x'?)" or "" for use at the end of a message.
+/// Returns " (did you mean 'x'?)" or "", to append to a message.
 std::string did_you_mean(std::string_view given, std::span<const std::string> known);
 
 }  // namespace trellis

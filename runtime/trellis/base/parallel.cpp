@@ -22,7 +22,7 @@ void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std:
       try {
         task(index);
       } catch (...) {
-        // The first one counts: those that follow were only told to stop.
+        // Keep the first exception only: the others follow from the request to stop.
         const std::scoped_lock lock(mutex);
         if (!failure) failure = std::current_exception();
         stop.store(true);
@@ -30,7 +30,7 @@ void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std:
     }
   };
   {
-    std::vector<std::jthread> others;  // beside the caller's own thread
+    std::vector<std::jthread> others;  // beside the caller's thread
     for (std::size_t i = 1; i < std::min<std::size_t>(std::max(1U, jobs), count); ++i) others.emplace_back(work);
     work();
   }

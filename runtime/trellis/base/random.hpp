@@ -8,10 +8,10 @@
 
 namespace trellis {
 
-/// A deterministic stream of random numbers. The generator is counter based (Philox 4x64, Random123), keyed by
-/// (seed, level, purpose): streams are independent of each other, so adding a level or a purpose changes no other
-/// stream, and nothing depends on the number of threads. All conversions are our own and give the same values with
-/// every compiler and standard library.
+/// A deterministic stream of random numbers. The generator is counter based (Philox 4x64, Random123) and keyed by
+/// (seed, level, purpose). Streams are independent: a new level or purpose changes no other stream, and the number of
+/// threads has no influence. Trellis implements all conversions itself, so that every compiler and standard library
+/// gives the same values.
 class Stream {
  public:
   /// \param seed     the run's seed
@@ -19,21 +19,21 @@ class Stream {
   /// \param purpose  what the numbers are for: "proposals", "planner", "measure", ...
   Stream(std::uint64_t seed, std::string_view level, std::string_view purpose);
 
-  /// The next 64 random bits.
+  /// Returns the next 64 random bits.
   std::uint64_t bits() {
     if (next_ == block_.size()) refill();
     return block_[next_++];
   }
-  /// Uniform on [0, 1), a multiple of 2^-53.
+  /// Returns a uniform number on [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
-  /// Uniform on [lo, hi).
+  /// Returns a uniform number on [lo, hi).
   double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
-  /// Uniform on {0, ..., n-1}; n > 0. Bias below n / 2^64.
+  /// Returns a uniform integer of {0, ..., n-1}; n > 0. The bias is below n / 2^64.
   std::size_t below(std::size_t n) {
     __extension__ using Wide = unsigned __int128;
     return static_cast<std::size_t>((static_cast<Wide>(bits()) * n) >> 64U);
   }
-  /// Standard normal (Box-Muller, one value per call kept in reserve).
+  /// Returns a standard normal number (Box-Muller; stores the second value of each pair for the next call).
   double normal();
 
  private:

@@ -34,7 +34,7 @@ std::vector<std::uint32_t> bisection_order(std::uint32_t n) {
   if (n == 0) return order;
   order.reserve(n);
   order.push_back(n);
-  // Intervals whose midpoint comes next; each level is the halves of the one before, from the left.
+  // Intervals whose midpoints come next; each level contains the halves of the intervals before, from the left.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> level = {{0, n}};
   std::vector<std::pair<std::uint32_t, std::uint32_t>> next;
   while (!level.empty()) {

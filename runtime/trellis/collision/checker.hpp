@@ -12,72 +12,72 @@
 
 namespace trellis {
 
-/// What checking a motion found.
+/// The result of the validity check of a motion.
 struct MotionReport {
   bool valid = false;
-  /// Configurations whose validity was decided: in bisection order (the end first, then the middle, the quarters, ...)
-  /// up to and including the first invalid one; all of them for a valid motion. The same for every backend, however
-  /// many are looked at in one step.
+  /// The number of configurations whose validity the checker decided, in bisection order (the end first, then the
+  /// middle, the quarters, ...): up to and including the first invalid one, or all of a valid motion. Every backend
+  /// gives the same number, however many configurations it checks in one step.
   std::uint32_t checks = 0;
-  /// Where on [0, 1] from a to b the first invalid configuration (in that order) lies; NaN for a valid motion.
+  /// The parameter on [0, 1] from a to b of the first invalid configuration (in that order); NaN for a valid motion.
   double invalid_at = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What a configuration touches.
+/// A contact of the robot at a configuration.
 struct Contact {
-  std::size_t body = 0;                   ///< of the robot
-  std::optional<std::size_t> obstacle;    ///< of the world; none: the boundary, or another body
-  std::optional<std::size_t> other = {};  ///< the body of the robot that it meets
+  std::size_t body = 0;                   ///< the robot's body
+  std::optional<std::size_t> obstacle;    ///< the obstacle of the world; none: the boundary, or another body
+  std::optional<std::size_t> other = {};  ///< the robot's other body of the contact
 };
 
-/// Validity of configurations and motions of a robot in a world. The robot is valid where it lies inside the closed
-/// boundary box and touches no (closed) obstacle, and where no two of its bodies that are to be kept apart
-/// (Robot::pairs) touch each other; others may overlap. Touching is meant to within
-/// rounding: gaps below 2^-43 (1e-13) of the world's size count as touching, and the boundary gives way by as much. A
-/// configuration with a coordinate that is not finite is invalid.
+/// Checks the validity of configurations and motions of a robot in a world. A configuration is valid if the robot lies
+/// inside the closed boundary box and touches no (closed) obstacle, and if the two bodies of no self-collision pair
+/// (Robot::pairs) touch each other; other bodies may overlap. Touching allows for rounding: a gap below 2^-43 (1e-13)
+/// of the world's size counts as touching, and the boundary grows by as much. A configuration with a coordinate that is
+/// not finite is invalid.
 ///
-/// A motion from a to b is looked at in n = max(1, ceil(displacement_bound(a, b) / resolution)) configurations,
-/// interpolate(a, b, i / n), i = 1..n: b is one of them, a is taken as checked. They are visited in bisection order:
-/// n first, then the midpoints of [0, n], level by level from the left.
+/// The checker validates a motion from a to b at n = max(1, ceil(displacement_bound(a, b) / resolution))
+/// configurations, interpolate(a, b, i / n), i = 1..n: b is one of them, and the caller has validated a. It visits them
+/// in bisection order: n first, then the midpoints of [0, n], level by level from the left.
 ///
-/// A checker has scratch memory: one thread at a time. Make one per level and run; making one is cheap for small
-/// worlds.
+/// A checker has scratch memory: only one thread may use it at a time. Create one per level and run; construction is
+/// cheap for small worlds.
 class Checker {
  public:
   virtual ~Checker() = default;
 
   [[nodiscard]] virtual bool valid(View q) const = 0;
   [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
-  /// The distance from the robot at q to the nearest obstacle or, from inside, to the boundary, and between bodies that
-  /// are to be kept apart; 0 in collision.
+  /// Returns the distance in metres from the robot at q to the nearest obstacle or, from inside, to the boundary, and
+  /// between the bodies of self-collision pairs; 0 in collision.
   [[nodiscard]] virtual double clearance(View q) const = 0;
-  /// A lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
-  /// configuration nearer than that is invalid too. 0 where q is valid or nothing is known; at most the diameter of the
-  /// space. Decides no validity: a caller asks for it at a configuration found invalid.
+  /// Returns a lower bound, in the space's metric, on the distance from q to the nearest valid configuration: every
+  /// nearer configuration is invalid too. 0 where q is valid or the checker has no bound; at most the diameter of the
+  /// space. Does not decide validity: call it at an invalid configuration.
   [[nodiscard]] virtual double invalid_radius(View q) const {
     static_cast<void>(q);
     return 0.0;
   }
-  /// What the robot at q touches, the first in order of bodies and obstacles, then of pairs of bodies; none when q is
-  /// valid.
+  /// Returns the contact of the robot at q, the first in the order of bodies and obstacles, then of self-collision
+  /// pairs; none when q is valid.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) const = 0;
 };
 
-/// Our own backend: separating axes and exact distances, eight poses of an edge per step, culling by the edge's swept
-/// box through a grid over the obstacles.
+/// Returns Trellis' own backend: separating axes and exact distances, eight poses of a motion per step. A grid over the
+/// obstacles culls them by the swept box of the motion.
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
-/// FCL's (fcl_checker.cpp is the only source that meets it): the planar parts as prisms under a dynamic tree.
+/// Returns the FCL backend: the planar parts as prisms in a dynamic tree. Only fcl_checker.cpp includes FCL.
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
-/// By name: "planar" or "fcl". Throws Error for another name.
+/// Returns a backend by name, "planar" or "fcl".
+/// \throws Error for another name.
 std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
                                       const Space& space, double resolution);
 
-/// What it is in collision with: "obstacle 3 (box 4 0 6 4.75)", "the world's boundary" or "itself (link 1 meets link
-/// 3)".
+/// Describes the contact: "obstacle 3 (box 4 0 6 4.75)", "the world's boundary" or "itself (link 1 meets link 3)".
 std::string describe(const Contact& contact, const Scene& scene);
 
-/// The order in which the configurations 1..n of a motion are visited: n, then midpoints level by level. 0-based rank
-/// to index.
+/// Returns the order in which checkers visit the configurations 1..n of a motion: n, then midpoints level by level.
+/// Maps the 0-based rank to the index.
 std::vector<std::uint32_t> bisection_order(std::uint32_t n);
 
 }  // namespace trellis

@@ -29,7 +29,7 @@ bool contains(const Polygon& polygon, Vec2 p) {
   return inside;
 }
 
-/// Whether an edge of `a` has all of `b` strictly on its outer side.
+/// Whether an edge of `a` separates: all of `b` lies strictly on its outer side.
 bool edge_separates(const Polygon& a, const Polygon& b) {
   bool found = false;
   each_edge(a, [&](Vec2 from, Vec2 to) {
@@ -56,7 +56,7 @@ double distance(const Polygon& a, const Disc& b) { return distance(b, a); }
 
 double distance(const Polygon& a, const Polygon& b) {
   if (!edge_separates(a, b) && !edge_separates(b, a)) return 0.0;
-  // Of two convex polygons apart, a nearest pair of points has a corner of one of them.
+  // For two disjoint convex polygons, a nearest pair of points contains a vertex of one of them.
   double best = std::numeric_limits<double>::infinity();
   for (const Vec2 p : a.vertices) best = std::min(best, squared_distance_to_edges(b, p));
   for (const Vec2 p : b.vertices) best = std::min(best, squared_distance_to_edges(a, p));
@@ -65,7 +65,7 @@ double distance(const Polygon& a, const Polygon& b) {
 
 double penetration_depth(const Disc& a, const Disc& b) { return a.radius + b.radius - norm(a.centre - b.centre); }
 
-// How far the centre is from the outline of the polygon, which the disc's radius is added to inside of it.
+// The disc's radius plus the signed distance from its centre to the polygon's outline, positive inside.
 double penetration_depth(const Disc& a, const Polygon& b) {
   const double outline = std::sqrt(squared_distance_to_edges(b, a.centre));
   return a.radius + (contains(b, a.centre) ? outline : -outline);
@@ -73,7 +73,7 @@ double penetration_depth(const Disc& a, const Polygon& b) {
 
 double penetration_depth(const Polygon& a, const Disc& b) { return penetration_depth(b, a); }
 
-// The least overlap along the normals of a's edges.
+// Returns the least overlap along the normals of a's edges.
 double overlap_along_normals(const Polygon& a, const Polygon& b) {
   double least = std::numeric_limits<double>::infinity();
   each_edge(a, [&](Vec2 from, Vec2 to) {
@@ -86,7 +86,7 @@ double overlap_along_normals(const Polygon& a, const Polygon& b) {
   return least;
 }
 
-// The normals of the edges of the two are those of the edges of their Minkowski difference.
+// The edge normals of the Minkowski difference are those of the two polygons.
 double penetration_depth(const Polygon& a, const Polygon& b) {
   return std::min(overlap_along_normals(a, b), overlap_along_normals(b, a));
 }

@@ -37,15 +37,15 @@ Transform3 transform(const Pose2& pose) {
   return result;
 }
 
-/// A planar convex shape as FCL's solids. All of them are symmetric about the plane z = 0, so they meet where the
+/// A planar convex shape as FCL's solids. All of them are symmetric about the plane z = 0, so they collide where the
 /// planar shapes do.
 ///  - A rectangle is a box and a disc a sphere: FCL has closed forms for boxes and spheres with each other, while
-///    its cylinders go through an iteration that stops some 1e-6 early.
-///  - Any other polygon is a convex prism. Against a sphere FCL would iterate here too, but it has a closed form for a
-///    sphere and a triangle: for that, the polygon's own area as a flat mesh.
+///    its iteration for cylinders stops with an error of about 1e-6.
+///  - Any other polygon is a convex prism. For a prism and a sphere FCL would iterate too, but it has a closed form for
+///    a sphere and a triangle: a flat mesh of the polygon's area represents it there.
 struct Solid {
   Geometry geometry;
-  Geometry flat;  ///< of a polygon that is no rectangle
+  Geometry flat;  ///< of a polygon that is not a rectangle
   Transform3 frame = Transform3::Identity();
   bool round = false;
   bool framed = false;  ///< frame is not the identity
@@ -94,7 +94,7 @@ struct Solid {
     for (const double z : {-half_height, half_height}) {
       for (const Vec2 v : polygon.vertices) vertices->emplace_back(v.x, v.y, z);
     }
-    // Faces are counter-clockwise as seen from outside: number of corners, corners.
+    // Faces are counter-clockwise seen from outside: number of vertices, then the vertices.
     auto faces = std::make_shared<std::vector<int>>();
     faces->push_back(count);
     for (int i = count - 1; i >= 0; --i) faces->push_back(i);
@@ -132,8 +132,8 @@ class FclChecker final : public Checker {
     check_fits(*scene_, space_, resolution_);
     slack_ = touching_slack(*scene_);
     const auto& world = scene_->world;
-    // The robot is lower than the obstacles: with prisms of one height, FCL's iteration meets degenerate simplices in
-    // which it takes polygons a hand's breadth apart for touching (some 30 of a million configurations).
+    // The robot is lower than the obstacles: with prisms of one height, FCL's iteration produces degenerate simplices,
+    // for which it reports contact of polygons 0.1 m from each other (some 30 of a million configurations).
     const double size = norm(world.bounds().hi - world.bounds().lo);
     const double obstacle_height = 0.2 * size;
     const double robot_height = 0.05 * size;
@@ -165,14 +165,14 @@ class FclChecker final : public Checker {
       for (std::size_t i = 0; i < pieces_.size(); ++i) {
         for (std::size_t k = 0; k < pieces_.size(); ++k) {
           if (pieces_[i].body != first || pieces_[k].body != second) continue;
-          // The one of two that stands for the obstacle is as high as obstacles are.
+          // The body that stands for the obstacle has the height of obstacles.
           pairs_.push_back({i, k, Solid(*pieces_[i].shape, obstacle_height, 0.5 * slack_)});
         }
       }
     }
     frames_.resize(robot_.bodies().size());
     q_.resize(space_.dimension());
-    // On a periodic axis a position jumps, so that no box around its ends holds the whole motion.
+    // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
     sweepable_ = !robot_.translates() || (!space_.axes()[0].periodic && !space_.axes()[1].periodic);
     request_.num_max_contacts = 1;
     request_.enable_contact = false;
@@ -274,21 +274,21 @@ class FclChecker final : public Checker {
     std::size_t body;
     const ConvexShape* shape;
     Solid solid;
-    ConvexShape moved;  ///< at the present pose, with the box around it
+    ConvexShape moved;  ///< at the current pose, with its bounding box
     Box2 box;
   };
 
-  /// Pieces of two bodies that are kept apart.
+  /// Pieces of two bodies of a self-collision pair.
   struct Pair {
     std::size_t first;
     std::size_t second;
     Solid solid;  ///< of the first
   };
 
-  /// What a query of the tree is told through FCL's one untyped pointer.
+  /// The data that FCL passes to the callback of a tree query through one untyped pointer.
   struct Query {
     const FclChecker* checker;
-    const Solid* solid = nullptr;  ///< none: only collect what the boxes meet
+    const Solid* solid = nullptr;  ///< nullptr: only collect the objects whose boxes overlap
     const Transform3* frame = nullptr;
     bool hit = false;
   };
@@ -308,7 +308,7 @@ class FclChecker final : public Checker {
 
   void ask_tree(const Box2& box, Query& query) const {
     if (objects_.empty()) return;
-    // The tree takes objects, not boxes: a flat box in the plane that all solids cut.
+    // The tree takes objects, not boxes: use a flat box in the plane that all solids intersect.
     probe_box_->side = Vector3(box.hi.x - box.lo.x, box.hi.y - box.lo.y, 0.0);
     probe_box_->computeLocalAABB();
     probe_.setTranslation(Vector3(0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y), 0.0));
@@ -322,7 +322,7 @@ class FclChecker final : public Checker {
     ask_tree(box, query);
   }
 
-  /// Whether the solid meets an obstacle's part.
+  /// Whether the solid collides with an obstacle's part.
   [[nodiscard]] bool meet(const Solid& solid, const Transform3& frame, std::size_t i) const {
     const Solid& obstacle = obstacles_[i];
     result_.clear();
@@ -339,7 +339,7 @@ class FclChecker final : public Checker {
     return pair.solid.framed ? frame * pair.solid.frame : frame;
   }
 
-  /// Whether the pieces, which have been moved, meet.
+  /// Whether the pieces, at their current poses, collide.
   [[nodiscard]] bool meeting(const Pair& pair) const {
     const Piece& second = pieces_[pair.second];
     const Vec2 margin{slack_, slack_};
@@ -350,7 +350,7 @@ class FclChecker final : public Checker {
                         frame_of(pair), request_, result_) > 0;
   }
 
-  /// Moves the piece to its body's frame; whether it sticks out of the world there.
+  /// Moves the piece to its body's frame. \return whether it leaves the world there
   bool leaves(Piece& piece) const {
     move_shape(*piece.shape, frames_[piece.body], piece.moved);
     piece.box = bounding_box(piece.moved);
@@ -382,7 +382,7 @@ class FclChecker final : public Checker {
   double resolution_;
   double slack_ = 0.0;
   bool sweepable_ = false;
-  std::vector<Solid> obstacles_;  ///< as the world's parts, with boxes and objects
+  std::vector<Solid> obstacles_;  ///< the world's parts, with boxes and objects
   std::vector<Box2> boxes_;
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
   std::vector<Pair> pairs_;
@@ -390,7 +390,7 @@ class FclChecker final : public Checker {
 
   // Scratch.
   mutable fcl::DynamicAABBTreeCollisionManagerd tree_;
-  mutable std::vector<Piece> pieces_;  ///< of the robot, body by body
+  mutable std::vector<Piece> pieces_;  ///< the robot's, body by body
   mutable Orders orders_;
   mutable std::shared_ptr<fcl::Boxd> probe_box_ = std::make_shared<fcl::Boxd>(1.0, 1.0, 1.0);
   mutable fcl::CollisionObjectd probe_{probe_box_};

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// What the separating-axis kernels share with the rest: plain data and a table of functions. The kernel sources are
-// compiled with other instruction sets than the rest, so nothing here may pull in an inline function that the linker
-// could take from them.
+// The interface between the separating-axis kernels and the other sources: plain data and a table of functions. The
+// compiler builds the kernel sources for other instruction sets than the rest. So this header must not include an
+// inline function: the linker could pick the kernel's copy for the whole program.
 
 namespace trellis::kernel {
 
-/// Poses that are looked at in one step.
+/// Poses that a kernel checks in one step.
 inline constexpr unsigned lanes = 8;
-/// The largest angle, in radians, that the kernels' own sine and cosine are accurate for.
+/// The largest angle, in radians, at which the kernels' sine and cosine are accurate.
 inline constexpr double largest_angle = 1e5;
 
 /// One number for each pose.
@@ -21,7 +21,7 @@ struct Poses {
   Lanes x, y, c, s;
 };
 
-/// The poses of one rigid body on a straight motion: start + share * way, the end taken exactly at share 1.
+/// The poses of one rigid body on a straight motion: start + share * difference; share 1 gives the end exactly.
 struct Line {
   double x = 0.0, y = 0.0, angle = 0.0;              ///< the start
   double way_x = 0.0, way_y = 0.0, turn = 0.0;       ///< from the start to the end
@@ -33,7 +33,7 @@ struct Line {
 /// An edge of a convex counter-clockwise polygon: from (x, y), `length` along (-ny, nx).
 struct Edge {
   double x, y;
-  double nx, ny;  ///< the unit normal outward
+  double nx, ny;  ///< the outward unit normal
   double offset;  ///< points p of the polygon have n.p <= offset
   double length;
 };
@@ -41,7 +41,7 @@ struct Edge {
 enum class Kind : unsigned { rectangle, disc, polygon };
 
 /// A convex piece: of a robot in its body's frame, of an obstacle in the world's. One record per piece, because the
-/// lanes are poses: a kernel spreads the numbers of one piece over all lanes.
+/// lanes are poses: a kernel broadcasts the numbers of one piece to all lanes.
 struct Piece {
   Kind kind = Kind::disc;
   unsigned edge_count = 0;      ///< of a polygon
@@ -49,35 +49,35 @@ struct Piece {
   double x = 0.0, y = 0.0;      ///< centre of a rectangle or disc
   double hx = 0.0, hy = 0.0;    ///< half extents of an axis-aligned rectangle
   double radius = 0.0;          ///< of a disc
-  double xlo = 0.0, xhi = 0.0;  ///< the box around it
+  double xlo = 0.0, xhi = 0.0;  ///< the bounding box
   double ylo = 0.0, yhi = 0.0;
 };
 
-/// A corner of a robot's polygon at eight poses, and the normal of the edge that begins there.
+/// A vertex of a robot's polygon at eight poses, and the normal of the edge that begins there.
 struct Corner {
   Lanes x, y, nx, ny;
 };
 
 /// A piece of a robot at eight poses.
 struct Placed {
-  Lanes x, y, c, s;           ///< where its centre (a polygon's frame) lies, and how it is turned
-  Lanes xlo, xhi, ylo, yhi;   ///< the box around it
-  Corner* corners = nullptr;  ///< of a polygon: room for edge_count of them
+  Lanes x, y, c, s;           ///< position of its centre (a polygon's frame), cosine and sine of its angle
+  Lanes xlo, xhi, ylo, yhi;   ///< the bounding box
+  Corner* corners = nullptr;  ///< of a polygon: memory for edge_count of them
 };
 
 struct Box {
   double xlo, xhi, ylo, yhi;
 };
 
-/// The kernels of one instruction set. Masks have a bit for each lane. Every table gives the same bits.
+/// The kernels of one instruction set. Masks have a bit for each lane. All tables give bitwise equal results.
 struct Table {
   const char* name;
-  /// The poses at eight shares of the line.
+  /// Computes the poses at eight parameters of the line.
   void (*poses)(const Line& line, const double* shares, Poses& out);
   void (*place)(const Poses& poses, const Piece& piece, Placed& out);
-  /// The lanes in which the piece is not wholly inside the box.
+  /// Returns the lanes in which the piece is not completely inside the box.
   unsigned (*outside)(const Placed& placed, const Box& box);
-  /// The lanes in which the piece touches one of the obstacles named. Stops early once the first lane does.
+  /// Returns the lanes in which the piece touches one of the listed obstacles. Stops early once the first lane does.
   unsigned (*collide)(const Placed& placed, const Piece& piece, const Piece* obstacles, const unsigned* candidates,
                       unsigned count);
 };
@@ -88,9 +88,9 @@ extern const Table avx2;
 extern const Table avx512;
 #endif
 
-/// The tables that this processor can run, the fastest last. `count` receives how many.
+/// Returns the tables that this processor can run, the fastest last. Writes their number to `count`.
 const Table* const* available(unsigned& count);
-/// The fastest of them.
+/// Returns the fastest of them.
 const Table& best();
 
 }  // namespace trellis::kernel

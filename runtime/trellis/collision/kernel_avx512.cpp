@@ -3,7 +3,7 @@
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 
-// g++ 12 warns of its own _mm512_undefined_pd, which the intrinsics below pass for lanes that no mask selects.
+// g++ 12 warns about its own _mm512_undefined_pd, which the intrinsics below pass for lanes outside the mask.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/collision/kernel.hpp>
 
-// Two doubles at a time: what every 64-bit processor has, through the compiler's own vectors.
+// Two doubles at a time, with the compiler's vector types: every 64-bit processor supports this.
 
 namespace trellis::kernel {
 

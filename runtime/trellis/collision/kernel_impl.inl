@@ -2,17 +2,17 @@
 // The kernels, written once against eight-lane numbers V and masks M of the including source, in its unnamed
 // namespace. Only operations that every instruction set rounds alike are used, so all tables give the same bits.
 
-/// Sine and cosine to about one unit in the last place for |angle| <= largest_angle: reduction to a quarter turn with
-/// pi/2 in three parts, then the polynomials of fdlibm.
+/// Computes sine and cosine to about one unit in the last place for |angle| <= largest_angle: reduces the angle to a
+/// quarter turn with pi/2 in three parts, then evaluates the polynomials of fdlibm.
 inline void sine_cosine(const V& angle, V& sine, V& cosine) {
-  // Adding and taking away 1.5 * 2^52 rounds to the nearest integer.
+  // Adding and subtracting 1.5 * 2^52 rounds to the nearest integer.
   const V to_integer = spread(6755399441055744.0);
   const V quarters = (angle * spread(6.36619772367581382433e-01) + to_integer) - to_integer;
   V r = angle - quarters * spread(1.57079632673412561417e+00);
   r = r - quarters * spread(6.07710050630396597660e-11);
   r = r - quarters * spread(2.02226624879595063154e-21);
   const V z = r * r;
-  // The polynomials by pairs of terms: a shorter chain than Horner's.
+  // Evaluates the polynomials by pairs of terms: a shorter dependency chain than Horner's scheme.
   const V z2 = z * z;
   const V s56 = spread(-2.50507602534068634195e-08) + z * spread(1.58969099521155010221e-10);
   const V s34 = spread(-1.98412698298579493134e-04) + z * spread(2.75573137070700676789e-06);
@@ -24,7 +24,7 @@ inline void sine_cosine(const V& angle, V& sine, V& cosine) {
   const V half = spread(0.5) * z;
   const V near = spread(1.0) - half;
   const V cos_r = near + (((spread(1.0) - near) - half) + z2 * (c12 + z2 * (c34 + z2 * c56)));
-  // The quarter of the circle, as -2, -1, 0, 1 or 2.
+  // The quadrant, as -2, -1, 0, 1 or 2.
   const V quarter = quarters - spread(4.0) * ((quarters * spread(0.25) + to_integer) - to_integer);
   const M odd = equal(abs(quarter), spread(1.0));
   const M back = equal(abs(quarter), spread(2.0));
@@ -104,13 +104,13 @@ unsigned outside(const Placed& placed, const Box& box) {
   return ~bits(inside) & 0xffU;
 }
 
-/// The lanes in which the two boxes are apart.
+/// Returns the lanes in which the two boxes are disjoint.
 inline M boxes_apart(const Placed& p, const Piece& o) {
   return (spread(o.xhi) < load(p.xlo.v)) | (load(p.xhi.v) < spread(o.xlo)) | (spread(o.yhi) < load(p.ylo.v)) |
          (load(p.yhi.v) < spread(o.ylo));
 }
 
-/// The lanes in which the point lies in the polygon or within the square root of `radius2` of it.
+/// Returns the lanes in which the point lies in the polygon or within the square root of `radius2` of it.
 inline unsigned near_polygon(const V& px, const V& py, const V& radius2, const Piece& polygon) {
   M out = nowhere();
   M near = nowhere();
@@ -207,7 +207,7 @@ inline unsigned disc_polygon(const Placed& p, const Piece& piece, const Piece& o
   return near_polygon(load(p.x.v), load(p.y.v), spread(piece.radius * piece.radius), o);
 }
 
-/// The lanes in which an edge of the robot's polygon parts it from the obstacle's box.
+/// Returns the lanes in which an edge of the robot's polygon separates it from the obstacle's box.
 inline unsigned polygon_rectangle(const Placed& p, const Piece& piece, const Piece& o) {
   M apart = boxes_apart(p, o);
   if (bits(apart) == 0xffU) return 0;
@@ -224,7 +224,7 @@ inline unsigned polygon_rectangle(const Placed& p, const Piece& piece, const Pie
 
 inline unsigned polygon_disc(const Placed& p, const Piece& piece, const Piece& o) {
   if (bits(boxes_apart(p, o)) == 0xffU) return 0;
-  // The obstacle's centre in the robot's frame: there the polygon stands still.
+  // The obstacle's centre in the robot's frame, where the polygon is fixed.
   const V c = load(p.c.v);
   const V s = load(p.s.v);
   const V dx = spread(o.x) - load(p.x.v);

@@ -9,23 +9,23 @@
 
 namespace trellis {
 
-/// The configurations of a motion in the order in which they are visited.
+/// The configurations of a motion in the order in which a checker visits them.
 struct Order {
   std::vector<std::uint32_t> indices;  ///< of 1..n, the bisection order
-  /// indices / n, eight to a step; the last step is filled up with the end of the motion.
+  /// indices / n, eight to a step; the end of the motion pads the last step.
   std::vector<kernel::Lanes> shares;
 
   [[nodiscard]] double share(std::size_t rank) const { return shares[rank / kernel::lanes].v[rank % kernel::lanes]; }
 };
 
-/// Orders made once for each n and kept: motions are short and alike.
+/// Stores the order for each n: motions are short, so few values of n occur.
 class Orders {
  public:
   const Order& of(std::uint32_t n);
 
  private:
   std::vector<std::unique_ptr<Order>> kept_;
-  Order long_;  ///< the last order that is too long to keep
+  Order long_;  ///< the last order that is too long to store
 };
 
 }  // namespace trellis

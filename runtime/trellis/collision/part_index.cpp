@@ -14,7 +14,7 @@ PartIndex::PartIndex(std::vector<kernel::Box> boxes)
   build(y_, &kernel::Box::ylo, &kernel::Box::yhi);
 }
 
-// Grows with x, and so errs to neither side; anything beyond the ends, and NaN, falls into a slab at an end.
+// Monotone in x, so rounding loses no overlap. Values beyond the ends, and NaN, map to a slab at an end.
 std::size_t PartIndex::slab(const Axis& axis, double x) const {
   const double position = (x - axis.lo) * axis.per_metre;
   const auto last = static_cast<double>(slabs_ - 1);
@@ -53,7 +53,7 @@ unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {
       const auto i = static_cast<unsigned>(w * 64) + static_cast<unsigned>(std::countr_zero(found));
       found &= found - 1;
       const kernel::Box& b = boxes_[i];
-      // Written without branches: whether a box in a common slab overlaps is anybody's guess.
+      // Without branches: a processor cannot predict whether a box in a common slab overlaps.
       out[count] = i;
       count += static_cast<unsigned>(static_cast<unsigned>(b.xlo <= box.xhi) & static_cast<unsigned>(box.xlo <= b.xhi) &
                                      static_cast<unsigned>(b.ylo <= box.yhi) & static_cast<unsigned>(box.ylo <= b.yhi));

@@ -9,16 +9,16 @@
 
 namespace trellis {
 
-/// Finds the boxes that overlap a box. Each axis is cut into slabs; for each slab two rows of bits tell which boxes end
-/// at it or beyond, and which begin at it or before. The answer is four rows "and"ed together: the cells of a uniform
-/// grid, without entries that turn up twice, and in the boxes' order.
+/// Finds the boxes that overlap a box. The index divides each axis into slabs. For each slab, two rows of bits mark the
+/// boxes that end in it or beyond, and those that begin in it or before. A query intersects four rows: it returns the
+/// boxes of the cells of a uniform grid, without duplicates and in the boxes' order.
 class PartIndex {
  public:
   PartIndex() = default;
   explicit PartIndex(std::vector<kernel::Box> boxes);
 
   [[nodiscard]] std::size_t size() const { return boxes_.size(); }
-  /// Writes the indices of the boxes that meet `box`, ascending, to `out` (size() entries); returns how many.
+  /// Writes the indices of the boxes that overlap `box`, ascending, to `out` (size() entries); returns their number.
   unsigned query(const kernel::Box& box, unsigned* out) const;
 
  private:

@@ -23,7 +23,7 @@ using kernel::Box;
 using kernel::Kind;
 using kernel::Piece;
 
-/// Convex shapes as the kernels want them, grown by a slack that makes touching robust against rounding.
+/// Convex shapes in the kernels' form, inflated by a slack so that rounding does not hide a contact.
 class Pieces {
  public:
   void add(const ConvexShape& shape, double slack) {
@@ -79,7 +79,7 @@ class Pieces {
   }
 
   std::vector<Piece> pieces_;
-  std::vector<std::vector<kernel::Edge>> edges_;  ///< of each piece; moving a vector keeps its elements in place
+  std::vector<std::vector<kernel::Edge>> edges_;  ///< of each piece; moving a vector does not move its elements
 };
 
 class PlanarChecker final : public Checker {
@@ -122,7 +122,7 @@ class PlanarChecker final : public Checker {
     q_.resize(space_.dimension());
     way_.resize(space_.dimension());
 
-    // On a periodic axis a position jumps, so that no box around its ends holds the whole motion.
+    // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
     const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
     rigid_ = bodies.size() == 1 && !jumps;
     sweepable_ = !jumps;
@@ -155,7 +155,7 @@ class PlanarChecker final : public Checker {
           bounds_.xlo <= swept.xlo && swept.xhi <= bounds_.xhi && bounds_.ylo <= swept.ylo && swept.yhi <= bounds_.yhi;
       candidates = index_.query(swept, candidates_.data());
       if (inside && candidates == 0 && pairs_.empty()) return {true, n, std::numeric_limits<double>::quiet_NaN()};
-      // A box around several bodies is so much larger than they are that each is culled by its own.
+      // A box around several bodies is much larger than they are: cull each body by its own box.
       if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
     }
     const Order& order = orders_.of(n);
@@ -205,8 +205,8 @@ class PlanarChecker final : public Checker {
     return std::max(best, 0.0);
   }
 
-  /// The greatest over what overlaps. Of two convex shapes that overlap by a depth p, supports in every direction do,
-  /// so no separating direction comes about before points of the robot have moved by p.
+  /// The maximum of the bounds of all overlaps. If two convex shapes overlap by a depth p, their projections overlap in
+  /// every direction by at least p: they have no separating direction before points of the robot have moved by p.
   [[nodiscard]] double invalid_radius(View q) const override {
     if (!continuous_ || !is_finite(robot_, q) || valid(q)) return 0.0;
     robot_.place(q, frames_);
@@ -221,7 +221,7 @@ class PlanarChecker final : public Checker {
         best = std::max(best, radius_of(depth, robot_.translates()));
       }
     }
-    // The disc about the reference point inside the robot stays where it is however the robot turns.
+    // The inscribed disc about the reference point does not move when the robot turns.
     if (robot_.translates() && robot_.inscribed_radius() > 0.0) {
       rates_.assign(space_.dimension(), 0.0);
       best = std::max(best, radius_of(depth_in_world(Disc{{q[0], q[1]}, robot_.inscribed_radius()}), true));
@@ -268,16 +268,17 @@ class PlanarChecker final : public Checker {
   }
 
  private:
-  /// In place of a number of candidates: they are to be looked up for each piece of the robot.
+  /// Replaces the number of candidates: look them up for each piece of the robot.
   static constexpr unsigned cull_each = std::numeric_limits<unsigned>::max();
 
-  /// Pieces of two bodies that are kept apart.
+  /// Pieces of two bodies of a self-collision pair.
   struct Pair {
     std::size_t first;
     std::size_t second;
   };
 
-  /// How deep a shape is in an obstacle, or how far it sticks out of the boundary; the greatest of these.
+  /// Returns the penetration depth of a shape in an obstacle, or its distance beyond the boundary; the greatest of
+  /// these.
   [[nodiscard]] double depth_in_world(const ConvexShape& shape) const {
     const Box2 box = bounding_box(shape);
     double depth = -margin_inside(box, scene_->world.bounds());
@@ -288,8 +289,8 @@ class PlanarChecker final : public Checker {
     return depth;
   }
 
-  /// The radius of the metric's ball in which no point of the robot moves by `depth`, where it moves by at most
-  /// `rates_` of each axis's change, and with the reference point where `translates`: by Cauchy and Schwarz.
+  /// Returns the radius of the metric's ball in which no point of the robot moves by `depth`. Points move by at most
+  /// `rates_` times each axis's change, and with the reference point where `translates`. Follows from Cauchy-Schwarz.
   [[nodiscard]] double radius_of(double depth, bool translates) const {
     const auto& axes = space_.axes();
     double squares = 0.0;
@@ -303,17 +304,18 @@ class PlanarChecker final : public Checker {
     return moved < farthest * std::sqrt(squares) ? moved / std::sqrt(squares) : (moved > 0.0 ? farthest : 0.0);
   }
 
-  /// Sets by how many metres the points of a shape on a body move, at most, per radian of each axis. \param ancestor
-  /// an ancestor of the body that counts as fixed; -1: the world
+  /// Sets the rate at which the points of a shape on a body move, at most, in metres per radian of each axis.
+  /// \param ancestor  an ancestor of the body that counts as fixed; -1: the world
   void set_rates(std::size_t body, int ancestor, const ConvexShape& shape) const {
     rates_.assign(space_.dimension(), 0.0);
     add_rates(body, ancestor, shape);
   }
 
-  /// A joint turns all that it carries as one rigid body. Turned from the base outwards, the joints leave the distances
-  /// that later ones turn at as they are at q, whatever the angles become.
+  /// A joint turns the bodies that it carries as one rigid body. Turn the joints from the base outwards: then the radii
+  /// of later joints stay as they are at q at all angles.
   void add_rates(std::size_t body, int ancestor, const ConvexShape& shape) const {
-    std::optional<Vec2> carried;  // the origin that is all an earlier joint moves, beyond a body with an absolute angle
+    std::optional<Vec2>
+        carried;  // the only point that an earlier joint moves: the origin beyond a body with an absolute angle
     for (int at = static_cast<int>(body); at != ancestor && at >= 0;) {
       const Body& turned = robot_.bodies()[static_cast<std::size_t>(at)];
       const Vec2 origin{frames_[static_cast<std::size_t>(at)].x, frames_[static_cast<std::size_t>(at)].y};
@@ -326,8 +328,8 @@ class PlanarChecker final : public Checker {
     }
   }
 
-  /// How far the points of a shape that matter lie from a centre that turns it: of a disc, which it leaves a disc, its
-  /// own centre.
+  /// Returns the largest distance of a shape's points from a centre that turns it; for a disc, that of its own centre,
+  /// because a turned disc is a disc.
   static double farthest_point(const ConvexShape& shape, Vec2 centre) {
     if (const auto* disc = std::get_if<Disc>(&shape)) return norm(disc->centre - centre);
     double farthest = 0.0;
@@ -335,13 +337,13 @@ class PlanarChecker final : public Checker {
     return farthest;
   }
 
-  /// The last body that carries both and whose turns leave them as they are to each other; -1: there is none.
+  /// Returns the last body that carries both and whose turns do not change their relative pose; -1: there is none.
   [[nodiscard]] int common_ancestor(std::size_t first, std::size_t second) const {
     const auto& bodies = robot_.bodies();
     int a = static_cast<int>(first), b = static_cast<int>(second);
     while (a != b) {
       int& later = a > b ? a : b;
-      // An absolute angle is not carried along.
+      // A parent's turn does not change an absolute angle.
       if (bodies[static_cast<std::size_t>(later)].absolute) return -1;
       later = bodies[static_cast<std::size_t>(later)].parent;
       if (later < 0) return -1;
@@ -357,7 +359,8 @@ class PlanarChecker final : public Checker {
     }
   }
 
-  /// The lanes in which the pieces meet: as an obstacle's and a robot's, seen from the first one's body.
+  /// Returns the lanes in which the pieces collide; the first takes the role of the obstacle, and the frame is that of
+  /// its body.
   [[nodiscard]] unsigned meeting(const Pair& pair) const {
     const kernel::Poses& from = poses_[body_of_[pair.first]];
     const kernel::Poses& to = poses_[body_of_[pair.second]];
@@ -394,7 +397,7 @@ class PlanarChecker final : public Checker {
     }
   }
 
-  /// A box around all that the robot covers on the way.
+  /// Returns a box around the area that the robot sweeps on the motion.
   [[nodiscard]] Box swept_box(View a, View b) const {
     const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
     const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
@@ -402,7 +405,7 @@ class PlanarChecker final : public Checker {
             std::min(from.y, to.y) + reach_.ylo, std::max(from.y, to.y) + reach_.yhi};
   }
 
-  /// Sets the line of a single body's poses; false where its angle is too large for the kernels' sine.
+  /// Sets the line of a single body's poses; returns false where its angle is too large for the kernels' sine.
   bool line_between(View a, View b) const {
     const Body& body = robot_.bodies()[0];
     const Vec2 from = robot_.translates() ? Vec2{a[0], a[1]} : robot_.base();
@@ -458,7 +461,7 @@ class PlanarChecker final : public Checker {
     }
   }
 
-  /// The lanes in which the robot touches an obstacle or leaves the world; only the first `lanes` are asked for. May
+  /// Returns the lanes in which the robot touches an obstacle or leaves the world; only the first `lanes` matter. May
   /// stop early once the first lane does.
   [[nodiscard]] unsigned touched(bool inside, unsigned candidates, unsigned lanes) const {
     unsigned hit = 0;
@@ -483,7 +486,7 @@ class PlanarChecker final : public Checker {
     return a.xlo <= b.xhi && b.xlo <= a.xhi && a.ylo <= b.yhi && b.ylo <= a.yhi;
   }
 
-  /// The box around the placed piece in the first lanes.
+  /// Returns the bounding box of the placed piece in the first lanes.
   [[nodiscard]] Box hull(unsigned lanes) const {
     Box box{placed_.xlo.v[0], placed_.xhi.v[0], placed_.ylo.v[0], placed_.yhi.v[0]};
     for (unsigned lane = 1; lane < lanes; ++lane) {
@@ -501,16 +504,16 @@ class PlanarChecker final : public Checker {
   double resolution_;
   const kernel::Table& kernels_;
   double slack_;
-  Pieces obstacles_;  ///< as the world's parts
-  PartIndex index_;   ///< over them
+  Pieces obstacles_;  ///< the world's parts
+  PartIndex index_;   ///< of the obstacles
   Box bounds_{};
-  Pieces pieces_;  ///< of the robot, body by body
+  Pieces pieces_;  ///< the robot's, body by body
   std::vector<std::size_t> body_of_;
   std::vector<Pair> pairs_;
-  Box reach_{};              ///< holds the robot about its reference point, however it is turned
-  bool rigid_ = false;       ///< one body on a line
+  Box reach_{};              ///< contains the robot about its reference point at any angle
+  bool rigid_ = false;       ///< one body that moves on a line
   bool sweepable_ = false;   ///< the reference point stays in the box around a motion's ends
-  bool continuous_ = false;  ///< a periodic axis takes the robot to where it was
+  bool continuous_ = false;  ///< motions on a periodic axis wrap without a jump of the robot
   kernel::Lanes end_{};
 
   // Scratch.
@@ -526,7 +529,7 @@ class PlanarChecker final : public Checker {
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
   mutable std::vector<Box> hulls_;     ///< of the pieces, where there are pairs
-  mutable kernel::Poses seen_{};       ///< a body from another
+  mutable kernel::Poses seen_{};       ///< a body in another body's frame
   mutable std::vector<double> rates_;  ///< metres that points move per radian of each axis
 };
 

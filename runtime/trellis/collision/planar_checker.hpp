@@ -8,7 +8,7 @@
 
 namespace trellis {
 
-/// make_planar_checker with the kernels of one instruction set, for tests and benchmarks.
+/// As make_planar_checker, with the kernels of one instruction set; for tests and benchmarks.
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                              const kernel::Table& kernels);
 

@@ -47,18 +47,18 @@ void Braille::set(std::ptrdiff_t x, std::ptrdiff_t y, const Ink256& ink) {
 
 void Braille::dot(Point p, const Ink256& ink) {
   require_finite({&p, 1});
-  // Far outside a double fits no integer.
+  // A double far outside does not fit into an integer.
   if (p.x < 0.0 || p.y < 0.0 || p.x >= static_cast<double>(width()) || p.y >= static_cast<double>(height())) return;
   set(static_cast<std::ptrdiff_t>(p.x), static_cast<std::ptrdiff_t>(p.y), ink);
 }
 
 void Braille::line(Point from, Point to, const Ink256& ink) {
   require_finite(std::array{from, to});
-  // What lies outside is cut off first (Liang and Barsky), so that the number of steps is bounded.
+  // Clip first (Liang and Barsky), so that the number of steps is bounded.
   double begin = 0.0;
   double end = 1.0;
   const auto cut = [&](double at, double way, double limit) {
-    // at + t way <= limit
+    // Restricts [begin, end] to the parameters on the inner side of the limit.
     if (way == 0.0) return at <= limit;
     const double t = (limit - at) / way;
     if (way > 0.0) {
@@ -155,7 +155,7 @@ std::string Braille::text(bool colour) const {
       }
       std::uint8_t mask = 0;
       for (const Dots& dots : cell.dots) {
-        // In colour the ground keeps its own, and goes where it cannot.
+        // With colour, the ground is the background; without, other inks replace it.
         const bool other = colour && dots.ink.ground && !top->ink.ground;
         if (!other && (!top->ink.alone || dots.ink.rank == top->ink.rank)) mask |= dots.mask;
       }

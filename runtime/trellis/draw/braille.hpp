@@ -11,17 +11,17 @@
 
 namespace trellis::draw {
 
-/// What dots are drawn with. A character has one ink: that of the highest rank among its dots.
+/// The ink of dots. A character has one ink: that of the highest rank among its dots.
 struct Ink256 {
-  std::uint8_t colour = 7;  ///< of the 256 that terminals have
+  std::uint8_t colour = 7;  ///< index into a terminal's 256 colours
   int rank = 0;
-  bool alone = false;    ///< its characters show no dots of other inks, so that a thin line stays one
-  bool pattern = false;  ///< every other dot of an area, to tell it from a crowd of lines
-  bool ground = false;   ///< where it has all dots of a character, its colour is the background; in colour only
+  bool alone = false;    ///< its characters show no dots of other inks, so that a thin line stays thin
+  bool pattern = false;  ///< every other dot of an area, to distinguish it from a crowd of lines
+  bool ground = false;   ///< where it fills a character, its colour is the background; in colour only
 };
 
-/// A picture in characters, each of which shows 2 x 4 dots: Unicode's braille patterns. Points are in dots, x points
-/// right and y down; what lies outside is left out.
+/// A picture in characters, each of which shows 2 x 4 dots: Unicode's braille patterns. Coordinates are in dots, x to
+/// the right and y down; the picture clips dots outside of it.
 class Braille {
  public:
   /// In characters.
@@ -32,12 +32,12 @@ class Braille {
 
   void dot(Point p, const Ink256& ink);
   void line(Point from, Point to, const Ink256& ink);
-  /// The dots whose middles lie in a polygon.
+  /// Sets the dots whose centres lie in a polygon.
   void fill(std::span<const Point> polygon, const Ink256& ink);
-  /// One ASCII character in place of the dots there.
+  /// Sets one ASCII character in place of the dots there.
   void letter(Point p, char c, const Ink256& ink);
 
-  /// Lines of text, each ended by a newline. \param colour  with the escape sequences of 256 colours
+  /// Returns lines of text, each ended by a newline. \param colour  with the escape sequences of 256 colours
   [[nodiscard]] std::string text(bool colour) const;
 
  private:
@@ -46,7 +46,7 @@ class Braille {
     std::uint8_t mask = 0;
   };
   struct Cell {
-    std::vector<Dots> dots;  ///< one for each ink that met the character, few
+    std::vector<Dots> dots;  ///< one per ink in the character
     char letter = '\0';
     Ink256 letter_ink;
   };

@@ -18,8 +18,8 @@
 #include <trellis/draw/text.hpp>
 
 #ifdef __SANITIZE_ADDRESS__
-// What fontconfig finds stays in Cairo's caches, behind pointers that the leak check cannot follow: five patterns,
-// however much is drawn.
+// Cairo caches fontconfig's results behind pointers that the leak check cannot follow: five patterns, whatever the
+// number of drawings.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
 #endif
 
@@ -28,7 +28,7 @@ namespace trellis::draw {
 namespace {
 
 thread_local Typeface current_typeface = Typeface::sans;
-/// Cairo's coordinates have 24 bits before the point.
+/// Cairo's coordinates have 24 bits before the binary point.
 constexpr double farthest = 4e6;
 constexpr double largest_png = 32767.0;
 
@@ -62,7 +62,7 @@ void require(const Font& font) {
   if (!(font.size > 0.0 && font.size <= 1e4)) throw Fault(fmt::format("drawing: text of size {:g}", font.size));
 }
 
-/// Nothing fitted to pixels, so that text is as wide in one format as in another.
+/// No hinting, so that text has the same width in all formats.
 Owned<cairo_font_options_t> unhinted() {
   Owned<cairo_font_options_t> options(cairo_font_options_create());
   cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
@@ -87,7 +87,7 @@ cairo_status_t append(void* to, const unsigned char* data, unsigned length) {
   return CAIRO_STATUS_SUCCESS;
 }
 
-/// Cairo numbers the surfaces of a process, and an SVG shows the number: count from 0 in each document.
+/// Cairo numbers the surfaces of a process, and an SVG shows the number: renumber from 0 in each document.
 std::string renumbered(const std::string& svg) {
   constexpr std::string_view word = "surface";
   std::vector<std::string> seen;
@@ -177,7 +177,7 @@ Path Path::rectangle(const Rect& rect) {
 }
 
 Path Path::circle(Point centre, double radius) {
-  // Four curves are off by 0.03 % of the radius at most.
+  // Four curves approximate a circle to within 0.03 % of the radius.
   const double k = radius * 4.0 / 3.0 * (std::numbers::sqrt2 - 1.0);
   const auto at = [&](double x, double y) { return Point{centre.x + x, centre.y + y}; };
   const double r = radius;
@@ -229,7 +229,7 @@ Ink::Ink(double cell, std::size_t columns, std::size_t rows, std::span<const uns
 }
 
 double Ink::in(const Rect& rect) const {
-  // Every cell that the rectangle touches.
+  // All cells that the rectangle touches.
   const auto index = [this](double at, std::size_t most, bool up) {
     const double cells = at / cell_;
     return static_cast<std::size_t>(std::clamp(up ? std::ceil(cells) : std::floor(cells), 0.0, double(most)));
@@ -250,7 +250,8 @@ Canvas::Canvas(double width, double height) : width_(width), height_(height) {
 }
 
 Canvas::Scope::~Scope() {
-  // Of a transform only the stack is left; of a clip, the command that ends it was made room for when it began.
+  // Leaving a transform only pops the stack; leaving a clip records a command, for which the constructor reserved
+  // memory.
   if (canvas_.transforms_.back().clip) {
     canvas_.commands_.emplace_back(Close{});
   }
@@ -316,7 +317,7 @@ Canvas::Scope Canvas::transform(const Transform& transform) {
 /// Draws the commands of a canvas with Cairo.
 class Canvas::Player {
  public:
-  /// \param outlines  text as outlines: Cairo's images place letters at whole pixels otherwise
+  /// \param outlines  draw text as outlines: otherwise Cairo's images place letters at whole pixels
   Player(cairo_surface_t* surface, double scale, bool outlines) : to_(cairo_create(surface)), outlines_(outlines) {
     require(cairo_status(to_.get()));
     cairo_scale(to_.get(), scale, scale);

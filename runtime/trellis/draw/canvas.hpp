@@ -13,7 +13,7 @@
 
 namespace trellis::draw {
 
-/// Lengths are in points, 1/72 inch; x points right and y down; angles are in degrees, counter-clockwise as seen.
+/// Lengths are in points, 1/72 inch; x to the right and y down; angles are in degrees, counter-clockwise on the page.
 struct Point {
   double x = 0.0;
   double y = 0.0;
@@ -45,7 +45,7 @@ struct Transform {
   static Transform scale(double x, double y) { return {.xx = x, .yy = y}; }
   static Transform rotate(double degrees);
   [[nodiscard]] Point operator()(Point p) const { return {xx * p.x + xy * p.y + x0, yx * p.x + yy * p.y + y0}; }
-  /// First b, then a.
+  /// Applies b first, then a.
   friend Transform operator*(const Transform& a, const Transform& b);
 };
 
@@ -89,7 +89,7 @@ struct Pen {
 /// DejaVu Sans and DejaVu Serif.
 enum class Typeface : std::uint8_t { sans, serif };
 
-/// All text that this thread measures and draws while the object lives is set in its typeface; in sans without one.
+/// Sets the typeface of all text that this thread measures and draws during the object's lifetime; the default is sans.
 class TypefaceScope {
  public:
   explicit TypefaceScope(Typeface typeface);
@@ -103,7 +103,7 @@ class TypefaceScope {
   Typeface before_;
 };
 
-/// Size of the em, and the style; the typeface is that of the scope.
+/// Size of the em, and the style; the TypefaceScope sets the typeface.
 struct Font {
   double size = 8.0;
   bool bold = false;
@@ -118,11 +118,11 @@ struct TextExtents {
   [[nodiscard]] double height() const { return ascent + descent; }
 };
 
-/// Of one line. Bytes that are no UTF-8 count as the replacement character that is drawn for them.
+/// Returns the extents of one line. Bytes that are not UTF-8 count as the replacement character that is drawn for them.
 TextExtents text_extents(std::string_view text, const Font& font);
 
 enum class Align : std::uint8_t { left, centre, right };
-/// What of the line the given point is at: `middle` is half a capital's height.
+/// The part of the line at the given point: `middle` is half a capital's height.
 enum class Stand : std::uint8_t { top, middle, baseline, bottom };
 
 struct TextStyle {
@@ -135,13 +135,13 @@ struct TextStyle {
 
 enum class Format : std::uint8_t { svg, png, pdf };
 
-/// Where a picture has ink, as shares of square cells.
+/// The share of ink in each square cell of a picture.
 class Ink {
  public:
   /// \param cover  row by row, 0..255
   Ink(double cell, std::size_t columns, std::size_t rows, std::span<const unsigned char> cover);
 
-  /// The inked area within `rect`, in square points.
+  /// Returns the inked area within `rect`, in square points.
   [[nodiscard]] double in(const Rect& rect) const;
 
  private:
@@ -151,12 +151,12 @@ class Ink {
   std::vector<double> sums_;  ///< of all cells above and left
 };
 
-/// A picture that is drawn once and written in any format, each time the same bytes: SVG and PDF hold no date, and
-/// text has the same extents in all of them. What is drawn must be finite, else Fault.
+/// A picture that code draws once and writes in any format, with the same bytes each time: SVG and PDF contain no date,
+/// and text has the same extents in all formats. Coordinates must be finite, else Fault.
 class Canvas {
  public:
-  /// In force until it dies, and in between everything that is drawn. Scopes die in reverse order; a canvas stays where
-  /// it is while it has one.
+  /// A transform or clip that applies to all drawing during its lifetime. Scopes end in reverse order; a canvas must
+  /// not move while it has one.
   class [[nodiscard]] Scope {
    public:
     ~Scope();
@@ -177,26 +177,26 @@ class Canvas {
   [[nodiscard]] double height() const { return height_; }
 
   void fill(const Path& path, const Colour& colour, FillRule rule = FillRule::nonzero);
-  /// The pen keeps its width whatever the transform.
+  /// The transform does not change the pen's width.
   void stroke(const Path& path, const Pen& pen);
   void line(Point from, Point to, const Pen& pen);
-  /// One line of text. Its point is transformed, its letters are not.
+  /// Draws one line of text. Transforms its position, but not its letters.
   void text(std::string_view text, Point at, const TextStyle& style);
 
   Scope clip(const Path& path, FillRule rule = FillRule::nonzero);
-  /// Applied before those in force.
+  /// Applies before the active transforms.
   Scope transform(const Transform& transform);
 
   /// \param pixels  of a PNG, per point; 2 is 144 to the inch
-  /// Throws Error where the picture is too large for a PNG.
+  /// \throws Error where the picture is too large for a PNG.
   [[nodiscard]] std::string render(Format format, double pixels = 2.0) const;
 
-  /// An <svg> element to stand in a page: a tenth of the size of a file, as its text is text in the page's sans serif,
-  /// fitted to the extents that it has elsewhere.
-  /// \param id  begins the ids in it, which must differ from those of the page's others
+  /// Returns an <svg> element for an HTML page. It has a tenth of a file's size, because its text is text in the page's
+  /// sans serif, fitted to the extents of the other formats.
+  /// \param id  prefix of its ids, which must differ from those of the page's other pictures
   [[nodiscard]] std::string markup(std::string_view id) const;
 
-  /// Cells of `cell` points.
+  /// Rasterises the ink in cells of `cell` points.
   [[nodiscard]] Ink ink(double cell = 2.0) const;
 
  private:
@@ -222,7 +222,7 @@ class Canvas {
     Path path;
     FillRule rule;
   };
-  struct Close {};  ///< of the last clip
+  struct Close {};  ///< ends the last clip
   using Command = std::variant<Fill, Stroke, Text, Clip, Close>;
   class Player;
   class Scribe;
@@ -231,7 +231,7 @@ class Canvas {
 
   double width_;
   double height_;
-  /// One more for each scope.
+  /// One entry for each active scope.
   struct Placing {
     Transform map;
     bool clip = false;

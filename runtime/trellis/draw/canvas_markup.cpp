@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures as elements of a page.
+// Pictures as elements of an HTML page.
 #include <fmt/format.h>
 
 #include <array>
@@ -16,7 +16,7 @@ namespace trellis::draw {
 
 namespace {
 
-/// Hundredths of a point are enough for any screen.
+/// Hundredths of a point are precise enough for any screen.
 std::string number(double x) {
   std::string text = fmt::format("{:.2f}", x);
   text.erase(text.find_last_not_of('0') + 1);
@@ -71,7 +71,7 @@ std::string data(const Path& path) {
 
 }  // namespace
 
-/// Writes the commands of a picture down.
+/// Writes the commands of a picture as SVG.
 class Canvas::Scribe {
  public:
   explicit Scribe(std::string_view id) : id_(id) {}
@@ -133,7 +133,7 @@ std::string Canvas::markup(std::string_view id) const {
   if (transforms_.size() != 1) throw Fault("drawing: a picture rendered inside one of its scopes");
   Scribe scribe(id);
   for (const Command& command : commands_) std::visit(scribe, command);
-  // The width in CSS pixels, of which a point has 4/3.
+  // The width in CSS pixels; a point is 4/3 of a pixel.
   return fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{2}" height="{3}" )"
                      R"(font-family="DejaVu Sans, Verdana, sans-serif" role="img">{4}</svg>)",
                      number(width_), number(height_), number(width_ * 4.0 / 3.0), number(height_ * 4.0 / 3.0),

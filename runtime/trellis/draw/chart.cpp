@@ -42,17 +42,17 @@ constexpr double lane_gap = 1.5;
 constexpr double slant = 35.0;
 constexpr double longest_name = 110.0;  ///< points, of a category
 
-/// How the names below a category axis are set.
+/// The layout of the names below a category axis.
 struct Names {
   enum class Set : std::uint8_t { flat, slanted, upright };
   Set set = Set::flat;
   std::vector<std::vector<std::string>> lines;  ///< of each category
-  std::size_t stride = 1;                       ///< every how many-th has room
+  std::size_t stride = 1;                       ///< draw every stride-th name
   double height = 0.0;
-  double left = 0.0;  ///< how far they reach beyond the panel's left edge
+  double left = 0.0;  ///< overhang beyond the panel's left edge
 };
 
-/// \param slanted  even where they would fit flat, as those of another panel do not
+/// \param slanted  forces slanted names, where another panel needs them
 Names set_names(const std::vector<std::string>& categories, double width, bool slanted) {
   Names names;
   if (categories.empty()) return names;
@@ -63,7 +63,7 @@ Names set_names(const std::vector<std::string>& categories, double width, bool s
   std::size_t deepest = 0;
   for (const auto& category : categories) {
     auto lines = wrap_text(category, slot - 4.0, tick_font, most_lines + 1);
-    // A broken word is worse than a slanted one.
+    // Prefer a slanted word to a broken one.
     std::string joined;
     for (const auto& l : lines) joined += (joined.empty() ? "" : " ") + l;
     std::string whole;
@@ -95,7 +95,7 @@ Names set_names(const std::vector<std::string>& categories, double width, bool s
   return names;
 }
 
-// What the legend says.
+// The entries of the legend.
 
 struct Entry {
   enum class Sign : std::uint8_t { line, points, patch, step, lane, arrow };
@@ -175,7 +175,7 @@ page::LegendRows flow(const std::vector<Entry>& legend, double width) {
   return page::flow(names, width);
 }
 
-/// One panel's place and axes.
+/// One panel's position and axes.
 struct Cell {
   marks::Frame frame;
   Extent x;
@@ -188,10 +188,10 @@ struct Cell {
   std::vector<std::string> title;
   std::vector<std::string> x_label;
   std::vector<std::string> y_label;
-  double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;  ///< what stands around the frame
+  double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;  ///< margins around the frame
 };
 
-/// Of the strips that stand on the frame.
+/// Returns the height of the strips above the frame.
 double lanes_height(const Panel& panel) { return static_cast<double>(panel.lanes.size()) * (lane_height + lane_gap); }
 
 std::string axis_label(const Axis& axis, const Ticks& ticks) {
@@ -254,7 +254,7 @@ class Plot {
   }
 
  private:
-  /// Colours and markers by name, in the order in which the names come.
+  /// Assigns colours and markers to names, in the order of the names.
   void style() {
     std::map<std::string, Colour> colours;
     std::map<std::string, Marker> markers;
@@ -308,7 +308,7 @@ class Plot {
     return extent.fitted(panel.y.scale, 0.05);
   }
 
-  /// Room above for the texts of the highest bar.
+  /// Adds space above for the text of the highest bar.
   [[nodiscard]] Extent with_texts(Extent extent, const Panel& panel, double width) const {
     const double room = marks::bar_text(panel, width).room;
     if (room == 0.0) return extent;
@@ -330,13 +330,13 @@ class Plot {
     return extent;
   }
 
-  /// The ends of all axes; those that were given come last.
+  /// Computes the ends of all axes; given ends override the others.
   void extents() {
     const auto ends = [](Extent& extent, const Axis& axis) {
       if (axis.lo) extent.lo = *axis.lo;
       if (axis.hi) extent.hi = *axis.hi;
       if (extent.lo < extent.hi) return;
-      // Only one end was given, and the data lie beyond it.
+      // Only one end is given, and the data lie beyond it.
       const double size = std::max(1.0, std::abs(extent.lo));
       const bool log = axis.scale == AxisScale::log;
       if (axis.lo) {
@@ -360,7 +360,7 @@ class Plot {
       all_x.add(cells_[p].x);
       all_y.add(cells_[p].y);
     }
-    // The room for texts is a share of the axis, so it is added once the axis has its ends.
+    // The space for texts is a share of the axis, so add it after the axis has its ends.
     const double text_width = std::max(width, least_width);
     Extent with_room = all_y;
     for (std::size_t p = 0; p < cells_.size(); ++p) {
@@ -382,7 +382,7 @@ class Plot {
     }
   }
 
-  /// As many ticks as have room beside each other.
+  /// Returns as many ticks as fit beside each other.
   static Ticks x_ticks(const Cell& cell, const Axis& axis, double width) {
     for (auto most = static_cast<std::size_t>(std::clamp(width / 32.0, 2.0, 9.0));; --most) {
       Ticks ticks = axis_ticks(cell.x, axis.scale, most);
@@ -436,7 +436,7 @@ class Plot {
     if (cell.label_y) cell.top = std::max(cell.top, 0.5 * tick_line);
   }
 
-  /// Margins depend on the panels' width and the width on the margins: a few rounds settle it.
+  /// Margins depend on the panels' width and the width on the margins: iterates a few times until both converge.
   void lay_out(double legend_height, bool keep_width) {
     const std::size_t columns = figure_.columns;
     const std::size_t rows = (cells_.size() + columns - 1) / columns;
@@ -456,7 +456,7 @@ class Plot {
       }
       const double around =
           std::accumulate(left.begin(), left.end(), 0.0) + std::accumulate(right.begin(), right.end(), 0.0);
-      // Once slanted, names stay so: they would go back and forth with the width.
+      // Names never return from slanted to flat: otherwise the iteration would alternate with the width.
       slanted = slanted || std::any_of(cells_.begin(), cells_.end(),
                                        [](const Cell& cell) { return cell.names.set != Names::Set::flat; });
       width = std::max(least_width, (space - around) / n);
@@ -490,7 +490,7 @@ class Plot {
     height_ = y + (caption_.empty() ? 0.0 : 8.0 + block_height(caption_, caption_font)) + border;
   }
 
-  /// A place in the lone panel where a legend covers nothing.
+  /// Returns a position in the only panel where a legend covers no data.
   [[nodiscard]] std::optional<Rect> free_place() const {
     if (legend_.empty()) return std::nullopt;
     Canvas scratch(width_, height_);
@@ -563,7 +563,7 @@ class Plot {
     for (const double x : cell.x_ticks.at) {
       canvas.line({cell.frame.x.inside(x), plot.y}, {cell.frame.x.inside(x), plot.bottom()}, pen);
     }
-    // Zero is worth a line where numbers lie on both sides of it.
+    // Draw the zero line where numbers have both signs.
     if (panel.y.scale == AxisScale::linear && cell.y.lo < 0.0 && cell.y.hi > 0.0) {
       canvas.line({plot.x, cell.frame.y(0.0)}, {plot.right(), cell.frame.y(0.0)}, {palette::frame, 0.6});
     }

@@ -14,8 +14,8 @@
 
 namespace trellis::draw {
 
-/// NaN is a gap. What is infinite, or beyond an end that was given, has an arrow at that edge of its panel, which the
-/// legend explains. Vectors that belong together are equally long, else Fault.
+/// NaN is a gap. An arrow at the panel's edge marks values that are infinite or beyond a given end; the legend explains
+/// it. Vectors of one series must have equal lengths, else Fault.
 
 enum class Dash : std::uint8_t { solid, dashed, dotted };
 enum class Marker : std::uint8_t { circle, square, diamond, cross, ring };
@@ -23,17 +23,17 @@ enum class Marker : std::uint8_t { circle, square, diamond, cross, ring };
 struct Axis {
   std::string label{};
   AxisScale scale = AxisScale::linear;
-  std::optional<double> lo{};  ///< an end; else from the data
+  std::optional<double> lo{};  ///< an end of the axis; else from the data
   std::optional<double> hi{};
   std::vector<std::string> categories{};  ///< of an x axis: the names of 0, 1, 2 ...
 };
 
 struct Series {
-  /// `points` have error bars, `bars` too; `steps` are a histogram's or a profile's; a line's interval is a band.
+  /// `points` and `bars` have error bars; `steps` draw a histogram or a profile; a line's interval is a band.
   enum class Kind : std::uint8_t { line, points, bars, steps };
 
   Kind kind = Kind::line;
-  std::string name{};       ///< in the legend; "": not there
+  std::string name{};       ///< in the legend; "": no entry
   std::vector<double> x{};  ///< of steps: the edges of the bins, one more than there are bins
   std::vector<double> y{};
   std::vector<double> lo{};  ///< the interval; empty: none
@@ -57,14 +57,14 @@ struct Reference {
   Colour colour = palette::muted;
 };
 
-/// A thin line between two places of the panel, or an arrow that ends beside the marker at `to`.
+/// A thin line between two points of the panel, or an arrow that ends beside the marker at `to`.
 struct Connector {
   Point from{};
   Point to{};
   bool arrow = false;
 };
 
-/// A stretch of the x axis, over the panel's height.
+/// A shaded interval of the x axis, over the panel's height.
 struct Shade {
   double from = 0.0;
   double to = 0.0;
@@ -72,7 +72,7 @@ struct Shade {
   Colour colour = palette::shade;
 };
 
-/// Stretches of the x axis, marked in a strip on top of the panel.
+/// Intervals of the x axis, marked in a strip above the panel.
 struct Lane {
   std::string name{};  ///< in the legend
   Colour colour{};
@@ -90,23 +90,23 @@ struct Panel {
   std::vector<Lane> lanes{};
 };
 
-/// `automatic`: in a lone panel where it covers no data, else above the panels.
+/// `automatic`: in a single panel where it covers no data, else above the panels.
 enum class Legend : std::uint8_t { automatic, above, none };
 
-/// Panels row by row, equally large. Series of one name have one colour in all of them.
+/// Panels row by row, of equal size. Series of one name have one colour in all of them.
 struct Figure {
   std::string title{};
   std::string caption{};
   std::vector<Panel> panels{};
   std::size_t columns = 1;
-  bool share_x = false;  ///< one axis for all, labelled below the lowest panels only
-  bool share_y = false;  ///< one axis for all, labelled left of the first column only
-  double width = 504.0;  ///< points; wider only where the panels would have no room
+  bool share_x = false;  ///< one axis for all, with labels below the lowest panels only
+  bool share_y = false;  ///< one axis for all, with labels left of the first column only
+  double width = 504.0;  ///< points; larger only where the panels would not fit
   double panel_height = 150.0;
   Legend legend = Legend::automatic;
 };
 
-/// Draws a figure on white. Its height is what its panels and texts need.
+/// Draws a figure on white. Its panels and texts determine its height.
 Canvas plot(const Figure& figure);
 
 }  // namespace trellis::draw

@@ -16,7 +16,7 @@ namespace {
 using Kind = WaterfallBar::Kind;
 
 constexpr int decimals = 2;
-/// Half of the last digit in print.
+/// Half of the last printed digit.
 constexpr double vanishing = 0.005;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -46,7 +46,7 @@ Series bars_of(const std::vector<WaterfallBar>& bars, Kind kind, std::string nam
   return series;
 }
 
-/// Bins that are marked, those beside each other as one.
+/// Returns the marked bins, with adjacent bins merged.
 std::vector<std::pair<double, double>> stretches(const std::vector<double>& edges, const std::vector<bool>& marked) {
   std::vector<std::pair<double, double>> found;
   for (std::size_t i = 0; i < marked.size(); ++i) {
@@ -101,7 +101,7 @@ Figure waterfall(const Waterfall& waterfall) {
                     bars_of(bars, Kind::gain, "added", palette::gain), bars_of(bars, Kind::loss, "lost", palette::loss),
                     bars_of(bars, Kind::rest, "not explained by the levels", palette::rest),
                     bars_of(bars, Kind::missing, "", palette::muted)};
-    // A kind without a bar has no place in the legend.
+    // A kind without a bar has no legend entry.
     std::erase_if(panel.series, [](const Series& s) { return s.y.empty(); });
     for (std::size_t i = 0; i + 1 < bars.size(); ++i) {
       const double level = std::isfinite(bars[i].to) ? bars[i].to : bars[i].from;
@@ -171,14 +171,14 @@ Figure profile(const Profile& profile) {
                             .width = 1.3});
     figure.panels.push_back(std::move(panel));
   }
-  // Where nothing is missing the strips would be empty space.
+  // Without empty bins, the strips would be empty space.
   const bool complete = std::all_of(figure.panels.begin(), figure.panels.end(), [](const Panel& p) {
     return std::all_of(p.lanes.begin(), p.lanes.end(), [](const Lane& lane) { return lane.stretches.empty(); });
   });
   for (auto& panel : figure.panels) {
     if (complete) panel.lanes.clear();
   }
-  // Shares of a path's length are one axis; metres along different paths are not.
+  // Panels share an axis for shares of a path's length, but not for metres along different paths.
   const auto ends = [](const ProfilePanel& p) {
     return p.edges.empty() ? std::pair(0.0, 0.0) : std::pair(p.edges.front(), p.edges.back());
   };

@@ -9,7 +9,7 @@
 
 #include <trellis/draw/chart.hpp>
 
-/// The two pictures of the measure, from plain numbers; plot() draws them. A figure that does not exist is NaN.
+/// The two pictures of the measure, from plain numbers; plot() draws them. A missing value is NaN.
 namespace trellis::draw {
 
 struct WaterfallStep {
@@ -19,10 +19,10 @@ struct WaterfallStep {
   double hi = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// From uniform sampling, at 0, to what the root's samples are above it, level by level.
+/// The difference between uniform sampling, at 0, and the root's samples, level by level.
 struct WaterfallPanel {
   std::string title{};                  ///< "tree", "expansion"
-  std::vector<WaterfallStep> levels{};  ///< nats that each adds; more is better
+  std::vector<WaterfallStep> levels{};  ///< the nats that each adds; more is better
   WaterfallStep root{.label = "root"};  ///< nats of the root above uniform
 };
 
@@ -34,8 +34,8 @@ struct Waterfall {
 
 /// One bar of a waterfall, from one running total to the next, in nats above uniform.
 struct WaterfallBar {
-  /// `rest`: what the levels leave unexplained below the root. `missing`: a level without a value, which leaves the
-  /// running total where it is.
+  /// `rest`: the part of the root's value that the levels do not explain. `missing`: a level without a value, which
+  /// does not change the running total.
   enum class Kind : std::uint8_t { total, gain, loss, rest, missing };
 
   std::string label{};
@@ -44,23 +44,23 @@ struct WaterfallBar {
   double to = 0.0;
   double lo = std::numeric_limits<double>::quiet_NaN();  ///< the interval, around `to`
   double hi = std::numeric_limits<double>::quiet_NaN();
-  std::string text{};  ///< its value as printed, with its sign
+  std::string text{};  ///< its printed value, with its sign
 };
 
-/// The bars: the levels, the rest where it does not vanish in print, the root. The first begins at 0, uniform sampling,
-/// each other one at the running total that the ones before it leave; after an infinite value it stays where it was.
+/// Returns the bars: the levels, the rest unless it prints as zero, the root. The first begins at 0, uniform sampling,
+/// each other one at the running total of the bars before it; an infinite value does not change the total.
 std::vector<WaterfallBar> waterfall_bars(const WaterfallPanel& panel);
 
 /// Panels side by side, or below each other where they have many bars.
 Figure waterfall(const Waterfall& waterfall);
 
-/// Where along the path the samples of one strategy, level or role lie.
+/// The distribution along the path of the samples of one strategy, level or role.
 struct ProfileSeries {
   std::string name{};
-  std::vector<double> share{};  ///< of the samples, per bin: the mean over the runs, as it is, not smoothed
+  std::vector<double> share{};  ///< of the samples, per bin: the mean over the runs, not smoothed
   std::vector<double> lo{};     ///< its interval; empty: none
   std::vector<double> hi{};
-  std::optional<Colour> colour{};  ///< else one of the palette's, by name
+  std::optional<Colour> colour{};  ///< else a colour of the palette, by name
 };
 
 struct ProfilePanel {
@@ -77,8 +77,8 @@ struct Profile {
   std::vector<ProfilePanel> panels{};
 };
 
-/// Bins that belong to the target and hold no sample of a series are marked in strips on top of the panel; those that
-/// hold none of any series are shaded.
+/// Strips above the panel mark the target's bins without a sample of a series; shading marks those without a sample of
+/// any series.
 Figure profile(const Profile& profile);
 
 }  // namespace trellis::draw

@@ -31,14 +31,14 @@ double nth(const std::vector<double>& values, std::size_t i, double otherwise = 
 
 bool has_interval(const Series& s) { return !s.lo.empty() || !s.hi.empty(); }
 
-/// Whether a place exists, be it beyond the edges.
+/// Whether a point has coordinates, even beyond the edges.
 bool known(double x, double y) { return !std::isnan(x) && !std::isnan(y); }
 bool drawable(double x, double y) { return std::isfinite(x) && std::isfinite(y); }
 
-/// Series of one kind stand side by side where two of them are at one place.
+/// Series of one kind stand side by side where two of them share an x position.
 struct Places {
   std::size_t count = 1;
-  double pitch = 0.0;                 ///< points from one place to the next
+  double pitch = 0.0;                 ///< points from one position to the next
   std::vector<std::size_t> position;  ///< of each series of the panel
 
   [[nodiscard]] double width() const { return pitch * (count > 1 ? 0.8 : 0.66) / static_cast<double>(count); }
@@ -66,7 +66,7 @@ Places places(const Panel& panel, const Frame& frame, Series::Kind kind) {
     found.pitch = std::abs(frame.x(1.0) - frame.x(0.0));
     return found;
   }
-  // Points keep to their numbers; only names have room beside them.
+  // Points stay at their numbers; only categories have space beside them.
   if (kind == Series::Kind::points) found.count = 1;
   std::vector<double> at;
   for (const double x : seen) {
@@ -80,7 +80,7 @@ Places places(const Panel& panel, const Frame& frame, Series::Kind kind) {
   return found;
 }
 
-/// Draws one panel's marks; `beyond` notes whether an edge was needed.
+/// Draws one panel's marks; `beyond` records whether an edge mark was necessary.
 class Marks {
  public:
   Marks(Canvas& canvas, const Panel& panel, const Frame& frame) : canvas_(canvas), panel_(panel), frame_(frame) {}
@@ -89,7 +89,7 @@ class Marks {
     const Places bars = places(panel_, frame_, Series::Kind::bars);
     const Places points = places(panel_, frame_, Series::Kind::points);
     {
-      // A line on the edge keeps its width.
+      // The clip leaves a line on the edge its full width.
       const auto inside = canvas_.clip(Path::rectangle(frame_.plot.grown(0.8)));
       each(Series::Kind::steps, [&](const Series& s, std::size_t) { step_area(s); });
       each(Series::Kind::line, [&](const Series& s, std::size_t) { band(s); });
@@ -135,7 +135,7 @@ class Marks {
 
   [[nodiscard]] Point place(double x, double y) const { return {frame_.x(x), frame_.y(y)}; }
 
-  /// From one marker to another, with room for both.
+  /// Draws an arrow between two markers, with space for both.
   void arrow_between(Point from, Point to) {
     const double length = std::hypot(to.x - from.x, to.y - from.y);
     constexpr double room = marker_radius + 1.2;
@@ -150,7 +150,7 @@ class Marks {
     canvas_.fill(Path::polygon(std::array{at(0.0, 0.0), at(tail, 1.7), at(tail, -1.7)}), palette::muted);
   }
 
-  /// An arrow at the edge, across from `at`.
+  /// Draws an arrow at the edge, at the height of `at`.
   void edge(Point at, int dx, int dy, const Colour& colour) {
     beyond_ = true;
     const Rect& plot = frame_.plot;
@@ -164,7 +164,7 @@ class Marks {
     }
   }
 
-  /// Marks (x, y) at an edge where it is infinite or, `ends`, beyond an end; says whether it did.
+  /// Marks (x, y) at an edge where it is infinite or, with `ends`, beyond an end. \return whether it did
   bool edge_of(double x, double y, double shift, const Colour& colour, bool ends) {
     const auto off = [ends](const Scale& scale, double v) {
       return ends || !std::isfinite(v) || std::abs(v) > most_number ? scale.beyond(v) : 0;
@@ -176,7 +176,7 @@ class Marks {
     return true;
   }
 
-  // Lines. A run is a stretch without gap.
+  // Lines. A run is a sequence of points without a gap.
   template <class Use>
   void runs(std::size_t size, const std::function<bool(std::size_t)>& in, const Use& use) {
     for (std::size_t from = 0; from < size;) {
@@ -220,14 +220,14 @@ class Marks {
     });
   }
 
-  /// An interval without end; one that only leaves the frame is seen to.
+  /// Marks an infinite interval; the clip handles one that only leaves the frame.
   void endless(const Series& s, std::size_t i, double x) {
     for (const double v : {nth(s.lo, i), nth(s.hi, i)}) {
       if (std::isinf(v)) edge({x, 0.0}, 0, v > 0.0 ? 1 : -1, *s.colour);
     }
   }
 
-  /// What of a line is not cut at the frame.
+  /// Draws the marks of a line that the frame does not clip.
   void line_points(const Series& s) {
     for (std::size_t i = 0; i < s.y.size(); ++i) {
       if (std::isfinite(s.x[i])) endless(s, i, frame_.x.inside(s.x[i]));
@@ -240,7 +240,8 @@ class Marks {
   // Steps.
   [[nodiscard]] bool bin(const Series& s, std::size_t i) const { return known(s.x[i], s.x[i + 1]); }
 
-  /// What lies between two heights, over all bins where both exist; one piece where bins touch, so that no seam shows.
+  /// Fills the area between two heights, over all bins where both exist; one polygon for adjacent bins, so that no seam
+  /// shows.
   void between(const Series& s, const std::function<double(std::size_t)>& lo,
                const std::function<double(std::size_t)>& hi, double alpha) {
     const auto in = [&](std::size_t i) { return bin(s, i) && known(lo(i), hi(i)); };
@@ -293,7 +294,7 @@ class Marks {
   // Error bars.
   void whisker(double x, double lo, double hi, const Colour& colour, bool on_bar = false) {
     if (on_bar && known(lo, hi) && lo != hi) {
-      // Seen on a dark bar too.
+      // Visible on a dark bar too.
       canvas_.line({x, frame_.y.inside(lo)}, {x, frame_.y.inside(hi)}, {palette::paper.faded(0.6), 2.0});
     }
     const auto end = [&](double v) {
@@ -305,14 +306,14 @@ class Marks {
       }
       return y;
     };
-    // An interval of no width says nothing.
+    // Skip an interval of zero width.
     if (!known(lo, hi) || lo == hi || x < frame_.plot.x - 1.0 || x > frame_.plot.right() + 1.0) return;
     const double from = end(std::min(lo, hi));
     const double to = end(std::max(lo, hi));
     canvas_.line({x, from}, {x, to}, {colour, 0.8});
   }
 
-  /// The interval of x, of a point at a height; what lies outside of the frame is cut off.
+  /// Draws the interval of x of a point at a height, clipped to the frame.
   void whisker_across(double y, double lo, double hi, const Colour& colour) {
     if (!known(lo, hi) || lo == hi || y < frame_.plot.y - 1.0 || y > frame_.plot.bottom() + 1.0) return;
     const double from = frame_.x.inside(lo);
@@ -347,7 +348,7 @@ class Marks {
       const double x = frame_.x(s.x[i]) + at.shift(index);
       const double from = frame_.y.inside(base(s, i));
       const double to = frame_.y.inside(s.y[i]);
-      // A bar of no length is still seen.
+      // A bar of zero length remains visible.
       const double height = std::max(std::abs(to - from), 0.8);
       canvas_.fill(Path::rectangle({x - half, std::min(from, to) - (height > 0.8 ? 0.0 : 0.4), 2.0 * half, height}),
                    *s.colour);
@@ -377,7 +378,7 @@ class Marks {
         top = std::min(top, frame_.y.inside(v));
         edge_above = edge_above || frame_.y.beyond(v) > 0;
       }
-      // Below the arrow where there is one, and never out of the frame.
+      // Below an edge arrow, and never outside of the frame.
       const TextExtents size = text_extents(s.text[i], set.font);
       const double length = set.upright ? size.width : size.cap;
       double bottom = std::max(top - 3.0, frame_.plot.y + length + 2.0);
@@ -422,7 +423,7 @@ double Scale::inside(double value) const {
 }
 
 int Scale::beyond(double value) const {
-  // A rounding is not beyond.
+  // A rounding error is not beyond the edge.
   constexpr double slack = 1e-9;
   const double at = share(value);
   return at < -slack ? -1 : at > 1.0 + slack ? 1 : 0;
@@ -534,7 +535,7 @@ void marker(Canvas& canvas, Marker kind, Point at, const Colour& colour) {
 }
 
 void arrow(Canvas& canvas, Point tip, int dx, int dy, const Colour& colour) {
-  // `along` points back from the tip, `across` to its side.
+  // `along` is the distance back from the tip, `across` the distance to its side.
   const auto at = [&](double along, double across) {
     return Point{tip.x - dx * along - dy * across, tip.y - dy * along + dx * across};
   };

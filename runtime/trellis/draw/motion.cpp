@@ -19,14 +19,14 @@ namespace trellis::draw {
 
 namespace {
 
-constexpr double tallest = 1.5;     ///< a panel, in widths
+constexpr double tallest = 1.5;     ///< height of a panel, in widths
 constexpr double tick_room = 26.0;  ///< points, left of the space
 constexpr double tick_length = 3.0;
 constexpr double path_width = 1.3;
 constexpr double end_radius = 3.2;
 constexpr double node_radius = 0.9;
 constexpr std::size_t most_ticks = 6;
-/// Shades of the density, each upon those before it; the steps are even in its square root.
+/// Shades of the density, drawn on top of each other; the steps are uniform in its square root.
 constexpr std::size_t shades = 8;
 constexpr double shade_opacity = 0.14;
 
@@ -34,7 +34,7 @@ constexpr Colour bias_colour = palette::blue;
 constexpr Colour path_colour = palette::vermillion;
 constexpr Colour invalid_colour = palette::vermillion;
 
-/// The cells that `chosen` takes, as one path of a rectangle for each run of them in a row.
+/// Returns the cells that `chosen` selects as one path, with a rectangle for each run of them in a row.
 template <class F>
 Path cells(const CellMap& map, const Rect& plot, const F& chosen) {
   Path path;
@@ -60,7 +60,7 @@ struct SpaceTicks {
   std::vector<std::string> labels;
 };
 
-/// Angles have their ticks at quarters and halves of a turn.
+/// Angles have ticks at quarters and halves of a turn.
 SpaceTicks ticks_of(const SpaceAxis& axis) {
   if (!axis.angle) {
     Ticks ticks = linear_ticks({axis.lo, axis.hi}, most_ticks);
@@ -79,7 +79,7 @@ SpaceTicks ticks_of(const SpaceAxis& axis) {
   return ticks;
 }
 
-/// "theta2" as it is written in print: "θ₂".
+/// Returns the printed name: "θ₂" for "theta2".
 std::string printed(const SpaceAxis& axis) {
   constexpr std::string_view theta = "theta";
   if (!axis.name.starts_with(theta)) return axis.name;
@@ -173,7 +173,7 @@ class MotionPlot {
     caption_ = page::wrapped(figure_.caption, text_width(), page::caption_font, 40);
     legend_top_ = page::border + page::block_height(title_, page::title_font) + (title_.empty() ? 0.0 : 4.0);
 
-    // Both panels are as wide as each other, and no taller than the page stands.
+    // Both panels have the same width, and at most a page's height.
     const double column = 0.5 * (text_width() - page::gap - tick_room);
     const auto fitted = [&](double width, double height) {
       const double scale = std::min(column / width, tallest * column / height);

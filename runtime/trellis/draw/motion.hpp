@@ -8,10 +8,10 @@
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/planar.hpp>
 
-/// Pictures of a robot on its way and of the two-dimensional space that it moves in, from plain numbers.
+/// Pictures of a robot on its path and of its two-dimensional space, from plain numbers.
 namespace trellis::draw {
 
-/// One axis of a space of two.
+/// One axis of a two-dimensional space.
 struct SpaceAxis {
   std::string name{};
   double lo = 0.0;
@@ -19,22 +19,22 @@ struct SpaceAxis {
   bool angle = false;  ///< in radians
 };
 
-/// Numbers over the cells of the space, row by row from the lowest. None at all: no rows.
+/// Numbers over the cells of the space, row by row from the lowest. Empty: no rows.
 struct CellMap {
   std::size_t columns = 0;
   std::size_t rows = 0;
   std::vector<double> values{};
 };
 
-/// A way of the robot, in the world and in its space, side by side.
+/// A path of the robot, in the world and in its space, side by side.
 struct MotionRow {
   std::string world_title{};
   std::string space_title{};
   std::vector<std::vector<WorldShape>> poses{};  ///< from start to goal: the robot's parts
   std::vector<bool> invalid{};                   ///< of each pose
-  std::vector<std::vector<Point>> path{};        ///< in the space, in pieces where it goes round
+  std::vector<std::vector<Point>> path{};        ///< in the space, in pieces where it wraps around
   std::vector<Point> nodes{};
-  CellMap density{};  ///< what proposals are drawn from
+  CellMap density{};  ///< density of the proposals
 };
 
 struct MotionFigure {
@@ -49,10 +49,10 @@ struct MotionFigure {
   Point goal{};
   std::vector<MotionRow> rows{};
   double width = 504.0;    ///< points
-  bool scale_bar = false;  ///< in the first picture of the world: a length, in metres
+  bool scale_bar = false;  ///< in the first picture of the world, in metres
 };
 
-/// Draws a figure on white. Its height is what its rows and texts need.
+/// Draws a figure on white. Its rows and texts determine its height.
 Canvas plot(const MotionFigure& figure);
 
 }  // namespace trellis::draw

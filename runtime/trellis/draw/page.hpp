@@ -7,7 +7,7 @@
 
 #include <trellis/draw/canvas.hpp>
 
-/// What all pictures have in common: how their texts are set, their margins, the rows of a legend.
+/// The layout that all pictures share: texts, margins, and the rows of a legend.
 namespace trellis::draw::page {
 
 inline constexpr Font title_font{.size = 10.0, .bold = true};
@@ -23,17 +23,18 @@ inline constexpr double swatch = 16.0;
 
 double line_height(const Font& font);
 double block_height(const std::vector<std::string>& lines, const Font& font);
-/// No line at all for an empty text.
+/// Returns no line for an empty text.
 std::vector<std::string> wrapped(const std::string& text, double width, const Font& font, std::size_t most);
-/// Lines below each other, the first one's top at the given point.
+/// Draws lines below each other, with the top of the first one at the given point.
 void block(Canvas& canvas, const std::vector<std::string>& lines, Point at, TextStyle style);
 
-/// The width of a legend's entry with this name, its sign included.
+/// Returns the width of a legend's entry with this name, including its symbol.
 double entry_width(const std::string& name);
-/// The name of an entry beside its sign, which stands from `at.x` on for the width of a swatch; `at` is the top left.
+/// Draws the name of an entry beside its symbol, which starts at `at.x` and has the width of a swatch; `at` is the top
+/// left.
 void entry_name(Canvas& canvas, const std::string& name, Point at);
 
-/// Rows of a legend above the panels: where each entry stands, from the legend's top left.
+/// Rows of a legend above the panels: the position of each entry, relative to the legend's top left.
 struct LegendRows {
   std::vector<Point> at;
   double height = 0.0;

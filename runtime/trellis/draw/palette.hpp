@@ -23,7 +23,8 @@ constexpr Colour rgb(unsigned hex) {
   return {part(16U), part(8U), part(0U), 1.0};
 }
 
-/// The colours of Okabe and Ito (2008), told apart with any colour vision, and greys; then what each stands for.
+/// The colours of Okabe and Ito (2008), which readers with any colour vision distinguish, and greys; then the meaning
+/// of each.
 namespace palette {
 
 inline constexpr Colour black = rgb(0x000000);
@@ -37,12 +38,12 @@ inline constexpr Colour purple = rgb(0xCC79A7);
 
 inline constexpr Colour paper = rgb(0xFFFFFF);
 inline constexpr Colour ink = rgb(0x222222);    ///< text, whiskers
-inline constexpr Colour muted = rgb(0x666666);  ///< what stands back: captions, references, ticks
+inline constexpr Colour muted = rgb(0x666666);  ///< of captions, references, ticks
 inline constexpr Colour frame = rgb(0x444444);
 inline constexpr Colour grid = rgb(0xE4E4E4);
-inline constexpr Colour shade = rgb(0xEBEBEB);  ///< a stretch of an axis that is marked
+inline constexpr Colour shade = rgb(0xEBEBEB);  ///< a marked interval of an axis
 
-// One thing has one colour in every figure.
+// One quantity has one colour in every figure.
 inline constexpr Colour total = rgb(0x9A9A9A);
 inline constexpr Colour gain = green;
 inline constexpr Colour loss = vermillion;
@@ -52,11 +53,11 @@ inline constexpr Colour tree = blue;
 inline constexpr Colour expansion = purple;
 inline constexpr Colour baseline = sky;
 
-/// Of the levels of a hierarchy, the root's first: those of the page (report.css, --level-0 to --level-3).
+/// The colours of the levels of a hierarchy, the root's first: those of the page (report.css, --level-0 to --level-3).
 inline constexpr std::array<Colour, 4> levels = {rgb(0x0072B2), rgb(0xB8588D), rgb(0x857500), rgb(0x4A4F55)};
 constexpr Colour level(std::size_t i) { return levels[i % levels.size()]; }
 
-/// For series without a colour of their own, in this order; the faint yellow is left out.
+/// For series without a colour of their own, in this order; omits the faint yellow.
 inline constexpr std::array<Colour, 7> series = {blue, vermillion, green, orange, purple, sky, black};
 constexpr Colour nth(std::size_t i) { return series[i % series.size()]; }
 

@@ -20,15 +20,15 @@ namespace trellis::draw {
 namespace {
 
 constexpr double most_cells = 1e6;
-/// Of the cells that hold samples, the share whose circles fit into their cells.
+/// Of the cells with samples, the share whose circles fit into their cells.
 constexpr double fitting = 0.95;
 constexpr double fitting_diameter = 0.95;  ///< cells
 constexpr double largest_diameter = 2.2;
-constexpr double tallest = 1.5;  ///< a panel, in widths of its column
+constexpr double tallest = 1.5;  ///< height of a panel, in widths of its column
 constexpr double ring = 0.8;     ///< points
 constexpr double least_shown = 0.5;
 
-/// How a role's circles look. Among others the strategy's own are rings, upon what they are compared with.
+/// The look of a role's circles. Beside other roles, the strategy's own circles are rings on top of the others.
 struct Look {
   Colour colour;
   double filling = 0.0;  ///< opacity
@@ -47,7 +47,7 @@ Look look_of(Role role, RoleColours colours, bool alone) {
   return {colour};
 }
 
-/// The layers of a panel from the lowest to the highest: what is filled below what is not.
+/// Returns the layers of a panel from the lowest to the highest: filled circles below rings.
 std::vector<CircleLayer> below_each_other(const PlanarPanel& panel) {
   constexpr std::array order = {2, 4, 3, 1};  // target, tree, expansion, baseline
   std::vector<CircleLayer> layers = panel.layers;
@@ -57,7 +57,7 @@ std::vector<CircleLayer> below_each_other(const PlanarPanel& panel) {
   return layers;
 }
 
-/// Circles on paper, all of one look. The outer edges of their rings have the radii given.
+/// Circles of one look on paper. The outer edges of their rings have the given radii.
 class Circles {
  public:
   void add(Point at, double radius) {
@@ -91,7 +91,7 @@ double largest(const PlanarPanel& panel) {
   return most;
 }
 
-/// Signs of the legend.
+/// A symbol of the legend.
 struct Entry {
   enum class Sign : std::uint8_t { circles, start, goal, path, obstacle };
   Sign sign = Sign::circles;
@@ -150,7 +150,7 @@ class Plot {
 
   void make_legend() {
     using Sign = Entry::Sign;
-    // Where layers lie above each other their looks differ most, so these are explained.
+    // Overlapping layers have the most different looks, so the legend explains these.
     auto by_layers = figure_.panels;
     std::stable_sort(by_layers.begin(), by_layers.end(),
                      [](const auto& a, const auto& b) { return a.layers.size() > b.layers.size(); });
@@ -213,14 +213,14 @@ class Plot {
     Rect plot;
     std::vector<std::string> title;
     double area = 0.0;          ///< square points for each sample
-    std::vector<double> sizes;  ///< mean counts that the legend below explains
+    std::vector<double> sizes;  ///< mean counts in the legend below
   };
 
   static double sizes_height(const Frame& frame) {
     return std::max(page::line_height(page::tick_font), 2.0 * radius_of(frame.sizes.back() * frame.area));
   }
 
-  /// From the world to paper.
+  /// Returns the map from the world to paper.
   [[nodiscard]] Transform map(const Rect& plot) const {
     return {.xx = scale_,
             .yy = -scale_,
@@ -251,7 +251,7 @@ class Plot {
         }
         circles.draw(canvas, look(panel, layer));
       }
-      // Upon the circles, which would hide small robots.
+      // Above the circles, which would cover small robots.
       outline(canvas, start, plot.grown(10.0));
       outline(canvas, goal, plot.grown(10.0));
     }
@@ -274,7 +274,7 @@ class Plot {
     if (frame.sizes.empty()) return;
     const double middle = frame.plot.bottom() + 3.0 + 0.5 * sizes_height(frame);
     const TextStyle style{page::tick_font, palette::ink, Align::left, Stand::middle};
-    // Of several layers none is meant.
+    // With several layers the legend refers to none of them.
     const Look grey{palette::muted, 0.3};
     double x = frame.plot.x + 1.0;
     for (const double size : frame.sizes) {
@@ -337,7 +337,7 @@ Colour colour_of(Role role, RoleColours colours) {
 }
 
 Grid::Grid(const Rect& world, double cell) : world_(world), cell_(cell) {
-  // A last cell that rounding made is none.
+  // Omit a last cell that exists only by rounding.
   const auto cells = [&](double length) { return std::max(1.0, std::ceil(length / cell - 1e-9)); };
   const double across = cells(world.width);
   const double up = cells(world.height);
@@ -353,7 +353,7 @@ bool Grid::count(Point p, double weight, std::vector<double>& counts) const {
   const double x = p.x - world_.x;
   const double y = p.y - world_.y;
   if (!(x >= 0.0 && y >= 0.0 && x <= world_.width && y <= world_.height)) return false;
-  // The first and the last cell that a coordinate lies in: two where it lies on the edge between them.
+  // The first and the last cell of a coordinate: two cells where it lies on their common edge.
   const auto cells = [this](double length, std::size_t most) {
     const double at = length / cell_;
     const double edge = std::round(at);
@@ -395,7 +395,7 @@ double area_per_sample(const PlanarPanel& panel, const Grid& grid) {
 std::vector<double> sizes_explained(const PlanarPanel& panel) {
   const double most = largest(panel);
   if (!(most > 0.0)) return {};
-  // 1, 2 or 5 times a power of ten, and two more, a quarter or a fifth of the one before.
+  // 1, 2 or 5 times a power of ten, and two more sizes, a quarter or a fifth of the one before.
   const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9));
   const double lead = most / power * (1.0 + 1e-9);
   const double digit = lead >= 5.0 ? 5.0 : lead >= 2.0 ? 2.0 : 1.0;

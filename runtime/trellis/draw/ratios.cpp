@@ -72,7 +72,7 @@ class Plot {
     title_ = wrapped(figure_.title, figure_.width - 2.0 * border, title_font, 3);
     caption_ = wrapped(figure_.caption, figure_.width - 2.0 * border, caption_font, 40);
     std::vector<std::string> entries;
-    // A group alone needs no name.
+    // A single group needs no name.
     if (figure_.groups.size() > 1) shown_ = figure_.groups.size();
     for (std::size_t g = 0; g < shown_; ++g) entries.push_back(figure_.groups[g].name);
     medians_ = std::any_of(figure_.rows.begin(), figure_.rows.end(), [](const RatioRow& row) {
@@ -100,7 +100,7 @@ class Plot {
     extent_ = extent_.fitted(AxisScale::log, 0.04);
   }
 
-  /// Whether a ratio has a place on a logarithmic axis.
+  /// Whether a logarithmic axis can show a ratio.
   static bool on_axis(double ratio) { return std::isfinite(ratio) && ratio > 0.0; }
 
   [[nodiscard]] double row_top(std::size_t row) const { return top_ + row_ * static_cast<double>(row); }
@@ -166,14 +166,14 @@ class Plot {
     return dot.label + " " + number_text(dot.value, dot.value < 0.995 ? 2 : dot.value < 99.5 ? 1 : 0);
   }
 
-  /// The vertical lines, each with its label above.
+  /// Draws the vertical lines, each with its label above.
   void lines(Canvas& canvas, const marks::Scale& x) const {
     for (const RatioLine& line : figure_.lines) {
       const double at = x.inside(line.x);
       canvas.line({at, top_}, {at, bottom_},
                   {palette::frame, 0.9, marks::dashes(line.dash, 0.9), Cap::butt, Join::miter});
     }
-    // Labels that would meet stand to the left and to the right of their lines.
+    // Labels that would overlap stand to the left and to the right of their lines.
     for (std::size_t i = 0; i < figure_.lines.size(); ++i) {
       const Align align = figure_.lines.size() == 1 ? Align::centre : i == 0 ? Align::right : Align::left;
       const double shift = align == Align::right ? 2.0 : align == Align::left ? -2.0 : 0.0;
@@ -193,7 +193,7 @@ class Plot {
       if (largest == nullptr || one.value > largest->value) largest = &one;
       const double y = y0 + lane * static_cast<double>(one.group);
       const bool unbounded = !(one.lo > 0.0) && std::isinf(one.hi);
-      if (std::isnan(one.lo) || unbounded) continue;  // nothing is known of it
+      if (std::isnan(one.lo) || unbounded) continue;  // no interval
       const double lo = std::isfinite(one.lo) && one.lo > 0.0 ? x.inside(one.lo) : x.from();
       const double hi = x.inside(one.hi);
       if (one.lo < one.hi && hi > lo) canvas.line({lo, y}, {hi, y}, whisker(figure_.groups[one.group]));

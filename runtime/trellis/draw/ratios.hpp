@@ -8,10 +8,10 @@
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/marks.hpp>
 
-/// Ratios on a logarithmic axis: a row for each thing compared, a dot for each case that it was compared in.
+/// Ratios on a logarithmic axis: a row for each subject of the comparison, a dot for each case.
 namespace trellis::draw {
 
-/// Cases that are drawn alike, on a line of their own in each row.
+/// Cases of one look, on their own line in each row.
 struct RatioGroup {
   std::string name{};
   Colour colour{};
@@ -20,7 +20,7 @@ struct RatioGroup {
 
 struct RatioDot {
   std::size_t group = 0;  ///< index into RatioFigure::groups
-  std::string label{};    ///< printed right of the row whose largest it is; "": nothing
+  std::string label{};    ///< printed right of the row if its dot is the largest; "": nothing
   double value = 1.0;     ///< infinity: an arrow at the right edge; 0: one at the left edge
   double lo = 1.0;        ///< its interval; NaN: none
   double hi = 1.0;
@@ -44,15 +44,15 @@ struct RatioFigure {
   std::string caption{};
   std::vector<std::string> panels{};  ///< their titles, side by side
   std::string x_label{};
-  std::string texts = "largest";  ///< above what is printed beside the rows
+  std::string texts = "largest";  ///< heading of the texts beside the rows
   std::vector<RatioGroup> groups{};
   std::vector<RatioRow> rows{};  ///< from the top
   std::vector<RatioLine> lines{};
   double width = 700.0;  ///< points
 };
 
-/// Draws a figure on white. Its height is what its rows and texts need. A vertical bar marks the median of each row.
-/// Throws Fault where a row has not as many panels as the figure.
+/// Draws a figure on white. Its panels and texts determine its height. A vertical bar marks the median of each row.
+/// \throws Fault where a row has another number of panels than the figure.
 Canvas plot(const RatioFigure& figure);
 
 }  // namespace trellis::draw

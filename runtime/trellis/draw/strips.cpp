@@ -23,7 +23,7 @@ constexpr double strip_height = 13.0;
 constexpr double strip_gap = 4.0;
 constexpr double tick_length = 3.0;
 constexpr double most_name_share = 0.36;  ///< of the figure's width
-constexpr double most_ratio = 4.0;        ///< where the colours are full
+constexpr double most_ratio = 4.0;        ///< where the colours saturate
 constexpr double key_width = 150.0;
 constexpr double key_height = 8.0;
 
@@ -78,7 +78,7 @@ class Plot {
               (caption_.empty() ? 0.0 : 6.0 + block_height(caption_, caption_font)) + border;
   }
 
-  /// The colours, from no sample at all to four times the target's share.
+  /// Draws the colour key, from no sample to four times the target's share.
   void key(Canvas& canvas) const {
     const std::string said = "samples' share / target's share";
     const double label = text_extents(said, legend_font).width;

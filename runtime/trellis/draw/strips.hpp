@@ -6,7 +6,7 @@
 
 #include <trellis/draw/canvas.hpp>
 
-/// Heat strips: shares of samples along an axis beside those of a target, a strip for each set of samples.
+/// Heat strips: shares of samples along an axis relative to those of a target, a strip for each set of samples.
 namespace trellis::draw {
 
 struct Strip {
@@ -24,12 +24,13 @@ struct StripFigure {
   double width = 504.0;         ///< points
 };
 
-/// The colour of a bin: white where the samples have the target's share, `palette::loss` where they have less and grey
-/// where they have more, full at a quarter and at four times. A bin of no target has no ratio: the colour of the paper.
+/// Returns the colour of a bin: white where the samples have the target's share, `palette::loss` where they have less
+/// and grey where they have more, saturated at a quarter and at four times. A bin without target has no ratio: the
+/// colour of the paper.
 Colour strip_colour(double share, double target);
 
-/// Draws a figure on white. All strips have one axis. A bin of the target without any sample is crossed out. Its height
-/// is what its strips and texts need. Throws Fault for a strip whose vectors do not fit each other.
+/// Draws a figure on white. All strips share one axis. A cross marks a bin of the target without any sample. The strips
+/// and texts determine the height. \throws Fault for a strip whose vectors have different lengths.
 Canvas plot(const StripFigure& figure);
 
 }  // namespace trellis::draw

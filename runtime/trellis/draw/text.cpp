@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view ellipsis = "…";
 constexpr std::string_view replacement = "\uFFFD";
 
-/// Bytes of the character at the beginning, 0 where there is no valid one.
+/// Returns the number of bytes of the first character, 0 where it is invalid.
 std::size_t character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
   const unsigned first = byte(0);
@@ -31,7 +31,7 @@ std::size_t character(std::string_view text) {
   return code < least[length] || code > 0x10FFFFU || surrogate ? 0 : length;
 }
 
-/// Where the characters of valid UTF-8 end, the first entry being 0.
+/// Returns the offsets of the ends of the characters of valid UTF-8, the first entry being 0.
 std::vector<std::size_t> ends(std::string_view text) {
   std::vector<std::size_t> found = {0};
   for (std::size_t i = 1; i <= text.size(); ++i) {
@@ -40,7 +40,7 @@ std::vector<std::size_t> ends(std::string_view text) {
   return found;
 }
 
-/// The longest prefix that fits with `tail` after it.
+/// Returns the longest prefix that fits with `tail` after it.
 std::string_view prefix(std::string_view text, double width, const Font& font, std::string_view tail) {
   const auto at = ends(text);
   std::size_t fits = 0;

@@ -17,7 +17,7 @@ constexpr std::array<int, 3> nice = {1, 2, 5};
 
 double power(int exponent) { return std::pow(10.0, exponent); }
 
-/// floor(log10 x), right where x is a power of ten.
+/// Returns floor(log10 x), exact where x is a power of ten.
 int decade(double x) {
   const int guess = static_cast<int>(std::floor(std::log10(x)));
   if (power(guess + 1) <= x) return guess + 1;
@@ -49,7 +49,7 @@ Steps steps(const Extent& extent, int mantissa, int exponent) {
   return {mantissa, exponent, std::ceil(extent.lo / step - slack), std::floor(extent.hi / step + slack)};
 }
 
-/// Powers of ten are written out between these, else as powers.
+/// Writes powers of ten as decimals in this range, else as powers.
 bool plain(int exponent) { return exponent >= -3 && exponent <= 4; }
 
 std::string mantissa_text(int mantissa, int exponent, bool written_out) {
@@ -102,7 +102,7 @@ Ticks linear_ticks(const Extent& extent, std::size_t most) {
   check(extent, most);
   const auto limit = static_cast<double>(most);
   Steps chosen;
-  // One decade below the first guess at the step is fine enough for any number of ticks that has a place on paper.
+  // One decade below the first guess at the step suffices for any number of ticks that fits on paper.
   for (int exponent = decade((extent.hi - extent.lo) / limit) - 1;; ++exponent) {
     bool found = false;
     for (const int mantissa : nice) {

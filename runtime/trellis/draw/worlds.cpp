@@ -14,7 +14,7 @@ namespace trellis::draw {
 namespace {
 
 constexpr double robot_outline = 0.8;
-constexpr double marked_below = 4.0;  ///< points; a robot that is smaller on paper is a mark
+constexpr double marked_below = 4.0;  ///< points; draw a smaller robot as a mark
 constexpr double mark_radius = 2.2;
 
 Rect bounds_of(const std::vector<WorldShape>& shapes) {

@@ -11,7 +11,7 @@ namespace trellis {
 
 namespace {
 
-/// Bit by bit, so that two NaNs agree.
+/// Bitwise comparison, so that two NaNs are equal.
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 bool same(const Configurations& a, const Configurations& b) {

@@ -20,7 +20,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t start_node = 0;
 constexpr std::uint32_t goal_node = 1;
-/// Configurations tried for each sample wanted.
+/// Configurations tried for each requested sample.
 constexpr std::size_t tries_per_sample = 64;
 
 }  // namespace
@@ -46,7 +46,7 @@ CostField::CostField(CostFieldInstance instance, const CostFieldSettings& settin
   join(known);
   from_start_ = search(start_node);
   to_goal_ = search(goal_node);
-  // Either search's way is a path, and being pulled taut from the one end or the other they differ.
+  // Both searches give a path; shortcutting from opposite ends makes them differ.
   const bool forward = from_start_.cost[goal_node] <= to_goal_.cost[start_node];
   const Ways& ways = forward ? from_start_ : to_goal_;
   const std::uint32_t end = forward ? goal_node : start_node;
@@ -106,7 +106,7 @@ void CostField::join(const std::vector<Configurations>& known) {
   }
   for (std::uint32_t id = 0; id < nodes_.size(); ++id) {
     const View q = std::as_const(nodes_)[id];
-    index_.k_nearest(q, neighbours_ + 1, near_);  // itself among them
+    index_.k_nearest(q, neighbours_ + 1, near_);  // includes q itself
     for (const auto& near : near_) {
       if (near.id == id || joined(id, near.id)) continue;
       if (instance_.valid_motion(q, std::as_const(nodes_)[near.id])) add(id, near.id);
@@ -127,7 +127,7 @@ CostField::Ways CostField::search(std::uint32_t root) const {
     queue.pop();
     if (done[v] != 0) continue;
     done[v] = 1;
-    // Every node before lies on a way that is final, so that this one's only gets shorter.
+    // The paths to all nodes before are final, so this node's path can only become shorter.
     while (ways.before[v] != root) {
       const std::uint32_t u = ways.before[ways.before[v]];
       if (!instance_.valid_motion(std::as_const(nodes_)[u], std::as_const(nodes_)[v])) break;

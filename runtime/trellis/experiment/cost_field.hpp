@@ -13,44 +13,45 @@
 
 namespace trellis {
 
-/// An instance whose paths are to be measured; nothing that is asked is counted.
+/// An instance whose path costs are measured; no call counts as a check.
 struct CostFieldInstance {
   Space space;
   Configuration start;
   Configuration goal;
   std::function<bool(View)> valid;
-  std::function<bool(View, View)> valid_motion;  ///< of the straight motion from a valid configuration to another
+  std::function<bool(View, View)> valid_motion;  ///< of the straight motion between two valid configurations
 };
 
 struct CostFieldSettings {
-  std::size_t samples = 2000;  ///< valid ones that the roadmap is made of
+  std::size_t samples = 2000;  ///< valid ones of the roadmap
 };
 
-/// The length of the shortest path through a configuration, for the target "configurations on paths within (1 +
-/// epsilon) of the optimum": a PRM* (Karaman and Frazzoli 2011) of valid quasi-random samples, each joined to the
-/// ceil(e (1 + 1/d) log n) nearest by straight motions, with the shortest ways from the start and from the goal to
-/// every sample. Ways are pulled taut: what sees the sample before its last but one goes there straight.
+/// Computes the length of the shortest path through a configuration, for the target "configurations on paths within (1
+/// + epsilon) of the optimum". A PRM* (Karaman and Frazzoli 2011) of valid quasi-random samples connects each sample to
+/// the ceil(e (1 + 1/d) log n) nearest by straight motions, and stores the shortest paths from the start and from the
+/// goal to every sample. Paths are shortcut: a sample connects directly to its grandparent where the straight motion is
+/// valid.
 ///
-/// All lengths are those of valid paths, so they are never too small, and come down to the truth as the samples grow
-/// in number. Deterministic. One thread at a time.
+/// All lengths are those of valid paths, so they are upper bounds that converge to the true lengths as the number of
+/// samples grows. Deterministic. Only one thread may use it at a time.
 class CostField {
  public:
   /// \param known  valid paths from the start to the goal or within its tolerance: their points join the roadmap, so
-  ///               that the optimum is no longer than any of them
+  ///     that the optimum is at most as long as each of them
   CostField(CostFieldInstance instance, const CostFieldSettings& settings, std::uint64_t seed,
             const std::vector<Configurations>& known = {});
 
-  /// The length of the shortest path found from the start to the goal; infinity where there is none.
+  /// Returns the length of the shortest path found from the start to the goal; infinity where there is none.
   [[nodiscard]] double optimum() const { return optimum_; }
-  /// That path; empty where there is none.
+  /// Returns that path; empty where there is none.
   [[nodiscard]] const Configurations& path() const { return path_; }
-  /// The length of the shortest way found from the start through q to the goal, by samples near q that it sees;
-  /// infinity where q is invalid or sees none that is joined to both.
+  /// Returns the length of the shortest path found from the start through q to the goal, over samples near q with valid
+  /// motions; infinity where q is invalid or reaches no sample that is connected to both.
   [[nodiscard]] double cost(View q) const;
 
-  /// Samples of the roadmap, start, goal and the points of known paths among them.
+  /// Returns the number of samples of the roadmap, including start, goal and the points of known paths.
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
-  /// Nearest samples that each is joined to, and that `cost` looks at.
+  /// Returns the number of nearest samples that each sample, and each query, tries to connect to.
   [[nodiscard]] std::size_t neighbours() const { return neighbours_; }
 
  private:
@@ -58,16 +59,17 @@ class CostField {
     std::uint32_t to = 0;
     double length = 0.0;
   };
-  /// Shortest ways from one node to all.
+  /// Shortest paths from one node to all nodes.
   struct Ways {
     std::vector<double> cost;
-    std::vector<std::uint32_t> before;  ///< the node before on the way; the root's itself
+    std::vector<std::uint32_t> before;  ///< the parent of each node; the root's is itself
   };
 
   void sample(std::size_t count, std::uint64_t seed);
   void join(const std::vector<Configurations>& known);
   [[nodiscard]] Ways search(std::uint32_t root) const;
-  /// The least cost from the root of `ways` straight to q from a node near it, or from the node before that one.
+  /// Returns the least cost from the root of the shortest paths to q, by a straight motion from a node near q or from
+  /// that node's parent.
   [[nodiscard]] double reach(const Ways& ways, View q) const;
 
   CostFieldInstance instance_;

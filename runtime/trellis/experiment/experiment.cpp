@@ -28,7 +28,7 @@ void check_name(const char* one, const char* many, const std::string& name, std:
   if (!taken.insert(name).second) throw Error(fmt::format("experiment: two {} are called '{}'", many, name));
 }
 
-/// The ranges are those of the registry, so that C++ callers are held to what scripts are held to.
+/// The ranges are those of the registry, so that C++ callers and scripts have the same checks.
 void check(const Component& component, const std::vector<Options::Entry>& all) {
   std::vector<Options::Entry> given;
   std::copy_if(all.begin(), all.end(), std::back_inserter(given),
@@ -57,7 +57,7 @@ void check(const Measure& measure) {
   }
 }
 
-/// One cell's place in the fixed order of the result: by problem, strategy, seed.
+/// The index of a cell in the fixed order of the result: by problem, strategy, seed.
 struct Cell {
   const Problem& problem;
   const std::pair<std::string, StrategySpec>& strategy;
@@ -69,7 +69,7 @@ struct Cell {
         seed(experiment.seeds[index % experiment.seeds.size()]) {}
 };
 
-/// The cells in the order in which they run: by problem, then by seed, the strategies of each seed shuffled.
+/// Returns the cells in the order of execution: by problem, then by seed, with the strategies of each seed shuffled.
 std::vector<std::size_t> order_of_cells(const Experiment& experiment) {
   const std::size_t strategies = experiment.strategies.size();
   const std::size_t seeds = experiment.seeds.size();
@@ -200,7 +200,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   ExperimentResult result;
   result.runs.resize(cells);
 
-  std::atomic<bool> stop{false};  // a failure in one cell ends the others' planning
+  std::atomic<bool> stop{false};  // a failure in one cell stops the planning of the others
   const std::function<bool()> interrupted = [&] {
     return stop.load(std::memory_order_relaxed) || (options.interrupted && options.interrupted());
   };
@@ -218,7 +218,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
     const std::size_t index = order[turn];
     try {
       if (interrupted()) throw Interrupted();
-      // Each cell has its own place: nothing is shared, and the order does not depend on who is quicker.
+      // Each cell writes to its own element: threads share no data, and their speed does not affect the order.
       const Cell cell(experiment, index);
       RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                {experiment.shortcut, interrupted, {}});
@@ -236,7 +236,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
     const unsigned all = std::max(1U, std::thread::hardware_concurrency());
     score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted);
   }
-  // What a level's functions hold (its checker, its scene, its guide) nobody asks again.
+  // No later step uses the checkers, scenes and guides of the levels.
   for (RunResult& cell : result.runs) release(cell);
   result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned).count();
   return result;

@@ -22,58 +22,59 @@
 
 namespace trellis {
 
-/// A target that a user defines. It is a distribution over the root's space, so every level is scored on it lifted.
+/// A target that a user defines: a distribution over the root's space. Every level's samples are lifted to be scored.
 struct UserTarget : TargetSettings {
-  /// What its functions are being called for, kept up to date while an experiment is scored.
+  /// The context of the calls of its functions; scoring updates it.
   struct Occasion {
     const Problem* problem = nullptr;
     std::string strategy;
     std::uint64_t seed = 0;
-    std::string level;                        ///< whose samples are scored (level_path), "" while the target is drawn
-    std::string role;                         ///< what these are: "node", "proposal"
-    const Configurations* samples = nullptr;  ///< these; nullptr while the target is drawn
+    std::string level;                        ///< the scored level (level_path), "" while the target is drawn
+    std::string role;                         ///< the role of its samples: "node", "proposal"
+    const Configurations* samples = nullptr;  ///< the samples; nullptr while the target is drawn
   };
   struct Context {
     const Problem& problem;
     const Configurations& path;                     ///< the run's path
-    std::int64_t draws = 0;                         ///< how many are wanted
-    std::uint64_t seed = 0;                         ///< for drawing them
-    std::shared_ptr<const Occasion> occasion = {};  ///< of this call, and of those of the density later on
+    std::int64_t draws = 0;                         ///< the requested number of draws
+    std::uint64_t seed = 0;                         ///< the seed of the draws
+    std::shared_ptr<const Occasion> occasion = {};  ///< of this call, and of later calls of the density
   };
   /// Called from the thread that called run(), in a fixed order.
   std::function<Target::Distribution(const Context&)> make;
 };
 
-/// What the samples are measured against.
+/// The target of the measure.
 using TargetSpec = std::variant<TubeSettings, NearOptimalSettings, ProgressSettings, UserTarget>;
-/// The name of its component: "tube", "near_optimal", "progress", "target".
+/// Returns the name of its component: "tube", "near_optimal", "progress", "target".
 std::string target_name(const TargetSpec& target);
 const TargetSettings& common_settings(const TargetSpec& target);
 
-/// How an experiment's samples are scored.
+/// How to score an experiment's samples.
 struct Measure {
   TargetSpec target = TubeSettings{};
-  /// The first that has a figure gives the headline. Of the default list it alone is asked, which spares half of the
-  /// work; of any other list the others stand beside it.
+  /// The first estimator that has a value gives the headline. Of the default list, scoring uses that one only, which
+  /// saves half of the work; of any other list it reports all.
   std::vector<EstimatorSpec> estimators = default_estimators();
-  /// Paths of other seeds that each run is scored on besides its own; 0: none. The same paths for all strategies.
+  /// The number of other seeds whose paths each run is also scored on; 0: none. All strategies use the same paths.
   std::int64_t cross = 4;
-  /// Whether each level's roadmap, information and wasted samples are measured too.
+  /// Whether to compute the metrics of each level's roadmap, information and wasted samples too.
   bool metrics = false;
 };
 
-/// A strategy of an experiment that is another one with a guide taken out.
+/// A strategy of an experiment that is another strategy without one guide.
 struct AblationLink {
   std::string strategy;   ///< its name
-  std::string of;         ///< the name of the whole strategy
+  std::string of;         ///< the name of the complete strategy
   std::string text;       ///< "without shrink(0.5)"
-  std::string level;      ///< what the level of that guide is called in the whole strategy
-  std::size_t among = 0;  ///< of the levels that are called so, which one, in the order of the levels
-  /// Whether what guided that guide is left. Else uniform sampling stands in its place, and all that guided it is gone.
+  std::string level;      ///< the name of that guide's level in the complete strategy
+  std::size_t among = 0;  ///< the index among the levels of that name, in the order of the levels
+  /// Whether the guides of the removed guide remain. Otherwise uniform sampling replaces it, and its own guides are
+  /// removed.
   bool skipped = false;
 };
 
-/// What somebody published of an experiment, to be set beside what comes out here.
+/// Published results of an experiment, for comparison.
 struct Publication {
   /// SE of the root's tree and expansion, nats; NaN: not given.
   struct Entry {
@@ -82,7 +83,7 @@ struct Publication {
     double tree = std::numeric_limits<double>::quiet_NaN();
     double expansion = std::numeric_limits<double>::quiet_NaN();
   };
-  /// A sentence that the results are to bear out: SE of a strategy is lower than that of others, or is not.
+  /// A published claim to compare with the results: SE of a strategy is lower than that of others, or is not.
   struct Claim {
     enum class Role : std::uint8_t { tree, expansion };
     std::string text;
@@ -110,22 +111,23 @@ struct Experiment {
   std::vector<std::pair<std::string, StrategySpec>> strategies;  ///< in the order of the report; names are unique
   std::vector<std::uint64_t> seeds;
   std::optional<Measure> measure = Measure{};  ///< none: no efficiency is computed
-  std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before it is reported
-  std::string baseline;                        ///< the strategy that the others are compared with; "": baseline_of()
-  std::vector<AblationLink> ablations;         ///< of the strategies, those made by ablate()
-  std::optional<Publication> published;        ///< what to set the results beside
+  std::int64_t shortcut = 0;                   ///< rounds of shortcutting on each found path before its report
+  std::string baseline;                        ///< the strategy to compare the others with; "": baseline_of()
+  std::vector<AblationLink> ablations;         ///< the strategies that ablate() added
+  std::optional<Publication> published;        ///< for comparison with the results
   std::vector<ProblemGroup> groups;            ///< of some of the problems; no problem is in two
 };
 
-/// The strategy that the others are compared with: the one that is named, else the first without a guide, else the
-/// first. "" for fewer than two strategies, ablations not counted.
+/// Returns the strategy to compare the others with: the named one, else the first without a guide, else the first. ""
+/// for fewer than two strategies, not counting ablations.
 std::string baseline_of(const Experiment& experiment);
 
-/// Adds, after the strategies, those of `names` with each guide taken out in turn; each is compared with the whole one.
-/// Throws Error for an unknown name and for a strategy without a guide.
+/// Appends, for each strategy in `names`, copies with one guide removed; reports compare each copy with the complete
+/// strategy.
+/// \throws Error for an unknown name and for a strategy without a guide.
 void ablate(Experiment& experiment, const std::vector<std::string>& names);
 
-/// One level's samples scored against one path, tree and expansion.
+/// The scores of one level's samples, tree and expansion, relative to one path.
 struct Scores {
   Efficiency tree;
   Efficiency expansion;
@@ -133,21 +135,21 @@ struct Scores {
 
 struct LevelResult {
   LevelRecord record;
-  /// In the level's own space against the level's own path (the root's: the run's reported path). None without a target
-  /// of its own. A role without samples, and a target without any valid configuration, score NaN.
+  /// In the level's own space relative to the level's own path (the root's: the run's reported path). None without a
+  /// target of its own. A role without samples, and a target without any valid configuration, score NaN.
   std::optional<Scores> own = {};
-  /// Lifted to the root space by the chain of h's, against the root's path. None when the root found no path.
+  /// Lifted to the root space by the chain of h's, relative to the root's path. None when the root found no path.
   std::optional<Scores> root = {};
-  /// The same on the paths of other seeds, the mean over them. In the level's own space: on the same level's paths
-  /// under the same strategy. Lifted: on the paths that all strategies of the problem are scored on.
+  /// The mean of the same over the paths of other seeds. In the level's own space: the same level's paths under the
+  /// same strategy. Lifted: the paths on which all strategies of the problem are scored.
   std::optional<Scores> own_cross = {};
   std::optional<Scores> root_cross = {};
-  /// root_cross (or root, without other seeds) of `equal_samples` of the samples drawn at random: as many as the
-  /// strategy with the fewest has, where numbers differ much. The root level only.
+  /// root_cross (or root, without other seeds) of a random subset of `equal_samples` samples: the number of the
+  /// strategy with the fewest, where numbers differ much. The root level only.
   std::optional<Scores> equal = {};
-  /// What frames the root's figures on its own path, with as many samples as it has, but `most_references` at the most:
-  /// the oracle, which draws from T itself (S = C with the solution known), and uniform sampling of C. The root level
-  /// only, scored by the headline's estimators.
+  /// The ends of the scale for the root's values on its own path, with as many samples as the root has, at most
+  /// `most_references`: the oracle, which samples T itself (S = C with a known solution), and uniform sampling of C.
+  /// The root level only, scored by the headline's estimators.
   std::optional<Scores> oracle = {};
   std::optional<Scores> uniform = {};
   static constexpr std::size_t most_references = 2000;
@@ -160,60 +162,62 @@ struct RunResult {
   std::string strategy;
   std::uint64_t seed = 0;
   RunRecord run;                    ///< its `levels` have moved into the ones below
-  double cpu_seconds = 0.0;         ///< CPU time of the thread that planned: set-up included, scoring excluded
-  std::vector<LevelResult> levels;  ///< the validity closures are released once the run is scored
-  /// Points of the target that the root was scored on, spread as it is; none without a path, or where the target does
-  /// not lie in the root's space.
+  double cpu_seconds = 0.0;         ///< CPU time of the planning thread: includes set-up, excludes scoring
+  std::vector<LevelResult> levels;  ///< scoring releases the validity closures
+  /// Points of the root's target, with its distribution; none without a path, or where the target does not lie in the
+  /// root's space.
   Configurations target = {};
 };
 
-/// The root's samples of all seeds of a strategy taken together, on the paths that single runs are scored on. On each
-/// path the seed that found it is left out, as a run is never scored on its own path there. What one run tells differs
-/// from it: a mixture of distributions that lie in different places covers what each of them misses.
+/// The root's samples of all seeds of a strategy pooled, on the paths on which single runs are scored. On each path the
+/// pool omits the seed that found it, because a run is never scored on its own path there. The result differs from that
+/// of one run: a mixture of distributions with different supports covers more than each of them.
 struct PooledScores {
   std::string problem;
   std::string strategy;
-  std::size_t seeds = 0;    ///< taken together on a path
+  std::size_t seeds = 0;    ///< in the pool of a path
   std::size_t targets = 0;  ///< paths; the scores are means over them
   Scores scores;
 };
 
 struct ExperimentResult {
-  std::vector<RunResult> runs;       ///< by problem, strategy, seed, whatever the number of threads
+  std::vector<RunResult> runs;       ///< by problem, strategy, seed, for any number of threads
   std::vector<PooledScores> pooled;  ///< by problem and strategy; none of those without two seeds and a path
   double planning_seconds = 0.0;     ///< wall clock of all runs
-  double measuring_seconds = 0.0;    ///< wall clock of scoring them
+  double measuring_seconds = 0.0;    ///< wall clock of their scoring
 };
 
 struct ExperimentOptions {
-  unsigned jobs = 1;  ///< cells run at the same time
-  /// Threads that score, once all cells have run and no time is taken any more; 0: as many as the machine has.
+  unsigned jobs = 1;  ///< number of concurrent cells
+  /// Threads for scoring, after all cells have run and no time is measured any more; 0: as many as the machine has.
   unsigned scoring_jobs = 0;
-  /// Called after each cell's run and each cell's scoring, from one thread at a time: done, in all.
+  /// Called after each cell's run and after its scoring, from one thread at a time, with the numbers of finished and of
+  /// all steps.
   std::function<void(std::size_t, std::size_t)> progress = {};
-  /// Asked between cells and, through the executor, between proposals; true ends the experiment early (Interrupted).
-  /// Called from the threads of all jobs at once.
+  /// Called between cells and, through the executor, between proposals; true stops the experiment (Interrupted). Called
+  /// from the threads of all jobs concurrently.
   std::function<bool()> interrupted = {};
 };
 
-/// Thrown when ExperimentOptions::interrupted said so.
+/// Thrown when ExperimentOptions::interrupted returns true.
 class Interrupted : public std::runtime_error {
  public:
   explicit Interrupted(const std::string& what = "interrupted") : std::runtime_error(what) {}
 };
 
-/// What ExperimentOptions::progress counts to: runs, and their scoring.
+/// Returns the total that ExperimentOptions::progress counts to: runs, and their scoring.
 std::size_t steps(const Experiment& experiment);
 
-/// Checks every problem and strategy without planning: names and seeds that repeat, coordinates, bounds, start and goal
-/// in collision (naming the obstacle), settings of the measure. Throws Error. (That planners fit their spaces is
-/// checked where specs are made.)
+/// Checks every problem and strategy without planning: repeated names and seeds, coordinates, bounds, start and goal in
+/// collision (names the obstacle), settings of the measure. (Constructors of specs check that planners fit their
+/// spaces.)
+/// \throws Error on the first fault.
 void check(const Experiment& experiment);
 
-/// Checks, runs every cell, then scores them; scoring changes no run and is not in the run's time. Cells run problem by
-/// problem and seed by seed, the strategies of a seed in a random order, so that a machine that slows down affects all
-/// strategies alike. The result does not depend on this order or on the number of threads, times apart. An exception in
-/// a cell stops the others and is rethrown here.
+/// Checks, runs every cell, then scores them; scoring changes no run and is not part of the run's time. Cells run
+/// problem by problem and seed by seed, with the strategies of a seed in a random order, so that a machine that slows
+/// down affects all strategies alike. Except for times, the result does not depend on this order or on the number of
+/// threads. An exception in a cell stops the others and is rethrown here.
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options = {});
 
 }  // namespace trellis

@@ -10,18 +10,18 @@
 
 namespace trellis {
 
-/// What rejected the proposals of a level.
+/// The obstacles that rejected the proposals of a level.
 struct Rejections {
-  std::size_t rejected = 0;  ///< proposals of which no node came because the motion to them is invalid
-  std::size_t examined = 0;  ///< of these, those whose first invalid configuration was found
-  /// What the robot touches there ("obstacle 3 (box 4 0 6 4.75)"), and in how many of them, the most frequent first.
+  std::size_t rejected = 0;  ///< proposals without a node because the motion to them is invalid
+  std::size_t examined = 0;  ///< of these, those with a located first invalid configuration
+  /// The contacts there ("obstacle 3 (box 4 0 6 4.75)"), with their numbers, the most frequent first.
   std::vector<std::pair<std::string, std::size_t>> by;
 };
 
-/// Looks at no more than `most` rejected proposals, spread evenly over the search, along the straight motion from the
-/// node that each grew from. Of a level whose validity is presumed nothing is rejected. Repeats collision checks that
-/// the run made already; they are counted nowhere. \param resolution  metres that the robot's fastest point moves
-/// between two configurations, > 0
+/// Examines at most `most` rejected proposals, evenly spread over the search, along the straight motion from the node
+/// that each extended. A level with presumed validity has no rejections. Repeats collision checks of the run, which do
+/// not count.
+/// \param resolution  metres that the robot's fastest point moves between two configurations, > 0
 Rejections rejections(const LevelRecord& level, double resolution, std::size_t most = 200);
 
 }  // namespace trellis

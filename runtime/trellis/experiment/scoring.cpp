@@ -15,20 +15,20 @@ namespace trellis {
 
 namespace {
 
-// A run is scored on several paths of others, and at several levels: with fewer points each than on the root's own
-// path.
+// Each run is scored on several other paths, and at several levels: each uses fewer points than the root's own path.
 constexpr std::int64_t cross_points = 512;
 constexpr std::int64_t cross_pool = 4096;
-constexpr std::size_t kept_points = 2048;    // of each run's target, for who draws it
-constexpr std::size_t pooled_samples = 500;  // of each run, where those of all seeds are taken together
-// Kernels cost more than all other estimators together, and are for comparison.
+constexpr std::size_t kept_points = 2048;    // of each run's target, for drawings
+constexpr std::size_t pooled_samples = 500;  // of each run, in the pool of all seeds
+// Kernels cost more than all other estimators together, and serve for comparison only.
 constexpr std::size_t kernel_points = 256;
-// Numbers of samples within this factor of each other are compared as they are.
+// Numbers of samples within this factor of each other need no equalising.
 constexpr double much_different = 2.0;
 
 using TargetPointer = std::shared_ptr<const Target>;
 
-/// The functions of one run share its checkers, which serve one thread at a time; targets are shared between threads.
+/// Makes the functions of one run thread-safe: they share its checkers, of which only one thread may use each at a
+/// time, while threads share targets.
 void guard(RunResult& run) {
   const auto mutex = std::make_shared<std::mutex>();
   for (LevelResult& level : run.levels) {
@@ -47,7 +47,7 @@ void guard(RunResult& run) {
   }
 }
 
-/// A figure that says why there is none.
+/// Returns a result without values that states the reason.
 Efficiency none(std::size_t samples, const std::string& reason, bool empty_target) {
   Efficiency figure;
   figure.samples = samples;
@@ -56,7 +56,7 @@ Efficiency none(std::size_t samples, const std::string& reason, bool empty_targe
   return figure;
 }
 
-/// The paths that a tube of another run can be laid around.
+/// The run that provides the path for a tube of other runs.
 struct Donor {
   const LevelResult* level = nullptr;
   const Configurations* path = nullptr;
@@ -70,7 +70,7 @@ class ProblemScoring {
       : experiment_(experiment),
         measure_(*experiment.measure),
         runs_(std::move(runs)),
-        // A script's own functions run in the thread that owns its interpreter.
+        // A script's functions run in the thread that owns its interpreter.
         jobs_(std::holds_alternative<UserTarget>(measure_.target) ? 1 : jobs),
         progress_(progress),
         interrupted_(interrupted),
@@ -83,7 +83,7 @@ class ProblemScoring {
     occasion_->problem = &*problem;
   }
 
-  /// \param pooled  appended to
+  /// \param pooled  receives the pooled scores, appended
   void score(std::vector<PooledScores>& pooled) {
     for (RunResult* run : runs_) guard(*run);
     choose_equal_number();
@@ -109,7 +109,7 @@ class ProblemScoring {
 
   // Targets ----------------------------------------------------------------------------------------------------------
 
-  /// The target that a run's path makes for a level; the root's is the path that the run reports.
+  /// Returns the target that a run's path defines for a level; the root's path is the one that the run reports.
   [[nodiscard]] MadeTarget own_target(const RunResult& run, const LevelResult& level, bool cross) const {
     const LevelRecord& record = level.record;
     const bool root = record.level == 0;
@@ -138,8 +138,8 @@ class ProblemScoring {
     return {nullptr, "the target lies in the root's space"};
   }
 
-  /// Whether a strategy's paths serve the others: those with a guide taken out would change what the whole ones are
-  /// scored on.
+  /// Whether other strategies are scored on a strategy's paths: those of ablations would change the scores of the
+  /// complete strategies.
   [[nodiscard]] bool gives_paths(std::size_t strategy) const {
     const std::string& name = experiment_.strategies[strategy].first;
     return std::none_of(experiment_.ablations.begin(), experiment_.ablations.end(),
@@ -156,8 +156,8 @@ class ProblemScoring {
     return !run.levels.empty() && run.run.solved && !run.run.path.empty();
   }
 
-  /// For each seed the runs whose paths all strategies are scored on: those of the next seeds, the strategies taking
-  /// turns.
+  /// For each seed, chooses the runs whose paths score all strategies: those of the next seeds, with the strategies in
+  /// turn.
   void choose_donors() {
     std::vector<std::size_t> givers;
     for (std::size_t s = 0; s < strategies_; ++s) {
@@ -169,7 +169,7 @@ class ProblemScoring {
       for (std::size_t lap = 0; lap < givers.size() && donors_[seed].size() < wanted; ++lap) {
         for (std::size_t k = 1; k < seeds_ && donors_[seed].size() < wanted; ++k) {
           const std::size_t other = (seed + k) % seeds_;
-          // The strategy whose turn it is, or the next one that found a path under this seed.
+          // The next strategy in turn, or the first after it that found a path under this seed.
           for (std::size_t turn = 0; turn < givers.size(); ++turn) {
             const std::size_t index = givers[(other + k + lap + turn) % givers.size()] * seeds_ + other;
             const bool taken = std::find(donors_[seed].begin(), donors_[seed].end(), index) != donors_[seed].end();
@@ -182,7 +182,7 @@ class ProblemScoring {
     }
   }
 
-  /// Made before any run is scored: of the roots those of donors only, of the levels below all.
+  /// Runs before the scoring: for the roots only the donors' targets, for the lower levels all.
   void make_cross_targets() {
     cross_roots_.resize(runs_.size());
     cross_levels_.resize(runs_.size());
@@ -204,7 +204,7 @@ class ProblemScoring {
     });
   }
 
-  /// The targets of the same level under other seeds.
+  /// Returns the targets of the same level under other seeds.
   [[nodiscard]] std::vector<TargetPointer> level_targets(std::size_t index, const LevelRecord& record) const {
     std::vector<TargetPointer> targets;
     const std::size_t strategy = index / seeds_;
@@ -223,14 +223,14 @@ class ProblemScoring {
 
   // Scoring ----------------------------------------------------------------------------------------------------------
 
-  /// A level's samples in one space, made ready for all targets there.
+  /// A level's samples in one space, prepared for all targets there.
   struct Sets {
     PreparedSamples tree;
     PreparedSamples expansion;
-    Held held = Held::anything;                ///< by the tree
+    Held held = Held::anything;                ///< of the tree
     std::function<double(View)> density = {};  ///< of the expansion
-    bool brief = false;                        ///< scored by the headline's estimator and `knn` only
-    /// The samples as they came, where a script's function is to be told which of them it is asked about.
+    bool brief = false;                        ///< uses the headline's estimator and `knn` only
+    /// The unsorted samples; a script's function receives them as context.
     Configurations nodes = {};
     Configurations proposals = {};
   };
@@ -243,7 +243,7 @@ class ProblemScoring {
   }
   /// \param root  the root's space
   [[nodiscard]] Sets root_sets(const RunResult& run, const LevelRecord& record, const Space& root) const {
-    // What entered a tree was found valid in the level's own space; lifted to the root it may be anything again.
+    // Tree nodes are valid in the level's own space; lifted to the root they may be invalid.
     Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes)},
               .expansion = {root, expansion(record, record.root_proposals)},
               .held = record.level == 0 ? held(record) : Held::anything,
@@ -257,7 +257,8 @@ class ProblemScoring {
     return sets;
   }
 
-  /// Says whose samples are being scored. A script's functions run in one thread, and nobody else asks.
+  /// Sets the context to the run and level that is being scored. A script's functions run in one thread, which alone
+  /// reads it.
   void tell(const RunResult& run, const LevelRecord& record) const {
     if (!users_) return;
     occasion_->strategy = run.strategy;
@@ -265,7 +266,7 @@ class ProblemScoring {
     occasion_->level =
         level_path(record, [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)].record; });
   }
-  /// And which ones.
+  /// Sets the samples of the context.
   void tell(const char* role, const Configurations& samples) const {
     if (!users_) return;
     occasion_->role = role;
@@ -300,9 +301,9 @@ class ProblemScoring {
     return found;
   }
 
-  /// Perfect guidance and none, beside a level's samples.
+  /// Scores perfect guidance and uniform sampling, to compare with a level's samples.
   void score_references(const Target& target, const Sets& sets, std::uint64_t seed, LevelResult& level) const {
-    if (users_) return;  // its density would be asked for samples that are no run's
+    if (users_) return;  // it would call the script's density for samples of no run
     const Space& space = target.space();
     const double log_target = target.is_uniform() ? -target.log_volume() : 0.0;
     const auto score = [&](const Configurations& rows, const std::function<double(View)>& density) {
@@ -340,7 +341,7 @@ class ProblemScoring {
     level.uniform = std::move(uniform);
   }
 
-  /// The expansion's samples, of rows that stand for a level's proposals.
+  /// Returns the expansion's samples, from rows that correspond to a level's proposals.
   static Configurations expansion(const LevelRecord& record, const Configurations& rows) {
     return record.search.expands ? rows : Configurations(rows.dimension());
   }
@@ -413,7 +414,7 @@ class ProblemScoring {
         level.own = absent(record, own.reason);
       }
     }
-    // A target that is the same for every run has no other seeds' version.
+    // A target that is the same for every run has no cross scores.
     if (std::holds_alternative<NearOptimalSettings>(measure_.target)) {
       for (LevelResult& level : result.levels) {
         level.own_cross = level.own;
@@ -424,7 +425,7 @@ class ProblemScoring {
     score_equal_number(result.levels.front(), root, crossing);
   }
 
-  /// Some of a target's points, spread as it is.
+  /// Stores a subset of a target's points, with its distribution.
   static void keep(const Target& target, Configurations& kept) {
     const std::size_t count = std::min(target.pool().size(), kept_points);
     kept = Configurations(target.space().dimension());
@@ -432,7 +433,7 @@ class ProblemScoring {
     for (std::size_t i = 0; i < count; ++i) kept.push(target.pool()[i]);
   }
 
-  /// What drives a level's robot; nullptr where its motions are straight.
+  /// Returns the motion model of a level; nullptr where its motions are straight.
   [[nodiscard]] const MotionModel* model_of(const LevelRecord& record) const {
     const MotionModel* const model = occasion_->problem->motion_model.get();
     const bool driven =
@@ -453,7 +454,7 @@ class ProblemScoring {
       }
       level.own = found;
       level.own_cross = found;
-      // Motions are not lifted: only the root's own are in the root's space.
+      // Motions are not lifted: only the root's motions lie in the root's space.
       if (level.record.level == 0) {
         level.root = found;
         level.root_cross = found;
@@ -468,7 +469,7 @@ class ProblemScoring {
   // All seeds together
   // -------------------------------------------------------------------------------------------------
 
-  /// The samples of a strategy's runs but one, and their density where it is known of all.
+  /// Returns the samples of all runs of a strategy but one, and their density if all runs record it.
   [[nodiscard]] Sets pooled_sets(std::size_t strategy, std::size_t without) const {
     const LevelRecord* first = nullptr;
     Configurations nodes;
@@ -493,7 +494,7 @@ class ProblemScoring {
       const Configurations proposed = expansion(record, record.root_proposals);
       add(proposals, proposed, "pooled proposals");
       if (proposed.empty()) continue;
-      // Each run counts by the samples that it gives here.
+      // The weight of a run is its number of samples in the pool.
       const auto weight = static_cast<double>(std::min(proposed.size(), pooled_samples));
       closed = closed && record.root_proposal_density;
       known.emplace_back(weight, &record);
@@ -516,7 +517,7 @@ class ProblemScoring {
     if (users_ || !crosses() || !gives_paths(strategy)) return std::nullopt;
     std::vector<Efficiency> tree;
     std::vector<Efficiency> expansions;
-    // A path of each of some seeds, by whichever strategy gave one.
+    // One path of each of some seeds, from any strategy that found one.
     std::vector<char> taken(seeds_, 0);
     for (std::size_t i = 0; i < cross_roots_.size() && tree.size() < static_cast<std::size_t>(measure_.cross); ++i) {
       const std::size_t seed = i % seeds_;
@@ -593,7 +594,7 @@ class ProblemScoring {
                                          Stream(measure_seed, record.key, "equal nodes"));
     const Configurations proposals = thinned(expansion(record, record.root_proposals), equal_proposals_,
                                              Stream(measure_seed, record.key, "equal proposals"));
-    // The density is known whatever the number of samples: only estimates depend on it.
+    // The recorded density does not depend on the number of samples: only estimates do.
     const Sets sets{.tree = {record.space, nodes},
                     .expansion = {record.space, proposals},
                     .held = held(record),
@@ -622,10 +623,10 @@ class ProblemScoring {
   std::vector<TargetPointer> cross_roots_;                // of each run
   std::vector<std::vector<TargetPointer>> cross_levels_;  // of each run's levels
   std::vector<std::vector<std::size_t>> donors_;          // of each seed
-  std::size_t equal_nodes_ = 0;                           // 0: not wanted
+  std::size_t equal_nodes_ = 0;                           // 0: not computed
   std::size_t equal_proposals_ = 0;
   bool users_;          // the target is a script's
-  bool headline_only_;  // no estimator beside it was asked for
+  bool headline_only_;  // no other estimator is requested
   std::shared_ptr<UserTarget::Occasion> occasion_ = std::make_shared<UserTarget::Occasion>();
 };
 

@@ -7,9 +7,10 @@
 
 namespace trellis {
 
-/// Scores all runs of an experiment: on their own targets, on those of other seeds, and what else the measure asks for.
-/// \param progress     told after each run
-/// \param interrupted  asked often; true ends it with Interrupted
+/// Scores all runs of an experiment: on their own targets, on those of other seeds, and for the other options of the
+/// measure.
+/// \param progress     called after each run
+/// \param interrupted  called often; true stops the scoring with Interrupted
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
            const std::function<bool()>& interrupted);
 

@@ -15,7 +15,7 @@ namespace trellis {
 
 namespace {
 
-/// Configurations tried for each witness wanted: validity rarer than one in as many leaves witnesses out.
+/// Configurations tried for each requested witness: with validity rarer than one in as many, witnesses are missing.
 constexpr std::size_t tries_per_witness = 64;
 
 /// Quasi-random configurations of a space.
@@ -44,7 +44,7 @@ class Uniform {
   measure::LowDiscrepancy sequence_;
 };
 
-/// Components of a graph that grows.
+/// The connected components of a growing graph.
 class Components {
  public:
   std::uint32_t add() {
@@ -131,7 +131,7 @@ class InducedRoadmap {
   }
 
  private:
-  /// Whether a new node sees a witness that no node has seen.
+  /// Whether a new node sees a witness that no earlier node sees.
   bool look_for_witnesses(std::uint32_t id, View q) {
     bool news = false;
     witness_index_.k_nearest(q, neighbours_, near_);
@@ -149,17 +149,16 @@ class InducedRoadmap {
   const std::function<bool(View)>& valid_;
   const std::function<bool(View, View)>& valid_motion_;
   std::size_t neighbours_;
-  NearestIndex nodes_;  ///< valid ones, one at each place
+  NearestIndex nodes_;  ///< the valid nodes, one per position
   Configurations arena_;
   Components components_;
   Configurations witnesses_;
   NearestIndex witness_index_;
-  std::vector<std::vector<std::uint32_t>>
-      seers_;  ///< of each witness: nodes of different components, as they were then
+  std::vector<std::vector<std::uint32_t>> seers_;  ///< of each witness: nodes of the different components that see it
   std::vector<NearestIndex::Neighbour> near_;
 };
 
-/// log 2 less the mean log loss of foretelling validity from the nearest of the labelled samples.
+/// Returns log 2 minus the mean log loss of predicting validity from the nearest labelled samples.
 double information(const Space& space, const Configurations& samples, const std::vector<char>& labels,
                    const std::function<bool(View)>& valid, const SearchMetricsSettings& settings, std::uint64_t seed) {
   if (samples.empty() || settings.witnesses == 0) return SearchMetrics::none;

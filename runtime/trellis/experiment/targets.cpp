@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t cost_seed = 0x6f7074696d756d00;
 
-/// Whether a path has length over some axes.
+/// Whether a path has positive length over some axes.
 bool has_length(const Space& space, const Configurations& path, const std::vector<std::size_t>& axes) {
   Configuration step(space.dimension());
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -35,7 +35,7 @@ std::vector<std::size_t> all_axes(const Space& space) {
   return axes;
 }
 
-/// Where the motions from a configuration can end.
+/// Samples the end configurations of motions from a configuration.
 class Steering {
  public:
   Steering(const Space& space, const MotionModel* model, Stream& stream)
@@ -43,8 +43,8 @@ class Steering {
     if (model != nullptr) control_.resize(model->controls().size());
   }
 
-  /// The end of a motion of a length drawn at random: in any direction, or by any control of the motion model, held
-  /// until the robot has come as far. False where it leaves the space or the model's limits.
+  /// Computes the end of a random motion of a given length: in any direction, or with a constant random control of the
+  /// motion model until the robot has moved that far. \return false where it leaves the space or the model's limits
   bool draw(View from, double length, Configuration& end) {
     if (model_ != nullptr) return drive(from, length, end);
     double square = 0.0;
@@ -60,8 +60,8 @@ class Steering {
     return space_.contains(end);
   }
 
-  /// The motion towards a configuration: straight, or by that of some controls that ends nearest to it, which is how
-  /// planners steer.
+  /// Computes the end of a motion towards a configuration: straight, or with the one of several random controls that
+  /// ends nearest to it, as planners steer.
   bool towards(View from, View to, double length, Configuration& end) {
     const double wanted = space_.distance(from, to);
     if (model_ == nullptr) {
@@ -84,7 +84,7 @@ class Steering {
   bool drive(View from, double length, Configuration& end) {
     model_->sample_control(stream_, control_);
     std::copy(from.begin(), from.end(), end.begin());
-    // A control that hardly moves the robot, such as braking, ends here.
+    // Limits the duration of a control that hardly moves the robot, such as braking.
     for (std::size_t k = 0; k < longest_hold && space_.distance(from, end) < length; ++k) {
       model_->step(space_, end, control_, end);
       if (!space_.contains(end) || !model_->admits(end)) return false;
@@ -140,7 +140,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
 
   const Space ranks = Space::euclidean({{0.0, 1.0}});
   Configurations samples(1);
-  std::vector<double> progressing;  // the share of each motion's rivals that come closer to the goal
+  std::vector<double> progressing;  // of each motion, the share of its rivals that end closer to the goal
   Configuration end(d);
   for (std::size_t i = 0; i < to.size(); ++i) {
     if (from[i] == no_node || (tree && from[i] == i)) continue;
@@ -154,8 +154,8 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
     double better = 0.0;
     double closer = 0.0;
     double all = 0.0;
-    // Rivals of its own: a direction's rank among them is uniform, while ranks among rivals that all motions share
-    // would crowd where these happen to lie apart.
+    // Each motion has its own rivals: then the rank of a random direction among them is uniform. Ranks among shared
+    // rivals would be too frequent where the rivals' positions have gaps.
     for (std::size_t c = 0; c < controls; ++c) {
       if (!steering.draw(x, length, end)) continue;
       const double there = space.distance(end, level.goal);
@@ -164,7 +164,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
       closer += there < here ? 1.0 : 0.0;
     }
     if (closer == 0.0) continue;
-    // Ranks are multiples of 1 / (rivals + 1); a motion's place within its own is as good as any.
+    // Ranks are multiples of 1 / (rivals + 1); the position within its step is arbitrary, so draw it uniformly.
     samples.push(std::vector<double>{std::min(1.0, (better + stream.uniform()) / (all + 1.0))});
     progressing.push_back(closer / all);
   }

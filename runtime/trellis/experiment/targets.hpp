@@ -9,32 +9,32 @@
 
 namespace trellis {
 
-/// Keeps the shifts of the measure apart from the run's own seed. They depend on the seed alone, not on problem or
-/// strategy, so that two runs that found the same path are scored at the same points.
+/// Separates the shifts of the measure from the run's seed. They depend on the seed only, not on problem or strategy,
+/// so that two runs with the same path are scored at the same points.
 inline constexpr std::uint64_t measure_seed = 0x7472656c6c697300;
 
-/// A target, or why there is none.
+/// A target, or the reason why there is none.
 struct MadeTarget {
   std::shared_ptr<const Target> target;
   std::string reason;
 };
 
-/// A tube about a path in a level's space. A path without length in the target's sense makes none.
+/// Makes a tube about a path in a level's space; none for a path without length in the target's metric.
 MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
                      std::uint64_t seed);
 
-/// The configurations near the optimum of a level's instance; the same for every run of it.
+/// Makes the target of near-optimal configurations of a level's instance; equal for all its runs.
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings);
 
-/// A search's motions ranked by how much closer they come to the goal, and the target of those ranks.
+/// A search's motions ranked by their progress towards the goal, and the target of those ranks.
 struct Ranks {
   MadeTarget target;
   Configurations samples;
 };
-/// \param tree  the motions that made nodes, from each one's parent; else those that were proposed
-/// \param model  what drives the robot: motions are ranked among those that its controls make; nullptr: among straight
-///               ones in all directions
-/// Planners without a tree make none.
+/// \param tree   the motions that created nodes, from each one's parent; else the proposed motions
+/// \param model  the motion model: motions are ranked among those of its controls; nullptr: among straight motions in
+///     all directions
+/// \return no ranks for planners without a tree
 Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& settings, std::uint64_t seed,
                    const MotionModel* model = nullptr);
 

@@ -12,16 +12,17 @@ namespace trellis {
 
 namespace {
 
-/// One part of the guidance of one level, over all runs of a strategy.
+/// One source of the guidance of one level, over all runs of a strategy.
 struct Part {
-  std::string path;  ///< of the level that it guides
+  std::string path;  ///< of the guided level
   std::string name;
   std::size_t drawn = 0;
   std::size_t entered = 0;
-  std::size_t proposals = 0;  ///< of the level, whoever drew them
+  std::size_t proposals = 0;  ///< of the level, from all sources
 };
 
-/// Where a component was written; "" where that is not known. Two that read alike are told apart by nobody.
+/// Returns the position of a component in the script; "" where it is not recorded. Two components with equal text share
+/// a position.
 std::string origin_of(const GuideSpec& guide, const std::string& text) {
   if (guide.kind() == GuideSpec::Kind::component) {
     if (guide.alone().text() == text && !guide.origin().script.empty()) {
@@ -43,7 +44,7 @@ void count(const RunResult& run, Parts& parts) {
   constexpr std::size_t own = 3;  // the sources before a guide's: goal, uniform, informed path
   for (const LevelResult& level : run.levels) {
     const Search& search = level.record.search;
-    // An explicit graph's guide makes edges cheaper; nothing enters.
+    // The guide of an explicit graph lowers the cost of edges; it adds no samples.
     if (find_planner(level.record.planner)->graph) continue;
     for (std::size_t source = own; source < search.sources.size(); ++source) {
       Part& part = parts[{level.record.key, source}];

@@ -8,9 +8,9 @@
 
 namespace trellis {
 
-/// What an experiment was given and made no use of, a sentence each, with where it was written: guides whose proposals
-/// never entered a tree in any run, and guides that never drew although their strategy never found a path. Guides that
-/// drew a few times only, because a path was found without them, are as they should be.
+/// Returns a sentence, with the position in the script, for each unused part of an experiment: guides whose proposals
+/// never entered a tree in any run, and guides that never proposed although their strategy never found a path. Omits
+/// guides that proposed a few times only, because a path was found without them.
 std::vector<std::string> unused_guides(const Experiment& experiment, const ExperimentResult& result);
 
 }  // namespace trellis

@@ -9,22 +9,22 @@
 
 namespace trellis {
 
-/// How a search of a roadmap alternates between searching and evaluating edges: generalized lazy search (Mandalika,
+/// How a search of a roadmap alternates between search and edge evaluation: generalized lazy search (Mandalika,
 /// Choudhury, Salzman and Srinivasa 2019).
 struct LazyEvaluation {
-  /// When the search stops for an evaluation.
+  /// The event that stops the search for an evaluation.
   enum class Event : std::uint8_t {
-    shortest_path,       ///< it holds the shortest path to the goal (LazySP)
-    constant_depth,      ///< a shortest subpath has `depth` edges that were not evaluated (LRA*)
+    shortest_path,       ///< the search has found the shortest path to the goal (LazySP)
+    constant_depth,      ///< a shortest subpath has `depth` edges without evaluation (LRA*)
     heuristic_progress,  ///< a vertex is nearer to the goal than the end of any evaluated subpath
     subpath_existence    ///< a shortest subpath is valid with a probability less than `existence`
   };
-  /// Which edge of the subpath is evaluated next.
+  /// Which edge of the subpath the search evaluates next.
   enum class Selector : std::uint8_t {
-    alternate,  ///< the first or the last one, in turns
+    alternate,  ///< the first and the last edge, in turns
     forward,
     backward,
-    fail_fast  ///< the one that is least likely to be valid: the longest
+    fail_fast  ///< the edge that is least likely to be valid: the longest
   };
 
   Event event = Event::shortest_path;
@@ -33,17 +33,18 @@ struct LazyEvaluation {
   Selector selector = Selector::alternate;
 };
 
-/// Evaluates edges that a space presumes valid, in the space that it was made from and at that space's expense.
+/// Evaluates edges that a guiding space presumes valid. It checks them in the space that it was projected from, and
+/// those checks count in that space's instance.
 class EdgeEvaluator {
  public:
   virtual ~EdgeEvaluator() = default;
 
   [[nodiscard]] virtual const LazyEvaluation& how() const = 0;
-  /// A search begins, or continues. \return grows when what was evaluated before need not hold any more
+  /// Starts or continues a search. \return a counter that grows when earlier evaluations may no longer be true
   virtual std::uint64_t begin() = 0;
-  /// Whether the search has evaluated as much as it may before it returns its candidate path.
+  /// Whether the search has spent its evaluations and must return its candidate path.
   [[nodiscard]] virtual bool exhausted() const = 0;
-  /// Whether single configurations of a candidate path are to be evaluated before its edges.
+  /// Whether the search evaluates single configurations of a candidate path before its edges.
   [[nodiscard]] virtual bool sparse_first() const = 0;
   [[nodiscard]] virtual bool state(View q) = 0;
   /// Evaluates single configurations of a motion, its ends excluded.
@@ -51,18 +52,18 @@ class EdgeEvaluator {
   [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
 };
 
-/// A validity that is presumed: who searches the space evaluates the edges of its candidate paths.
+/// A presumed validity: the search of the space evaluates the edges of its candidate paths.
 class EvaluatedValidity : public Validity {
  public:
-  /// nullptr: nothing evaluates edges while the space is searched
+  /// nullptr: no evaluator runs while the space is searched
   [[nodiscard]] virtual EdgeEvaluator* evaluator() = 0;
 };
 
-/// A guide whose space, while it is searched, spends the checks of the instance that it was made from.
+/// A guide whose space, during its search, spends checks of the instance that it was projected from.
 class SpendsParentsChecks {
  public:
   virtual ~SpendsParentsChecks() = default;
-  /// Where that instance lives. Called after it was projected. \param guided  whether a guide guides the search
+  /// Sets that instance; the projection calls it. \param guided  whether a guide guides the search
   virtual void attach_parent(Instance& parent, bool guided) = 0;
 };
 

@@ -47,7 +47,7 @@ Graph grid_graph(const Instance& instance, double cell) {
     std::array<std::uint32_t, 2> from{};
     std::array<std::uint32_t, 2> to{};
     for (std::size_t j = 0; j < 2; ++j) {
-      // The cell that it lies in, and those around it.
+      // The cell of q and the cells around it.
       const double place = std::clamp(std::floor((q[j] - axes[j].lo) / step[j]), 0.0, cells[j] - 1.0);
       from[j] = static_cast<std::uint32_t>(std::max(place - 1.0, 0.0));
       to[j] = std::min(static_cast<std::uint32_t>(place) + 2, cells[j]);

@@ -5,8 +5,8 @@
 
 namespace trellis {
 
-/// A grid over a space of two axes. Edges lead to the eight neighbours of each vertex, and from start and goal to the
-/// vertices near them. No edge is evaluated.
+/// Builds a grid over a space of two axes. Edges connect each vertex with its eight neighbours, and start and goal with
+/// the vertices near them. Evaluates no edge.
 /// \param cell  longest side of a cell, metres, > 0
 Graph grid_graph(const Instance& instance, double cell);
 

@@ -16,48 +16,48 @@
 
 namespace trellis {
 
-/// How an instance decides what is valid: by collision checks, or by what a guiding space presumes.
+/// Decides validity for an instance: by collision checks, or by the presumption of a guiding space.
 class Validity {
  public:
   virtual ~Validity() = default;
   [[nodiscard]] virtual bool state(View q) = 0;
-  /// The motion from a valid `a` to `b`, both ends' validity as in Checker::motion.
+  /// Checks the motion from a valid `a` to `b`, with the ends as in Checker::motion.
   [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
-  /// Distance to the nearest invalid configuration's contact, metres of the workspace; infinity where presumed free.
+  /// Returns the clearance in metres of the workspace; infinity where the space presumes q free.
   [[nodiscard]] virtual double clearance(View q) = 0;
-  /// False where deciding costs no collision checks (presumed validity): then nothing is counted.
+  /// False where deciding costs no collision checks (presumed validity): the instance then counts none.
   [[nodiscard]] virtual bool spends_checks() const { return true; }
-  /// Whether q is valid in the space that this one relaxes, or, where it relaxes none, in this one: what is not valid
-  /// there is of no use here.
+  /// Whether q is valid in the space that this one relaxes, or in this space where it relaxes none. A path of this
+  /// space needs only configurations that are valid there.
   [[nodiscard]] virtual bool needed(View q) { return state(q); }
-  /// What is touched at q; none where nothing is, or where validity is not decided by collisions.
+  /// Returns the contact at q; none for a valid q, or where no collision check decides validity.
   [[nodiscard]] virtual std::optional<Contact> contact(View q) {
     static_cast<void>(q);
     return {};
   }
-  /// Grows each time what is valid may have changed, so that planners look again at what they had checked.
+  /// A counter that grows each time the valid set may have changed: planners then recheck their motions.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
-  /// Whether the motion, valid at an earlier epoch, still is. Costs no validity check where what became invalid is
-  /// known by itself; by default the motion is checked anew (`motion`).
+  /// Whether a motion that was valid at an earlier epoch still is. Costs no validity check where the implementation
+  /// stores the newly invalid regions; by default calls `motion`.
   [[nodiscard]] virtual MotionReport motion_still_valid(View a, View b) { return motion(a, b); }
-  /// Factor on the cost of an edge for searches of roadmaps, >= 1: more where validating it would cost checks still.
+  /// Factor on the cost of an edge for searches of roadmaps, >= 1; above 1 where validating the edge would still cost
+  /// checks.
   [[nodiscard]] virtual double effort_factor(View a, View b) const {
     static_cast<void>(a);
     static_cast<void>(b);
     return 1.0;
   }
-  /// Where on the motion from a to b, in [0, 1], it enters a place that was excluded as a whole; none where it does
-  /// not. Costs no check.
+  /// Returns the parameter in [0, 1] at which the motion from a to b enters an excluded region; none where it enters
+  /// none. Costs no check.
   [[nodiscard]] virtual std::optional<double> excluded(View a, View b) {
     static_cast<void>(a);
     static_cast<void>(b);
     return std::nullopt;
   }
-  /// Told whether the motions that follow go towards a guided proposal, so that they are likely to be on the path
-  /// found.
+  /// Announces whether the next motions lead to a guided proposal, so that they are likely to lie on the solution path.
   virtual void expect_guided(bool guided) { static_cast<void>(guided); }
-  /// A lower bound on the distance in the metric from q, invalid, to the nearest valid configuration; 0 where it is not
-  /// known.
+  /// Returns a lower bound on the distance in the metric from an invalid q to the nearest valid configuration; 0 where
+  /// no bound is available.
   [[nodiscard]] virtual double invalid_radius(View q) {
     static_cast<void>(q);
     return 0.0;
@@ -79,7 +79,7 @@ class CollisionValidity final : public Validity {
   std::unique_ptr<Checker> checker_;
 };
 
-/// An explicit graph in a space: an instance that has one is searched exactly.
+/// An explicit graph in a space. A planner searches an instance with a graph exactly.
 struct Graph {
   struct Edge {
     std::uint32_t from = 0;
@@ -91,66 +91,66 @@ struct Graph {
   std::vector<Edge> edges;  ///< undirected
   std::uint32_t start = 0;  ///< vertices
   std::uint32_t goal = 0;
-  bool verified = true;  ///< its edges are known to be valid; else the search looks at those that it goes along
+  bool verified = true;  ///< all edges are valid; else the search validates the edges of its candidate paths
 };
 
-/// Checks spent, in total or by one level.
+/// Spent checks, in total or of one level.
 struct Checks {
-  std::uint64_t validity = 0;  ///< configurations whose validity was decided, those on motions included
-  std::uint64_t motion = 0;    ///< motions checked
+  std::uint64_t validity = 0;  ///< configurations, those on motions included
+  std::uint64_t motion = 0;    ///< motions
 };
 
-/// A motion planning instance (C, validity, s, t, motion model): what a planner solves and what a guide projects.
+/// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
 class Instance {
  public:
   Space space;
-  std::shared_ptr<const Scene> scene;  ///< world and robot, for guides that look at geometry
+  std::shared_ptr<const Scene> scene;  ///< world and robot, for guides that use the geometry
   std::shared_ptr<Validity> validity;
   std::shared_ptr<Graph> graph;  ///< nullptr: a sampling planner searches the space
   Configuration start;
-  Configuration goal;            ///< what guides and figures go by
-  Configurations further_goals;  ///< each of them would do as well; none of most instances
+  Configuration goal;            ///< the primary goal, of guides and statistics
+  Configurations further_goals;  ///< other goals that also solve the instance; most instances have none
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
   double shared_resolution = 0.0;  ///< of C, where motions of this space are checked there too; 0: they are not
-  /// What the reference point's path keeps from all obstacles, metres, at least, in every solution of the instances
-  /// that this one was projected from: a path in this space that does not helps none of them.
+  /// The least clearance, in metres, of the reference point's path in every solution of the instances that this one was
+  /// projected from. A path in this space with less clearance guides to none of their solutions.
   double needed_clearance = 0.0;
-  /// How far from the reference point a robot reaches that is to follow what is found here, metres: of a space that
-  /// this one relaxes.
+  /// Of a relaxed space: the largest distance, in metres, from the reference point to a point of the robot that follows
+  /// the paths of this space.
   double needed_reach = 0.0;
   std::string collision = "planar";
-  double step = 0.0;  ///< longest extension of the planner that searches it, metres in the metric; 0: it has none
-  std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else the space holds its states
-  std::vector<std::size_t> position_axes;           ///< axes that hold the reference point's position; empty: none
-  /// Makes validity for a scene where the axes are not the robot's; empty where they are.
+  double step = 0.0;  ///< longest extension of the planner of this space, metres in the metric; 0: it has none
+  std::shared_ptr<const MotionModel> motion_model;  ///< nullptr: straight motions; else `space` is its state space
+  std::vector<std::size_t> position_axes;           ///< the axes of the reference point's position; empty: none
+  /// Creates validity for a scene where the axes are not the robot's; empty where they are.
   std::function<std::shared_ptr<Validity>(const std::shared_ptr<const Scene>&)> validity_of;
 
-  /// Validity checks of a motion one metre long.
+  /// Returns the number of validity checks of a motion one metre long.
   [[nodiscard]] double checks_per_metre() const {
     return 1.0 / resolution + (shared_resolution > 0.0 ? 1.0 / shared_resolution : 0.0);
   }
   [[nodiscard]] std::size_t goals() const { return 1 + further_goals.size(); }
-  /// `goal` first, then the further ones.
+  /// Returns `goal` for 0, then the further goals.
   [[nodiscard]] View goal_at(std::size_t i) const { return i == 0 ? View(goal) : further_goals[i - 1]; }
   struct NearGoal {
-    std::size_t goal = 0;  ///< of goal_at
+    std::size_t goal = 0;  ///< index for goal_at
     double distance = 0.0;
   };
   [[nodiscard]] NearGoal nearest_goal(View q) const;
-  /// How far the nearest goal is from q.
+  /// Returns the distance from q to the nearest goal.
   [[nodiscard]] double to_goal(View q) const { return nearest_goal(q).distance; }
 
-  /// Counted validity.
+  /// Checks the state and counts the check.
   [[nodiscard]] bool valid(View q) {
     if (validity->spends_checks()) ++checks.validity;
     return validity->state(q);
   }
-  /// Whether the motion was verified since the instance changed last.
+  /// Whether the motion was verified since the last change of the instance.
   [[nodiscard]] bool is_verified(View a, View b) const {
     return verified && verified->epoch() == epoch() && verified->contain(a, b);
   }
-  /// Counted, unless the motion was verified before.
+  /// Checks and counts the motion, unless it was verified before.
   [[nodiscard]] MotionReport motion(View a, View b) {
     if (is_verified(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
     const MotionReport report = validity->motion(a, b);
@@ -160,7 +160,7 @@ class Instance {
     }
     return report;
   }
-  /// Counted: whether a motion that was valid at an earlier epoch still is.
+  /// Checks whether a motion that was valid at an earlier epoch still is, and counts the checks.
   [[nodiscard]] MotionReport recheck_motion(View a, View b) {
     const MotionReport report = validity->motion_still_valid(a, b);
     if (validity->spends_checks() && report.checks > 0) {
@@ -170,35 +170,37 @@ class Instance {
     return report;
   }
   [[nodiscard]] bool motion_still_valid(View a, View b) { return recheck_motion(a, b).valid; }
-  /// Drives from a valid state under a control for so many steps, as far as that is valid: appends the state after each
-  /// valid step. Each step counts as a motion. \param blocked  if not null: receives the first state found invalid
-  /// \return the steps driven. Needs a motion model.
+  /// Propagates from a valid state under a constant control for at most `steps` steps, up to the first invalid state.
+  /// Appends the state after each valid step. Each step counts as a motion. Requires a motion model.
+  /// \param blocked  if not null: receives the first invalid state
+  /// \return the number of valid steps
   std::uint32_t drive(View from, View control, std::uint32_t steps, Configurations& states,
                       Configuration* blocked = nullptr);
 
-  /// Validity in this space with another scene's world and robot, checked for real whatever is presumed here.
+  /// Returns the validity in this space with another scene's world and robot. It always checks collisions, even where
+  /// this space presumes validity.
   [[nodiscard]] std::shared_ptr<Validity> validity_in(const std::shared_ptr<const Scene>& other) const;
 
-  /// Counted as the validity check that it is at least.
+  /// Returns the clearance; counts as one validity check.
   [[nodiscard]] double clearance(View q) {
     if (validity->spends_checks()) ++checks.validity;
     return validity->clearance(q);
   }
 
-  /// Grows each time that what is valid may have changed: by itself, or because the instance was projected anew.
+  /// A counter that grows each time the valid set may have changed: through the validity, or through a new projection.
   [[nodiscard]] std::uint64_t epoch() const { return revision + validity->epoch(); }
 
   Checks checks;
-  std::shared_ptr<VerifiedMotions> verified;  ///< motions known to be valid; nullptr: none
-  std::uint64_t revision = 0;                 ///< grows when the instance is replaced by a new projection
+  std::shared_ptr<VerifiedMotions> verified;  ///< valid motions; nullptr: does not store them
+  std::uint64_t revision = 0;                 ///< grows when a new projection replaces the instance
 };
 
-/// Validity by collision checks, and where there is a motion model by its limits and the bounds of its states.
+/// Returns validity by collision checks and, with a motion model, by its limits and the bounds of its states.
 std::shared_ptr<Validity> make_validity(const std::string& collision, const std::shared_ptr<const Scene>& scene,
                                         const Space& space, double resolution,
                                         const std::shared_ptr<const MotionModel>& motion_model);
 
-/// The instance of a problem in the configuration space of the real robot. Does not validate the problem.
+/// Returns the instance of a problem in the configuration space of the real robot. Does not validate the problem.
 std::unique_ptr<Instance> make_instance(const Problem& problem);
 
 }  // namespace trellis

@@ -16,7 +16,7 @@ InverseKinematics::InverseKinematics(const Robot& robot, const Space& space, std
 
 bool InverseKinematics::bring(MutableView q, Vec2 target, double near) {
   constexpr int most_steps = 200;
-  constexpr double step = 1e-6;  // of the differences
+  constexpr double step = 1e-6;  // of the finite differences
   constexpr double longest = 1.0;
   for (int i = 0; i < most_steps; ++i) {
     const Vec2 at = point_at(q);
@@ -30,7 +30,7 @@ bool InverseKinematics::bring(MutableView q, Vec2 target, double near) {
     for (std::size_t j = 0; j < columns_.size(); ++j) {
       const double before = q[j];
       q[j] = before + step;
-      // Per metre of the metric, so that the axes share the way as the metric counts them.
+      // Per metre of the metric, so that the axes share the motion in proportion to their weights.
       columns_[j] = 1.0 / (step * space_.axes()[j].weight) * (point_at(q) - at);
       q[j] = before;
       xx += columns_[j].x * columns_[j].x;

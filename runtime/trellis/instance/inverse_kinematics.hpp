@@ -9,16 +9,16 @@
 
 namespace trellis {
 
-/// Inverse kinematics of one point of a robot by damped least squares. Refers to the robot and the space; has scratch
-/// memory: one thread at a time.
+/// Inverse kinematics of one point of a robot by damped least squares. Refers to the robot and the space. Has scratch
+/// memory: only one thread may use it at a time.
 class InverseKinematics {
  public:
-  /// \param body   of the robot, that the point belongs to
-  /// \param point  in the frame of that body
+  /// \param body   the robot's body of the point
+  /// \param point  in the frame of that body, metres
   InverseKinematics(const Robot& robot, const Space& space, std::size_t body, Vec2 point);
 
-  /// Moves q, along the least way in the metric and within the bounds of the space, until its point lies at the target
-  /// to within `near` metres; whether it got there.
+  /// Moves q by the least distance in the metric, within the bounds of the space, until its point lies within `near`
+  /// metres of the target. \return whether it succeeded
   bool bring(MutableView q, Vec2 target, double near);
 
  private:

@@ -15,7 +15,7 @@ namespace trellis {
 
 namespace {
 
-/// Points that fill the unit cube evenly: the additive recurrence by the powers of the root of x^(d+1) = x + 1.
+/// A low-discrepancy sequence in the unit cube: the additive recurrence by the powers of the root of x^(d+1) = x + 1.
 class Recurrence {
  public:
   explicit Recurrence(std::size_t dimension) : steps_(dimension), at_(dimension, 0.5) {
@@ -38,19 +38,19 @@ class Search {
  public:
   Search(const Space& space, View q, const std::function<bool(View)>& valid)
       : space_(space), q_(q.begin(), q.end()), valid_(valid), d_(space.dimension()), points_(d_ + d_ % 2 + 1) {
-    // Of a world 10 m wide a centimetre, and where that does not do, a millimetre.
+    // In a world 10 m wide, a centimetre; if that fails, a millimetre.
     constexpr double digits = 3.0;
     decimals_ = std::max(0, static_cast<int>(digits - std::floor(std::log10(space.diameter()))));
   }
 
   std::optional<TypedConfiguration> operator()() {
-    constexpr double first = 1e-3, growth = 1.25;  // of the rings' radii, by the diameter
-    constexpr std::size_t each = 64;               // configurations in a ring, by the dimension
+    constexpr double first = 1e-3, growth = 1.25;  // of the rings' radii, as a share of the diameter
+    constexpr std::size_t each = 64;               // configurations in a ring, times the dimension
     consider(within_bounds());
     double inner = 0.0;
     for (double radius = first * space_.diameter(); inner < space_.diameter(); radius *= growth) {
       if (best_ && best_->distance <= inner) break;
-      // A change of one coordinate is the easiest to type.
+      // A change of a single coordinate is the shortest to type.
       for (std::size_t j = 0; j < d_; ++j) {
         for (const double sign : {-1.0, 1.0}) {
           Configuration along = q_;
@@ -86,7 +86,7 @@ class Search {
     std::vector<double> direction(d_ + d_ % 2);
     double square = 0.0;
     for (std::size_t j = 0; j < direction.size(); j += 2) {
-      // A pair of normal numbers from a pair of uniform ones; the last may have one too many.
+      // Box-Muller: a pair of normal numbers from a pair of uniform ones; the last pair may give one too many.
       const double length = std::sqrt(-2.0 * std::log(1.0 - u[j]));
       direction[j] = length * std::cos(2.0 * std::numbers::pi * u[j + 1]);
       direction[j + 1] = length * std::sin(2.0 * std::numbers::pi * u[j + 1]);
@@ -99,7 +99,7 @@ class Search {
     return q;
   }
 
-  /// Halves the way from q to the best.
+  /// Bisects between q and the best configuration.
   void pull() {
     if (!best_) return;
     constexpr int rounds = 12;
@@ -113,7 +113,7 @@ class Search {
     }
   }
 
-  /// Whether the configuration, rounded, is valid; keeps it where it is the nearest.
+  /// Checks the rounded configuration; stores it if it is valid and the nearest so far. \return whether it is valid
   bool consider(const Configuration& q) {
     for (const int decimals : {decimals_, decimals_ + 1}) {
       TypedConfiguration typed;

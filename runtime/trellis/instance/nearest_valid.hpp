@@ -10,16 +10,16 @@
 
 namespace trellis {
 
-/// A valid configuration as somebody would type it.
+/// A valid configuration with few decimals, as a user would type it.
 struct TypedConfiguration {
   std::string text;       ///< "(6.12, 5, 0)"
-  Configuration q;        ///< what that text says, to the bit
-  double distance = 0.0;  ///< in the metric, from where it was looked for
+  Configuration q;        ///< the configuration that the text denotes, to the bit
+  double distance = 0.0;  ///< in the metric, from the query
 };
 
-/// The nearest valid configuration with few decimals that a bounded search finds: rings of quasi-random configurations
-/// that grow around `q` in the metric, the best one pulled back towards `q` as far as it stays valid. `q` may lie out
-/// of bounds. The same each time. None where nothing valid was found.
+/// Finds a valid configuration with few decimals near `q`. A bounded search samples quasi-random configurations on
+/// rings of growing radius around `q` in the metric, then moves the best one towards `q` as long as it stays valid. `q`
+/// may lie out of bounds. Deterministic. \return none where the search finds no valid configuration
 std::optional<TypedConfiguration> nearest_valid(const Space& space, View q, const std::function<bool(View)>& valid);
 
 }  // namespace trellis

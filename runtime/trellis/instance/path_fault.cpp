@@ -51,7 +51,7 @@ std::string path_fault(const Problem& problem, const Configurations& path) {
                        problem.space.dimension());
   }
   const auto instance = make_instance(problem);
-  // Angles of a search are normalised; those of a problem are as they were given.
+  // A search normalises angles; a problem stores them as the user gave them.
   Configuration start = problem.start;
   Configuration first(path.front().begin(), path.front().end());
   problem.space.normalise(start);
@@ -75,7 +75,7 @@ std::string path_fault(const Problem& problem, const Configurations& path) {
 }
 
 std::string trajectory_fault(const Problem& problem, const Configurations& path, const Trajectory& trajectory) {
-  // Documents hold numbers with all their digits, so that states agree to within rounding.
+  // Documents store numbers with all their digits, so that states agree to within rounding.
   constexpr double tolerance = 1e-9;
   if (path.empty()) return "is empty";
   const std::uint64_t steps = std::accumulate(trajectory.steps.begin(), trajectory.steps.end(), std::uint64_t{0});

@@ -28,7 +28,8 @@ void settle_goal(Problem& problem) {
   constexpr int tries = 4000;
   constexpr int wanted = 40;
   constexpr std::size_t most_goals = 10;
-  // Turns of the start's coordinates, in turn: near it there are the more valid ones, far from it others.
+  // Standard deviations of the samples about the start, used in turn; 0: sample the whole space. Near the start more
+  // samples are valid, far from it they find other solutions.
   constexpr std::array<double, 6> spreads = {0.02, 0.1, 0.3, 0.6, 1.0, 0.0};
   const Reach& reach = *problem.reach;
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);

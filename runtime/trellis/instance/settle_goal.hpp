@@ -5,13 +5,13 @@
 
 namespace trellis {
 
-/// Chooses goals of a problem that has a set of them (Problem::reach): of the valid configurations in the set that
-/// inverse kinematics finds from configurations drawn about the start and in the whole space, the ten nearest to the
-/// start in the metric, the nearest first. The same each time. Leaves a problem without a set as it is. Throws Error
-/// where none is found.
+/// Chooses goals of a problem that has a goal region (Problem::reach). Inverse kinematics solves for the region from
+/// samples about the start and in the whole space; the function selects the ten valid solutions nearest to the start in
+/// the metric, the nearest first. Deterministic. Does not change a problem without a goal region.
+/// \throws Error where it finds no valid solution.
 void settle_goal(Problem& problem);
 
-/// Whether the configuration lies in the set.
+/// Whether the configuration lies in the goal region.
 bool reaches(const Robot& robot, const Reach& reach, View q);
 
 }  // namespace trellis

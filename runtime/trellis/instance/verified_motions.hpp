@@ -8,17 +8,17 @@
 
 namespace trellis {
 
-/// Another number for almost any other configuration.
+/// A hash of the configuration.
 std::uint64_t configuration_digest(View q);
-/// The same number for (a, b) and (b, a), another one for almost any other motion.
+/// A hash of the motion; equal for (a, b) and (b, a).
 std::uint64_t motion_digest(View a, View b);
 
-/// Motions that were checked and found valid, so that they are not checked again: a lazily validated path costs its
-/// checks once, whichever search goes along it. A part of a motion is another motion: it would be checked at other
-/// configurations. They hold for one epoch of an instance (Instance::epoch).
+/// Motions that a check found valid, so that no search checks them again. A lazily validated path costs its checks
+/// once. A part of a motion is another motion, because a checker would validate it at other configurations. The set
+/// belongs to one epoch of an instance (Instance::epoch).
 class VerifiedMotions {
  public:
-  /// Forgets all motions unless they are of this epoch.
+  /// Clears the set unless it belongs to this epoch.
   void hold_at(std::uint64_t epoch) {
     if (epoch == epoch_) return;
     epoch_ = epoch;
@@ -31,8 +31,8 @@ class VerifiedMotions {
   [[nodiscard]] bool contain(View a, View b) const { return known_.contains(motion_digest(a, b)); }
 
  private:
-  std::unordered_set<std::uint64_t> known_;  ///< digests of both ends
-  std::uint64_t epoch_ = 0;                  ///< of the instance that they are valid in
+  std::unordered_set<std::uint64_t> known_;  ///< digests of the motions
+  std::uint64_t epoch_ = 0;                  ///< of the instance in which the motions are valid
 };
 
 }  // namespace trellis

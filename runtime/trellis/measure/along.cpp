@@ -30,7 +30,7 @@ Along along_path(const Target& target, std::span<const double> arcs, std::size_t
   along.divergence = 0.0;
   along.empty_share = 0.0;
   double defended = 0.0;
-  const double mixed = defence * std::exp(-target.uniform());  // uniform samples in A, spread as the target is
+  const double mixed = defence * std::exp(-target.uniform());  // uniform samples in A, distributed as the target
   const double own = (1.0 - defence) * mass;
   for (std::size_t j = 0; j < count; ++j) {
     const double t = along.target[j] / static_cast<double>(points);

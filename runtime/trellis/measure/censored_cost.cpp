@@ -82,7 +82,7 @@ PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const Cen
   result.reference_median = median_cost(right);
   result.ratio = median_interval(ratios);
   result.difference = median_interval(differences);
-  // A ratio of costs is never negative, however few the pairs.
+  // A ratio of costs is never negative, however few the pairs are.
   if (result.ratio.lo < 0.0) result.ratio.lo = 0.0;
   result.sign_p = result.holm_p = sign_test(result.less, result.greater);
   if (result.pairs > 0) {

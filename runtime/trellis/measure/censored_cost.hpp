@@ -9,59 +9,61 @@
 
 #include <trellis/measure/statistics.hpp>
 
-/// What runs cost where some of them found no path. One rule serves every median, ratio and difference of costs: an
-/// unsolved run costs infinitely much, so giving up early is never cheap.
+/// The cost of runs where some runs found no path. One rule serves every median, ratio and difference of costs: an
+/// unsolved run costs infinitely much, so giving up early is never an advantage.
 namespace trellis {
 
-/// What a run spent of a quantity. Without a path that is the least that it would have cost: the cost is censored.
+/// The cost of a run in one quantity. Without a path it is a lower bound of the true cost: the cost is censored.
 struct CensoredCost {
-  double spent = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run has no such figure
+  double spent = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run has no such value
   bool solved = false;
   [[nodiscard]] double cost() const { return solved ? spent : std::numeric_limits<double>::infinity(); }
 };
 
-/// What a comparison is to show: that is never helped by a run that was cut off.
+/// The claim of a comparison: a censored run never supports it.
 enum class Claim : std::uint8_t {
-  none,  ///< unsolved is infinite on either side, and two unsolved runs are a tie
-  less,  ///< an unsolved run of the reference counts with what it spent
-  more,  ///< an unsolved run of the strategy that is compared counts with what it spent
+  none,  ///< an unsolved run is infinite on either side, and two unsolved runs are a tie
+  less,  ///< an unsolved run of the reference counts with its actual cost
+  more,  ///< an unsolved run of the compared strategy counts with its actual cost
 };
 
-/// mine / reference: 1 for equal costs, 0 and infinity where one of them is infinite. NaN where a figure is missing.
+/// Returns mine / reference: 1 for equal costs, 0 and infinity where one of them is infinite. NaN where a value is
+/// missing.
 double cost_ratio(const CensoredCost& mine, const CensoredCost& reference, Claim claim = Claim::none);
-/// mine - reference, 0 for equal costs.
+/// Returns mine - reference, 0 for equal costs.
 double cost_difference(const CensoredCost& mine, const CensoredCost& reference);
 
-/// The median cost with its 99 % interval; infinite where at least half of the runs are unsolved.
+/// Returns the median cost with its 99 % interval; infinite where at least half of the runs are unsolved.
 Interval median_cost(std::span<const CensoredCost> costs);
 
-/// Two lists of costs of the same seeds, compared seed by seed; medians with 99 % intervals by order statistics.
+/// Two lists of costs of the same seeds, paired by seed; medians with 99 % intervals by order statistics.
 struct PairedCosts {
   Interval median;               ///< of the strategy, over the pairs
   Interval reference_median;     ///< of the reference
-  Interval ratio;                ///< of the ratios, seed by seed
+  Interval ratio;                ///< of the ratios of the pairs
   Interval difference;           ///< of the differences
-  double total = 0.0;            ///< the strategy's costs of all pairs; infinite where it left one unsolved
-  double reference_total = 0.0;  ///< the reference's costs of all pairs
-  std::size_t pairs = 0;         ///< that have both figures
-  std::size_t solved = 0;        ///< of these, those that the strategy solved
+  double total = 0.0;            ///< the strategy's cost of all pairs; infinite where it solved not all
+  double reference_total = 0.0;  ///< the reference's cost of all pairs
+  std::size_t pairs = 0;         ///< with both values
+  std::size_t solved = 0;        ///< pairs that the strategy solved
   std::size_t reference_solved = 0;
   std::size_t both_solved = 0;
   std::size_t less = 0;  ///< pairs in which the strategy costs less
   std::size_t greater = 0;
-  std::size_t equal = 0;  ///< those that both failed among them
+  std::size_t equal = 0;  ///< includes pairs that both failed
   double sign_p = 1.0;    ///< sign test of `less` against `greater`
-  double holm_p = 1.0;    ///< the same, corrected for the comparisons that it is shown with
-  /// Effect size: the share of pairs in which it costs less, minus the share in which it costs more, in [-1, 1].
+  double holm_p = 1.0;    ///< the same with Holm's correction for the comparisons of one table
+  /// Effect size: the share of pairs in which the strategy costs less, minus the share in which it costs more, in [-1,
+  /// 1].
   double effect = std::numeric_limits<double>::quiet_NaN();
 
-  /// Of two finite medians only.
+  /// Returns the ratio of two finite medians; NaN otherwise.
   [[nodiscard]] double ratio_of_medians() const;
-  /// What all runs cost together, beside the reference. A few long runs decide it, where they hardly move a median.
-  /// NaN where both left runs unsolved, or without pairs.
+  /// Returns the total cost over all runs relative to the reference. A few long runs dominate it, but hardly change a
+  /// median. NaN where both have unsolved runs, or without pairs.
   [[nodiscard]] double ratio_of_totals() const;
 };
-/// Throws Error for lists of different lengths.
+/// \throws Error for lists of different lengths.
 PairedCosts paired_costs(std::span<const CensoredCost> mine, std::span<const CensoredCost> reference);
 
 }  // namespace trellis

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// Before a function: it is compiled once per instruction set and chosen at start. The operations and their order are
-/// the same in each, so numbers are too. Functions that it is to take along say TRELLIS_ALONG.
+/// Write TRELLIS_CLONES before a function: the compiler builds it once per instruction set, and the program chooses one
+/// at start. All clones do the same operations in the same order, so they give the same numbers. Write TRELLIS_ALONG
+/// before the functions that it calls.
 ///
-/// The sanitizers' builds go without: what chooses runs before the sanitizer is ready.
+/// Builds with sanitizers have no clones: the choice runs before the sanitizer is ready.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define TRELLIS_CLONES __attribute__((target_clones("avx2", "default")))

@@ -25,7 +25,7 @@ TRELLIS_CLONES void cut(const double* points, std::size_t count, double r, doubl
   }
 }
 
-/// Adds the squares of points of the unit interval brought to [begin, begin + width].
+/// Adds the squares of points of the unit interval, mapped to [begin, begin + width].
 TRELLIS_CLONES void add_squares(const double* points, std::size_t count, double begin, double width, double* square) {
   for (std::size_t i = 0; i < count; ++i) {
     const double offset = begin + width * points[i];
@@ -45,14 +45,14 @@ CutBall::CutBall(const Frame& frame, std::size_t points)
   std::vector<double> u(d);
   for (std::size_t i = 0; i < half; ++i) {
     sequence.next(u);
-    // A direction from normal deviates, a radius by strata: uniform in the ball in any dimension.
+    // The direction comes from normal deviates, the radius from strata: uniform in the ball in any dimension.
     std::vector<double> normal(d);
     double square = 0.0;
     for (std::size_t j = 0; j < d; ++j) {
       normal[j] = boost::math::erf_inv(std::clamp(2.0 * u[j] - 1.0, -1.0 + 1e-15, 1.0 - 1e-15));
       square += normal[j] * normal[j];
     }
-    // The index as one more coordinate of the sequence (Hammersley's set) serves for the radius.
+    // The index, as one more coordinate of the sequence (Hammersley's set), gives the radius.
     const double level = (static_cast<double>(i) + 0.5) / static_cast<double>(half);
     const double radius = std::pow(level, 1.0 / static_cast<double>(d));
     const double scale = square > 0.0 ? radius / std::sqrt(square) : 0.0;
@@ -89,7 +89,8 @@ CutBall::Region CutBall::choose(View y, double r) const {
     log_box += std::log(width);
   }
   region.log_volume = log_unit_ + static_cast<double>(frame_.dimension()) * std::log(r);
-  // A ball cut by one wall is best left to its antithetic points, which halve it exactly; the box must be much smaller.
+  // For a ball that one bound cuts, the antithetic points are best: they halve it exactly. Use the box only if it is
+  // much smaller.
   if (!region.whole && log_box < region.log_volume + log_half) {
     region.ball = false;
     region.log_volume = log_box;
@@ -139,7 +140,7 @@ double CutBall::log_volume(View y, double r) const {
   }
   std::size_t found = 0;
   for (const double s : square) found += s <= r * r ? 1 : 0;
-  // The ball's centre lies in C, so some of it does; half a point stands for a share too small to see.
+  // The ball's centre lies in C, so the share is positive; half a point replaces a share below the resolution.
   const double share = std::max(static_cast<double>(found), 0.5) / static_cast<double>(points_);
   return region.log_volume + std::log(share);
 }

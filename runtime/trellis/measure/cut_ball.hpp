@@ -10,22 +10,22 @@
 
 namespace trellis::measure {
 
-/// Volumes of metric balls cut to the space, or to a part of it, by fixed antithetic points: the same points for every
-/// ball, so a figure does not depend on the order of the questions.
+/// Volumes of metric balls intersected with the space, or with a part of it, by fixed antithetic points. Each ball uses
+/// the same points, so a result does not depend on the order of calls.
 ///
-/// The points fill the ball itself or, where that is much smaller, the ball's bounding box cut to the space: a ball
-/// much wider than the space would leave few points inside. On a periodic axis a ball reaches half a period at most,
-/// since the metric takes the short way.
+/// The points fill the ball itself or, where that is much smaller, the intersection of the ball's bounding box with the
+/// space: for a ball much wider than the space, few points of the ball lie inside. On a periodic axis a ball extends at
+/// most half a period, because the metric takes the shorter direction.
 class CutBall {
  public:
   /// \param points  number of fixed points, even
   CutBall(const Frame& frame, std::size_t points);
 
-  /// log of the volume of the ball of radius r > 0 around y (metric coordinates) within C.
+  /// Returns the log of the volume of the ball of radius r > 0 around y (metric coordinates) within C.
   [[nodiscard]] double log_volume(View y, double r) const;
 
-  /// log of the volume of the part of the ball within C where inside(point) holds, point in metric coordinates;
-  /// -infinity where no point is found.
+  /// Returns the log of the volume of that part of the ball within C where inside(point) is true, point in metric
+  /// coordinates; -infinity where no point is inside.
   template <class Inside>
   [[nodiscard]] double log_volume(View y, double r, const Inside& inside) const {
     const Region region = choose(y, r);
@@ -40,13 +40,13 @@ class CutBall {
  private:
   struct Region {
     bool ball = true;   ///< the points fill the ball, else the box
-    bool whole = true;  ///< the ball meets neither bounds nor itself
+    bool whole = true;  ///< the ball reaches neither a bound nor its own periodic image
     double log_volume = 0.0;
   };
   [[nodiscard]] Region choose(View y, double r) const;
   /// The box's range of an axis.
   void range(std::size_t j, View y, double r, double& lo, double& width) const;
-  /// The i-th fixed point; false where it lies outside of the ball or of C.
+  /// Computes the i-th fixed point; returns false where it lies outside of the ball or of C.
   bool place(const Region& region, View y, double r, std::size_t i, MutableView at) const;
 
   Frame frame_;

@@ -18,11 +18,11 @@ namespace trellis {
 
 namespace {
 
-constexpr double expected_hits = 10.0;  // uniform samples in A below which N is underpowered
-constexpr double least_margin = 0.02;   // by which coverage falls short of uniform's before that is said
-constexpr double bound_margin = 0.05;   // by which an estimate may lie below its bound: its own accuracy
+constexpr double expected_hits = 10.0;  // with fewer expected uniform samples in A, N is underpowered
+constexpr double least_margin = 0.02;   // coverage must fall below uniform's by this much for a flag
+constexpr double bound_margin = 0.05;   // an estimate may lie below its bound by this much: its accuracy
 
-/// -log Q(A) and its lower end: log of the upper end of Clopper and Pearson's interval, negated.
+/// Computes -log Q(A) and its lower bound, from the upper end of Clopper and Pearson's interval.
 void bound_mass(Efficiency& result) {
   const auto total = static_cast<double>(result.samples);
   const auto inside = static_cast<double>(result.in_target);
@@ -36,7 +36,7 @@ void bound_mass(Efficiency& result) {
   result.mass_hi = -std::log(result.in_target == 0 ? 0.0 : Binomial::find_lower_bound_on_p(total, inside, each_side));
 }
 
-/// The chain rule for an estimate, where it was not made with its parts.
+/// Splits an estimate by the chain rule, unless its estimator already computed the parts.
 void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
   const bool across = target.space().dimension() < most_across;
   const auto complete = [&](ChainRule& parts, double divergence, double along) {
@@ -47,8 +47,8 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
     if (across) parts.across = parts.spread - parts.along;
   };
   ChainRule& plain = estimate.undefended_parts;
-  // The recorded density's own mass is that of Q as far as counting agrees. Where it does not, h proposes points of a
-  // path themselves: mass without a density, which counting sees. What is lost by its having none is spread.
+  // Within sampling error the mass of the recorded density equals that of Q. Where it is smaller, h proposes points of
+  // a path themselves: mass without a density, which only counting finds. The spread then contains the loss.
   if (plain.mass > whole.mass_hi) plain.mass = whole.mass;
   if (std::isnan(plain.mass)) plain.mass = whole.mass;
   complete(plain, estimate.undefended, whole.along.corrected);
@@ -58,7 +58,8 @@ void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
   complete(estimate.parts, estimate.value, whole.along.defended);
 }
 
-/// Share of the evaluation points within a distance of a sample, beside what uniform sampling is expected to reach.
+/// Computes the share of the evaluation points within a distance of a sample, and the expected share for uniform
+/// samples.
 void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   const Target& target = evaluation.target;
   const measure::PointTree& atoms = evaluation.samples.atom_tree();
@@ -87,7 +88,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   result.coverage_half = half_covered / count;
   result.uniform_coverage = expected / count;
   result.uniform_coverage_half = half_expected / count;
-  // What uniform samples reach varies from set to set, as over about |A| / |ball| independent places.
+  // The coverage by uniform samples varies between sets, as for about |A| / |ball| independent positions.
   const double places = std::max(1.0, std::exp(-target.uniform()) / std::max(hits / count, 1e-300));
   const double spread = std::sqrt(result.uniform_coverage * (1.0 - result.uniform_coverage) / places);
   if (result.coverage < result.uniform_coverage - std::max(least_margin, 2.0 * spread)) {
@@ -95,7 +96,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   }
 }
 
-/// The figures on a target without any valid configuration.
+/// Returns the result on a target without any valid configuration.
 Efficiency on_nothing(const Target& target, std::size_t samples) {
   Efficiency result;
   result.samples = samples;
@@ -167,14 +168,15 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
     const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
     if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
-      // Those that need more than samples are passed over for the next one; asked for alone they say why.
+      // An estimator that requires more samples is skipped for the next one; a single requested estimator states why it
+      // fails.
       const bool alone = scoring.estimators.size() == 1;
       const bool passed_over = spec.name() == "arc" || spec.name() == "exact";
       if (alone ? spec.name() != "exact" : !passed_over) reasons += (reasons.empty() ? "" : "; ") + reason;
       continue;
     }
     Estimate estimate = kind.estimate(spec.options(), evaluation);
-    // What smoothing puts where no sample lies is no evidence. (`legacy` is its floor and nothing else.)
+    // Density that smoothing places where no sample lies is no evidence. (`legacy` consists of its floor only.)
     if (inside.count == 0 && spec.name() != "exact" && spec.name() != "legacy") {
       estimate.undefended = std::numeric_limits<double>::infinity();
     }
@@ -202,7 +204,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
 
 namespace {
 
-/// The mean of a figure over those that have it; infinite where one is.
+/// The mean over the results that have the value; infinite where one of them is.
 class Mean {
  public:
   void add(double value) {
@@ -294,7 +296,7 @@ double least_value(const Efficiency& efficiency) {
 
 Efficiency shown(Efficiency efficiency) {
   const auto show = [&](Estimate& e) {
-    // Recorded densities make no estimate that chance could put below its bound; a floor is no estimate either.
+    // Recorded densities cannot fall below the bound by chance; a floor is no estimate either.
     const bool estimated = !e.estimator.starts_with("exact") && !e.estimator.starts_with("legacy");
     const auto bound = [&](double& divergence, ChainRule& parts, double least) {
       if (std::isnan(divergence)) return;

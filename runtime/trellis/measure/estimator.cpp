@@ -68,8 +68,8 @@ Estimate estimate_from(const Evaluation& evaluation, std::span<const double> log
   result.value = (own - defended) / count;
   result.light_value = (own - light) / count;
   result.gain = target.uniform() - result.value;
-  // What of Q lies outside of A, and its atoms, share no point with T: log 2 each. The rest of Q is an integral over A,
-  // brought to the mass that was counted.
+  // The part of Q outside of A, and its atoms, share no point with T: log 2 each. The rest of Q is an integral over A,
+  // normalised to the counted mass.
   if (total > 0.0) sample_js *= mass / (total / count) / count;
   result.js =
       std::clamp(0.5 * (target_js / count + sample_js + (1.0 - mass) * std::numbers::ln2), 0.0, std::numbers::ln2);

@@ -12,44 +12,44 @@
 
 namespace trellis {
 
-/// The uniform shares of the defended divergences: the headline's and the one beside it.
+/// The uniform shares of the defended divergences: of the headline and of the second value.
 inline constexpr double defence = 0.05;
 inline constexpr double light_defence = 0.01;
 
 /// A divergence by the chain rule, with A the support of T: D(T || Q) = -log Q(A) + D(T || Q given A). The parts of a
 /// finite divergence sum to it.
 struct ChainRule {
-  /// -log Q(A): how seldom a sample lies in the target.
+  /// -log Q(A): the smaller the share of samples in the target, the larger.
   double mass = std::numeric_limits<double>::quiet_NaN();
-  /// D(T || Q given A): how unevenly those that do cover it. NaN where no sample does.
+  /// D(T || Q given A): how unevenly the samples in A cover it. NaN without a sample in A.
   double spread = std::numeric_limits<double>::quiet_NaN();
-  /// Of the spread: the divergence of arc length along the path, and what is left across it. NaN without a path; what
-  /// lies across also from `most_across` dimensions, where samples do not show it.
+  /// The parts of the spread: the divergence of arc length along the path, and the rest across it. NaN without a path;
+  /// the part across is also NaN from `most_across` dimensions on, where samples do not show it.
   double along = std::numeric_limits<double>::quiet_NaN();
   double across = std::numeric_limits<double>::quiet_NaN();
 };
 inline constexpr std::size_t most_across = 5;
 
-/// -log of the mass in A of Q with 5 % uniform samples mixed in.
+/// Returns -log of the mass in A of Q mixed with 5 % uniform samples.
 /// \param mass     -log Q(A)
 /// \param uniform  -log of the mass in A of uniform sampling
 double defended_mass(double mass, double uniform);
 
-/// What one estimator makes of a set of samples, in nats. A figure that does not exist is NaN.
+/// The result of one estimator for a set of samples, in nats. A missing value is NaN.
 struct Estimate {
   std::string estimator = "knn";
-  /// D_eps, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q that has samples, at most
+  /// D_eps, the headline: D(T || (1-eps) Q + eps Uniform(C)), eps = 0.05; finite for every Q with samples, at most
   /// log(1/eps) + uniform.
   double value = std::numeric_limits<double>::quiet_NaN();
   /// The same with eps = 0.01.
   double light_value = std::numeric_limits<double>::quiet_NaN();
   /// D(T || Q), undefended; +inf where Q has no density on a part of T, and where no sample lies in A.
   double undefended = std::numeric_limits<double>::quiet_NaN();
-  /// Nats above uniform, uniform - value: what reports print. More is better; 0 is uniform sampling.
+  /// Nats above uniform, uniform - value, as reports print it. More is better; 0 is uniform sampling.
   double gain = std::numeric_limits<double>::quiet_NaN();
   /// Jensen-Shannon divergence of T and Q, in [0, log 2].
   double js = std::numeric_limits<double>::quiet_NaN();
-  /// The parts of `value`; none where T is not uniform.
+  /// The parts of `value`; NaN where T is not uniform.
   ChainRule parts = {};
   /// The parts of `undefended`.
   ChainRule undefended_parts = {};
@@ -58,11 +58,11 @@ struct Estimate {
 /// An estimator with its validated options.
 class EstimatorSpec {
  public:
-  /// Throws Error for an unknown estimator (with the nearest name) or a wrong option.
+  /// \throws Error for an unknown estimator (with the nearest name) or a wrong option.
   static EstimatorSpec make(const std::string& name, const std::vector<Options::Entry>& given = {});
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Options& options() const { return options_; }
-  /// "kde { bandwidth = 0.3 }": the options that differ from their defaults.
+  /// Returns the name and the options that differ from their defaults: "kde { bandwidth = 0.3 }".
   [[nodiscard]] std::string text() const;
   friend bool operator==(const EstimatorSpec&, const EstimatorSpec&) = default;
 
@@ -71,8 +71,8 @@ class EstimatorSpec {
   Options options_;
 };
 
-/// Where densities are known they are used, else the bound by arc length from five dimensions, else nearest neighbours:
-/// { exact, arc, knn }.
+/// Returns the default order: recorded densities, else the bound by arc length from five dimensions on, else nearest
+/// neighbours: { exact, arc, knn }.
 const std::vector<EstimatorSpec>& default_estimators();
 
 namespace measure {
@@ -82,12 +82,12 @@ struct Evaluation;
 /// One kind of estimator.
 struct EstimatorKind {
   const Component* component = nullptr;
-  /// A reason why it has no figure for these samples; "" where it has.
+  /// Returns why it has no value for these samples; "" where it has one.
   std::string (*unfit)(const Options&, const Evaluation&) = nullptr;
   Estimate (*estimate)(const Options&, const Evaluation&) = nullptr;
 };
 
-/// All estimators, in the order of the reference.
+/// Returns all estimators, in the order of the reference.
 const std::vector<EstimatorKind>& estimator_kinds();
 const EstimatorKind* find_estimator(std::string_view name);
 

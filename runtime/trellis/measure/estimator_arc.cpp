@@ -29,13 +29,12 @@ const Settings<ArcSettings>& arc_settings() {
 Estimate estimate(const Options&, const Evaluation& evaluation) {
   const Target& target = evaluation.target;
   const auto total = static_cast<double>(evaluation.samples.total());
-  // Samples that occur more than once have no density, so that they lower no divergence: only the others count, whose
-  // arcs come first.
+  // Repeated samples have no density, so they lower no divergence: count only the others, whose arcs come first.
   const std::size_t once = evaluation.in_target.inside.size() / evaluation.frame().dimension();
   const double share = static_cast<double>(once) / total;
   const double mass = once > 0 ? -std::log(share) : mass_without_hit(evaluation.samples.total());
   const Along along = along_path(target, std::span(evaluation.in_target.arcs).first(once), evaluation.points, share);
-  // Too few samples in the target say nothing of where along it they lie.
+  // Too few samples in the target give no evidence about their distribution along it.
   const auto or_nothing = [](double divergence) { return std::isnan(divergence) ? 0.0 : divergence; };
   const auto defended = [&](double uniform_share) {
     const double mixed = uniform_share * std::exp(-target.uniform());

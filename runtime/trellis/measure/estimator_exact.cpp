@@ -18,7 +18,7 @@ const Settings<ExactSettings>& exact_settings() {
 }
 
 Estimate estimate(const Options&, const Evaluation& evaluation) {
-  // The whole pool: recorded densities are narrow and cheap, and nothing else makes an error here.
+  // Uses the whole pool: recorded densities are narrow and cost no checks, and the pool is the only source of error.
   const Configurations& pool = evaluation.target.pool();
   std::vector<double> log_density(pool.size());
   double mass = 0.0;
@@ -28,7 +28,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   }
   mass /= static_cast<double>(pool.size());
   Estimate result = estimate_from(evaluation, log_density, std::min(mass, 1.0));
-  // The mass of the density itself: nothing was counted.
+  // The mass of the density itself, without counting.
   result.undefended_parts.mass = -std::log(std::min(mass, 1.0));
   return result;
 }

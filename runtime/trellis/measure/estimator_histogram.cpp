@@ -51,7 +51,7 @@ const Settings<LegacySettings>& legacy_settings() {
   return settings;
 }
 
-/// A grid over some axes of a frame, and what was counted in its cells.
+/// A grid over some axes of a frame, with a count per cell.
 class Grid {
  public:
   /// \param even  cells that divide each axis evenly, at most `side` long; else cells of that side from the lower bound
@@ -84,7 +84,7 @@ class Grid {
     return it != counts_.end() ? static_cast<double>(it->second) : 0.0;
   }
   [[nodiscard]] const std::map<Key, std::size_t>& counts() const { return counts_; }
-  /// The number of cells.
+  /// Returns the number of cells.
   [[nodiscard]] double cells() const { return cells_; }
   [[nodiscard]] double log_cell_volume() const { return log_volume_; }
 

@@ -15,11 +15,11 @@ namespace trellis::measure {
 
 namespace {
 
-constexpr double negligible = 23.0;              // e^-23 = 1e-10 of a sum counts for nothing
-constexpr double negligible_choice = 14.0;       // the same, e^-14 = 1e-6, where bandwidths are compared
-constexpr double faintest = 60.0;                // a term e^-60 of the largest stands for all smaller ones
-constexpr std::size_t likelihood_samples = 500;  // that the leave-one-out likelihood is taken over
-constexpr int likelihood_steps = 24;             // bandwidths tried, from twice Scott's down to a 64th of it
+constexpr double negligible = 23.0;              // e^-23 = 1e-10 of a sum is negligible
+constexpr double negligible_choice = 14.0;       // the same, e^-14 = 1e-6, to compare bandwidths
+constexpr double faintest = 60.0;                // e^-60 of the largest term replaces all smaller ones
+constexpr std::size_t likelihood_samples = 500;  // of the leave-one-out likelihood
+constexpr int likelihood_steps = 24;             // bandwidths, from twice Scott's down to a 64th of it
 constexpr int likelihood_stride = 3;
 
 struct KdeSettings {
@@ -42,10 +42,10 @@ const Settings<KdeSettings>& kde_settings() {
 constexpr std::size_t block = PointTree::block;
 using Block = std::array<double, block>;
 
-/// exp of numbers in [-faintest, 0], within 1e-12 of it; others count as the nearer of the two ends.
+/// Computes exp of numbers in [-faintest, 0], to within 1e-12; clamps others to that interval.
 TRELLIS_ALONG void exp_block(Block& x) {
-  constexpr double magic = 0x1.8p52;  // brings the nearest integer into the last bits of a number
-  // Loops of their own, and no std::min: so the compiler takes several numbers at a time.
+  constexpr double magic = 0x1.8p52;  // moves the nearest integer into the last bits
+  // Separate loops and no std::min, so that the compiler vectorises them.
   for (std::size_t i = 0; i < block; ++i) x[i] = x[i] < -faintest ? -faintest : x[i];
   for (std::size_t i = 0; i < block; ++i) x[i] = x[i] > 0.0 ? 0.0 : x[i];
   for (std::size_t i = 0; i < block; ++i) {
@@ -70,17 +70,17 @@ TRELLIS_ALONG void exp_block(Block& x) {
 /// A kernel along one axis.
 struct AxisKernel {
   bool periodic = false;
-  double period = 0.0;   ///< after which images repeat
-  double lo = 0.0;       ///< the lower wall
+  double period = 0.0;   ///< of the images
+  double lo = 0.0;       ///< the lower bound
   double inverse = 0.0;  ///< 1 / 2h^2
-  int turns = 0;         ///< periods away at which an image may still count
+  int turns = 0;         ///< number of periods at which an image may still count
 };
 
-/// What images add to the kernels of a leaf along one axis: 1 + the sum of exp(-(v^2 - u^2) / 2h^2), u the way from the
-/// kernel's own point and v from an image, which is never nearer. The difference is a product in every case. The leaf's
-/// box, from lo to hi, tells which images count for any of its points.
-/// \param way    |u|
-/// \param limit  the exponent beyond which an image counts for nothing
+/// Computes the factor of the images of a leaf's kernels along one axis: 1 + the sum of exp(-(v^2 - u^2) / 2h^2), with
+/// u the distance from the kernel's own point and v from an image, which is never nearer. The difference of squares is
+/// a product in every case. The leaf's box, from lo to hi, decides which images count for any of its points.
+/// The caller passes |u|.
+/// \param limit  the exponent beyond which an image is negligible
 TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* points, double lo, double hi,
                               const Block& way, double limit, Block& factor) {
   Block images{};
@@ -106,7 +106,7 @@ TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* po
       add(exponent);
     }
   } else {
-    // In mirrors: behind the lower wall (turn 0), behind the upper one (turn -1), and those of two mirrors or more.
+    // Reflections: at the lower bound (turn 0), at the upper bound (turn -1), and repeated ones.
     for (int turn = -axis.turns; turn <= axis.turns; ++turn) {
       const double away = turn * period;
       const double twice = 2.0 * (y - axis.lo) + away;
@@ -128,14 +128,14 @@ TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* po
   for (std::size_t i = 0; i < block; ++i) factor[i] *= 1.0 + images[i];
 }
 
-/// One kernel of a leaf, which is left out.
+/// One kernel of a leaf that the sum omits.
 struct LeftOut {
   std::size_t leaf = std::numeric_limits<std::size_t>::max();
   std::size_t place = 0;
 };
 
-/// The sum of the kernels about the points of some leaves, at y, in units of exp(-unit): no kernel is larger than that.
-/// \param limits  for each leaf the exponent beyond which its images count for nothing
+/// Sums the kernels about the points of some leaves, at y, in units of exp(-unit): no kernel is larger than that.
+/// \param limits  for each leaf the exponent beyond which its images are negligible
 TRELLIS_CLONES double sum_of(const std::vector<AxisKernel>& axes, const std::vector<PointTree::Leaf>& leaves,
                              const std::vector<double>& limits, const double* y, double unit, LeftOut out) {
   Block total{};
@@ -169,14 +169,14 @@ TRELLIS_CLONES double sum_of(const std::vector<AxisKernel>& axes, const std::vec
   return sum;
 }
 
-/// Gaussian kernels of one width about the points of a tree.
+/// Gaussian kernels of one bandwidth about the points of a tree.
 class Kernels {
  public:
-  /// \param ignored  exp(-ignored) of a sum counts for nothing
+  /// \param ignored  exp(-ignored) of a sum is negligible
   Kernels(const Frame& frame, std::size_t points, double bandwidth, double ignored)
       : ignored_(ignored),
         spread_(2.0 * bandwidth * bandwidth),
-        // Kernels narrowed to the period of their axis are an eighth lower per axis at most.
+        // A kernel truncated to the period of its axis is lower by an eighth per axis at most.
         beyond_(spread_ *
                 (std::log(static_cast<double>(points)) + ignored + 0.125 * static_cast<double>(frame.dimension()))) {
     axes_.reserve(frame.dimension());
@@ -185,7 +185,7 @@ class Kernels {
       axis.periodic = frame.periodic(j);
       axis.period = axis.periodic ? frame.period(j) : 2.0 * frame.extent(j);
       axis.lo = frame.lo(j);
-      // A kernel as wide as the period is uniform over it, and a wider one no different.
+      // A kernel as wide as the period is uniform over it; a wider one does not differ.
       const double h = std::min(bandwidth, axis.period);
       axis.inverse = 0.5 / (h * h);
       axis.turns = 1 + static_cast<int>(std::sqrt(ignored / axis.inverse) / axis.period);
@@ -194,11 +194,11 @@ class Kernels {
     }
   }
 
-  /// The squared distance at which kernels count for nothing, where the nearest point is at `nearest`.
+  /// Returns the squared distance at which kernels are negligible, where the nearest point is at `nearest`.
   [[nodiscard]] double horizon(double nearest) const { return nearest + beyond_; }
 
-  /// log of the sum of the kernels about the points of some leaves, the nearest of them at a squared distance of
-  /// `nearest` from y.
+  /// Returns the log of the sum of the kernels about the points of some leaves, the nearest of them at a squared
+  /// distance of `nearest` from y.
   [[nodiscard]] double log_sum(View y, double nearest, const std::vector<PointTree::Leaf>& leaves, LeftOut out = {}) {
     const double unit = nearest / spread_;
     limits_.clear();
@@ -229,7 +229,7 @@ double scott(const Frame& frame, const std::vector<double>& rows) {
     };
     double mean = 0.0;
     if (frame.periodic(j)) {
-      // The mean direction: where the period begins does not matter.
+      // The mean direction: it does not depend on where the period begins.
       const double turn = 2.0 * std::numbers::pi / frame.period(j);
       mean = std::atan2(total([&](double y) { return std::sin(turn * y); }),
                         total([&](double y) { return std::cos(turn * y); })) /
@@ -247,7 +247,8 @@ double scott(const Frame& frame, const std::vector<double>& rows) {
   return std::max(sd, 1e-9) * std::pow(static_cast<double>(n), -1.0 / (static_cast<double>(d) + 4.0));
 }
 
-/// The squared distance from y to the nearest point of a leaf but one; infinite where there is no other.
+/// Returns the squared distance from y to the nearest point of a leaf, omitting one point; infinite where there is no
+/// other.
 double nearest_of(const Frame& frame, const PointTree::Leaf& leaf, const double* y, std::size_t without) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < leaf.count; ++i) {
@@ -265,8 +266,8 @@ double nearest_of(const Frame& frame, const PointTree::Leaf& leaf, const double*
 double most_likely(const Frame& frame, const std::vector<double>& rows) {
   const std::size_t d = frame.dimension();
   const std::size_t n = rows.size() / d;
-  // Every n-th of all rows: they are in the order of their coordinates, so this thins them evenly. The bandwidth that
-  // suits m samples is brought to n by Scott's exponent.
+  // Takes every n-th of all rows. Rows are sorted by their coordinates, so this thins them evenly. Scott's exponent
+  // converts the bandwidth for m samples to n samples.
   const std::size_t stride = (n + likelihood_samples - 1) / likelihood_samples;
   std::vector<double> few;
   for (std::size_t i = 0; i < n; i += stride) {
@@ -323,7 +324,7 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
       best = step;
     }
   };
-  // The likelihood rises and falls once: the best step lies within a stride of the best of every few.
+  // The likelihood is unimodal: the best step lies within a stride of the best coarse step.
   for (int step = 0; step < likelihood_steps; step += likelihood_stride) offer(step);
   const int middle = best;
   for (int step = std::max(0, middle - likelihood_stride + 1);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t space_points = 256;  // of a ball, for its share in C
 constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
-constexpr double pool_enough = 30.0;       // pool points in a ball that tell its volume in A
-constexpr std::size_t pool_expected = 40;  // pool points wanted in a ball, where the pool could give many more
+constexpr double pool_enough = 30.0;       // pool points in a ball that determine its volume in A
+constexpr std::size_t pool_expected = 40;  // target number of pool points in a ball, for a large pool
 constexpr std::size_t least_pool = 1024;
 
 struct KnnSettings {
@@ -48,8 +48,8 @@ double digamma(std::size_t n) { return boost::math::digamma(static_cast<double>(
 
 /// log q at points of A by blended k nearest neighbours.
 ///
-/// The plain term sees all samples and is blind to the border of A; the in-tube term sees the samples in A only, and
-/// the part of its ball in A. Each is best where the other is worst, and the share of samples in A weighs them.
+/// The plain term uses all samples and ignores the boundary of A; the in-tube term uses the samples in A only, and the
+/// part of its ball in A. Each is accurate where the other is not, and the share of samples in A weighs them.
 class BlendedNeighbours {
  public:
   BlendedNeighbours(const KnnSettings& settings, const Evaluation& evaluation)
@@ -61,7 +61,7 @@ class BlendedNeighbours {
         boundary_(settings.boundary),
         k_all_(std::min(static_cast<std::size_t>(settings.k_all), evaluation.samples.tree().size())),
         k_inside_(settings.blend ? std::min(static_cast<std::size_t>(settings.k), inside_.size()) : 0),
-        // Atoms raise N, and with it lower the density of the rest, but do not make the in-tube term any better.
+        // Atoms raise N, and so lower the density of the other samples, but do not improve the in-tube term.
         share_(k_inside_ == 0
                    ? 0.0
                    : static_cast<double>(inside_.size()) / static_cast<double>(evaluation.samples.tree().size())),
@@ -69,8 +69,8 @@ class BlendedNeighbours {
         log_mass_inside_(k_inside_ > 0 ? digamma(k_inside_) - digamma(evaluation.samples.total() + 1) : 0.0),
         least_radius_(1e-9 * target_.space().diameter()),
         squared_(std::max(k_all_, k_inside_)) {
-    // With few samples in A the balls are wide and hold a good part of the pool. 40 points a ball make 13 points of the
-    // pool to a sample and add nothing to the error that could be measured; the whole pool would cost many times that.
+    // With few samples in A the balls are wide and contain much of the pool. 40 pool points per ball correspond to 13
+    // pool points per sample and add no measurable error; the whole pool would cost a multiple.
     const std::size_t wanted =
         std::max<std::size_t>(least_pool, pool_expected * inside_.size() / std::max<std::size_t>(k_inside_, 1));
     if (k_inside_ > 0 && target_.is_uniform() && 2 * wanted < target_.pool().size()) {
@@ -80,7 +80,7 @@ class BlendedNeighbours {
     }
   }
 
-  /// log q at the i-th evaluation point.
+  /// Returns log q at the i-th evaluation point.
   [[nodiscard]] double log_density(std::size_t i) {
     const View y = evaluation_.at(i);
     double kth = 0.0;
@@ -101,15 +101,16 @@ class BlendedNeighbours {
   }
 
  private:
-  /// log of the volume of the part of a ball around the i-th point of the pool that lies in A.
+  /// Returns the log of the volume of the part in A of a ball around the i-th point of the pool.
   [[nodiscard]] double log_volume_in_target(std::size_t i, View y, double squared) const {
     if (!target_.is_uniform()) return by_draws(y, squared);
-    // Points of low discrepancy keep their distance: a ball about one of them holds, with its centre, as many as its
-    // volume says, and their number hardly varies (of independent points it would hold one more, and psi were right).
+    // Points of low discrepancy repel each other: a ball about one of them contains, with its centre, as many as its
+    // volume predicts, and their number varies little. (With independent points it would contain one more, and psi
+    // would be correct.)
     const auto by_pool = [&](std::size_t with_centre, std::size_t pool) {
       return target_.log_volume() + std::log(static_cast<double>(with_centre) / static_cast<double>(pool));
     };
-    // Which way is taken depends on the ball alone, not on the number found in it, else that number were biased.
+    // The choice of the method depends on the ball only; a choice by the number of points in it would bias that number.
     const double r = std::max(std::sqrt(squared), least_radius_);
     const double ball = std::exp(log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r) -
                                  target_.log_volume());  // in volumes of A
@@ -129,7 +130,7 @@ class BlendedNeighbours {
     return by_pool(std::max<std::size_t>(found, 1), target_.pool_tree().size());
   }
 
-  /// The same for a target that is a distribution with a support of its own: fixed points of the ball.
+  /// The same for a target that is a distribution with its own support: uses fixed points of the ball.
   [[nodiscard]] double by_draws(View y, double squared) const {
     std::vector<double> x(y.size());
     const double r = std::max(std::sqrt(squared), least_radius_);
@@ -154,7 +155,7 @@ class BlendedNeighbours {
   double least_radius_;
   std::vector<double> squared_;  // scratch
   std::size_t part_size_ = 0;
-  std::unique_ptr<PointTree> part_;  // a prefix of the pool; null where the whole pool is wanted
+  std::unique_ptr<PointTree> part_;  // a prefix of the pool; null: the whole pool
 };
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {
@@ -164,7 +165,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   const KnnSettings settings = knn_settings().read(options);
   std::vector<double> log_density(evaluation.points);
   if (inside.empty()) {
-    // Half a sample, spread over A: what N samples without a hit leave possible.
+    // Half a sample, uniform over A: compatible with N samples without a hit.
     for (std::size_t i = 0; i < evaluation.points; ++i) {
       log_density[i] = evaluation.target.log_density(i) - mass_without_hit(evaluation.samples.total());
     }

@@ -26,7 +26,7 @@ void Frame::to_metric(View x, MutableView y) const {
 void Frame::to_raw(View y, MutableView x) const {
   const auto& axes = space_.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    // The division can leave the bounds by a rounding, and a point of C must stay one.
+    // The division may leave the bounds by a rounding error; a point of C must stay in C.
     x[j] = std::clamp(y[j] / axes[j].weight, axes[j].lo, axes[j].hi);
   }
   space_.normalise(x);

@@ -8,8 +8,8 @@
 
 namespace trellis::measure {
 
-/// A space in metric coordinates y_j = w_j x_j, periodic axes folded into one period. Everything that measures volumes
-/// or distances works in these, where the metric is Euclidean up to the wrap.
+/// A space in metric coordinates y_j = w_j x_j, with periodic axes wrapped into one period. Functions that measure
+/// volumes or distances use these coordinates, where the metric is Euclidean up to the wrap.
 class Frame {
  public:
   explicit Frame(const Space& space);
@@ -19,16 +19,17 @@ class Frame {
   [[nodiscard]] double hi(std::size_t j) const { return hi_[j]; }
   [[nodiscard]] double extent(std::size_t j) const { return hi_[j] - lo_[j]; }
   [[nodiscard]] bool periodic(std::size_t j) const { return periodic_[j] != 0; }
-  /// The period; infinity for an axis that does not wrap.
+  /// Returns the period; infinity for an axis that is not periodic.
   [[nodiscard]] double period(std::size_t j) const { return period_[j]; }
 
-  /// Metric coordinates of a configuration, periodic ones within [lo, hi].
+  /// Computes the metric coordinates of a configuration, periodic ones within [lo, hi].
   void to_metric(View x, MutableView y) const;
-  /// The configuration at metric coordinates; coordinates within [lo, hi] give a configuration within the space.
+  /// Computes the configuration at metric coordinates; coordinates within [lo, hi] give a configuration within the
+  /// space.
   void to_raw(View y, MutableView x) const;
-  /// A periodic coordinate brought into [lo, hi]; others as they are.
+  /// Wraps a periodic coordinate into [lo, hi]; returns others unchanged.
   [[nodiscard]] double fold(std::size_t j, double y) const;
-  /// A difference of coordinates the short way round.
+  /// Returns the difference of smaller magnitude on a periodic axis.
   [[nodiscard]] double shortest(std::size_t j, double delta) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace trellis::measure {
 
-/// A Sobol sequence in the unit cube, moved by a shift modulo 1. Equal shifts give equal points.
+/// A Sobol sequence in the unit cube, shifted modulo 1. Equal shifts give equal points.
 class LowDiscrepancy {
  public:
   /// \param dimension  at least 1
@@ -19,7 +19,7 @@ class LowDiscrepancy {
   LowDiscrepancy(const LowDiscrepancy&) = delete;
   LowDiscrepancy& operator=(const LowDiscrepancy&) = delete;
 
-  /// The next point, in [0, 1).
+  /// Computes the next point, in [0, 1).
   void next(MutableView point);
 
  private:

@@ -21,8 +21,8 @@ void check_confidence(double confidence) {
   throw Error(fmt::format("bound of a median: the confidence must be in (0, 1), got {:g}", confidence));
 }
 
-/// The place, from 1, of the value that bounds the median from above: the least k of which n fair coins show fewer than
-/// k heads with that probability. n + 1 where even all of them would not do.
+/// Returns the rank, from 1, of the value that bounds the median from above: the least k such that n fair coins show
+/// fewer than k heads with that probability. n + 1 where no rank suffices.
 std::size_t place_of_bound(std::size_t n, double confidence) {
   if (n == 0) return 1;
   const boost::math::binomial coins(static_cast<double>(n), 0.5);

@@ -15,12 +15,12 @@ namespace trellis::measure {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// A balanced tree over 2^32 points is not deeper than this, with one entry waiting per level.
+// A balanced tree over 2^32 points is not deeper than this, with one pending entry per level.
 constexpr std::size_t deepest = 64;
-// Coordinate of the empty places of a leaf. Its squared distance to anything is infinite, and never NaN.
+// Coordinate of the unused entries of a leaf. Its squared distance to any point is infinite, and never NaN.
 constexpr double nowhere = 1e300;
 
-// Four numbers that are worked on at a time; written out, as the compiler takes a leaf's loop apart otherwise.
+// A vector of four numbers. Explicit, because the compiler does not vectorise the loop over a leaf well.
 using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
 constexpr std::size_t width = 4;
 
@@ -68,7 +68,7 @@ std::uint32_t PointTree::build(std::span<const double> rows, std::span<std::uint
     }
     return node;
   }
-  // Whole leaves on the first side: all leaves but the last are then full or nearly so.
+  // The first side gets whole leaves: all leaves but the last are then full or nearly so.
   const std::size_t half = (ids.size() / 2 + block - 1) / block * block;
   const std::size_t middle = half < ids.size() ? half : ids.size() / 2;
   std::nth_element(
@@ -80,8 +80,8 @@ std::uint32_t PointTree::build(std::span<const double> rows, std::span<std::uint
   return node;
 }
 
-// The bounds below are made of the same operations in the same order as the distances in scan(), and rounding is
-// monotone, so a bound never cuts off a point that a plain search would have counted.
+// The bounds below use the same operations in the same order as the distances in scan(), and rounding is monotone, so a
+// bound never excludes a point that a linear search would count.
 
 template <std::size_t D>
 TRELLIS_ALONG double PointTree::least(std::uint32_t node, const double* y) const {
@@ -92,7 +92,7 @@ TRELLIS_ALONG double PointTree::least(std::uint32_t node, const double* y) const
     const double below = box[2 * j] - y[j];
     const double above = y[j] - box[2 * j + 1];
     const double outside = std::max(below, above);
-    // Outside of the box the nearest point of an axis is one of its ends, the one or the other way round.
+    // Outside of the box, the nearest point on an axis is one of its ends, in one direction or the other.
     const double other = period_[j] - std::max(std::abs(below), std::abs(above));
     const double u = std::max(0.0, std::min(outside, other));
     sum += u * u;
@@ -123,7 +123,7 @@ TRELLIS_ALONG const double* PointTree::leaf_of(std::uint32_t node) const {
   return &blocks_[block * (D > 0 ? D : dimension_) * nodes_[node].leaf];
 }
 
-/// The squared distances from y to four places of a leaf.
+/// Computes the squared distances from y to four entries of a leaf.
 template <std::size_t D>
 TRELLIS_ALONG void PointTree::scan(const double* data, const double* y, void* squared) const {
   const std::size_t dimension = D > 0 ? D : dimension_;

@@ -11,34 +11,34 @@
 namespace trellis::measure {
 
 /// A static, balanced kd-tree over points in metric coordinates: exact nearest neighbours and exact counts in balls,
-/// under the wrapped metric. Answers are distances and counts, so they do not depend on how ties were split.
+/// under the wrapped metric. Results are distances and counts, so they do not depend on how ties were split.
 ///
-/// The leaves are blocks of fixed length, one coordinate after the other, so that a leaf is scanned without branches;
-/// the wrap is min(|u|, period - |u|), which leaves an axis without a period as it is.
+/// The leaves are blocks of fixed length, one coordinate after the other, so that a scan of a leaf has no branches. The
+/// wrap is min(|u|, period - |u|), which leaves an axis without a period unchanged.
 class PointTree {
  public:
   /// \param rows  metric coordinates within the frame's bounds, row by row
   PointTree(const Frame& frame, std::span<const double> rows);
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The squared distances to the nearest points, ascending; as many as `squared` has room for, infinity beyond the
-  /// last point.
+  /// Computes the squared distances to the nearest points, ascending; as many as `squared` has entries, infinity beyond
+  /// the last point.
   void nearest(View y, std::span<double> squared) const;
-  /// The number of points at a squared distance of at most `squared`.
+  /// Returns the number of points at a squared distance of at most `squared`.
   [[nodiscard]] std::size_t count_within(View y, double squared) const;
   /// Whether there is a point at a squared distance of at most `squared`.
   [[nodiscard]] bool any_within(View y, double squared) const;
 
-  static constexpr std::size_t block = 16;  ///< points a leaf has room for
-  /// Points that lie together: block coordinates of the first axis, then of the next; empty places are so far away that
-  /// their squared distance is infinite.
+  static constexpr std::size_t block = 16;  ///< the capacity of a leaf
+  /// Neighbouring points: the block of coordinates of the first axis, then of the next. Unused entries are so far away
+  /// that their squared distance is infinite.
   struct Leaf {
     const double* points;
     const double* box;  ///< lo and hi of each axis in turn
     std::size_t count;
-    double least;  ///< no point of its box is at a smaller squared distance
+    double least;  ///< lower bound of the squared distance of its points
   };
-  /// The leaves that may hold a point at a squared distance of at most `squared`, always in the same order.
+  /// Collects the leaves that may contain a point at a squared distance of at most `squared`, always in the same order.
   void leaves_within(View y, double squared, std::vector<Leaf>& leaves) const;
 
  private:
@@ -49,7 +49,7 @@ class PointTree {
   };
 
   std::uint32_t build(std::span<const double> rows, std::span<std::uint32_t> ids);
-  // D is the dimension where it is known to the compiler, else 0.
+  // D is the dimension where the compiler has it as a constant, else 0.
   template <std::size_t D>
   [[nodiscard]] double least(std::uint32_t node, const double* y) const;
   template <std::size_t D>

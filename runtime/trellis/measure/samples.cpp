@@ -28,7 +28,7 @@ PreparedSamples::PreparedSamples(const Space& space, const Configurations& sampl
     frame_.to_metric(x, MutableView(rows).subspan(i * d, d));
     order.push_back(static_cast<std::uint32_t>(i));
   }
-  // Copies meet in the order of the coordinates; the order of equal rows does not matter to anything below.
+  // Sorting by coordinates makes copies adjacent; the order of equal rows has no effect below.
   const auto row = [&](std::uint32_t i) { return rows.begin() + static_cast<std::ptrdiff_t>(i * d); };
   const auto length = static_cast<std::ptrdiff_t>(d);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -13,32 +13,32 @@
 
 namespace trellis {
 
-/// A set of samples made ready to be scored, on one target or on several of the same space: what does not depend on the
-/// target is made once. Serves one thread at a time, as estimators leave in it what they derive from the samples.
+/// A set of samples prepared for scoring, on one target or on several of the same space: stores the results that do not
+/// depend on the target. Only one thread may use it at a time, because estimators cache derived results in it.
 ///
-/// A configuration that occurs more than once is an atom: singular against any target with a density, it carries mass
-/// but no density of its own, so it stays out of the neighbour search, with all its copies, while N keeps them.
+/// A configuration that occurs more than once is an atom: singular relative to any target with a density, it has mass
+/// but no density of its own. The neighbour search therefore omits it with all its copies, while N includes them.
 class PreparedSamples {
  public:
-  /// \param samples  N configurations of the space; not sorted, may hold duplicates
-  /// Throws Error for samples of another dimension than the space's or with coordinates that are not finite.
+  /// \param samples  N configurations of the space; not sorted, may contain duplicates
+  /// \throws Error for samples of another dimension than the space's or with coordinates that are not finite.
   PreparedSamples(const Space& space, const Configurations& samples);
 
   [[nodiscard]] const Space& space() const { return space_; }
   [[nodiscard]] const measure::Frame& frame() const { return frame_; }
-  /// N, those outside of C among them.
+  /// Returns N, including samples outside of C.
   [[nodiscard]] std::size_t total() const { return total_; }
-  /// Samples within C that occur once, row by row in metric coordinates, in the order of these.
+  /// Returns the samples within C that occur once, row by row in metric coordinates, sorted.
   [[nodiscard]] const std::vector<double>& all() const { return all_; }
   [[nodiscard]] const measure::PointTree& tree() const { return tree_; }
-  /// Each configuration that occurs more than once, once, and how often it does.
+  /// Returns each configuration that occurs more than once, and its multiplicity.
   [[nodiscard]] const std::vector<double>& atoms() const { return atoms_; }
   [[nodiscard]] const std::vector<std::size_t>& copies() const { return copies_; }
   [[nodiscard]] const measure::PointTree& atom_tree() const { return atom_tree_; }
-  /// The configurations of `all`, then those of `atoms`.
+  /// Returns the configurations of `all`, then those of `atoms`.
   [[nodiscard]] const Configurations& distinct() const { return distinct_; }
 
-  /// A number that follows from the samples alone: made when it is first asked for by this name.
+  /// Returns a number that depends on the samples only; computes it on the first call with this name.
   double remembered(const std::string& name, const std::function<double()>& make) const;
 
  private:
@@ -54,11 +54,11 @@ class PreparedSamples {
 
 namespace measure {
 
-/// What of a set of samples lies in a target.
+/// The part of a set of samples that lies in a target.
 struct InTarget {
   std::size_t count = 0;       ///< n, copies counted
   std::vector<double> inside;  ///< samples in A that occur once, row by row in metric coordinates
-  /// Of a target with a path: where along it the samples in A lie, copies counted; first those that occur once.
+  /// Of a target with a path: the arc length of each sample in A, copies included; first those that occur once.
   std::vector<double> arcs;
 };
 InTarget in_target(const Target& target, const PreparedSamples& samples);

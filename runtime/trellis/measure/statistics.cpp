@@ -18,7 +18,7 @@ namespace trellis {
 
 namespace {
 
-/// The probability below the upper end of a two-sided interval.
+/// Returns the probability below the upper end of a two-sided interval.
 double upper_tail(double confidence) {
   if (!(confidence > 0.0 && confidence < 1.0)) {
     throw Error(fmt::format("interval: the confidence must be in (0, 1), got {:g}", confidence));
@@ -26,7 +26,7 @@ double upper_tail(double confidence) {
   return 0.5 + 0.5 * confidence;
 }
 
-/// The place of each value in order, from 1; equal ones share the mean of theirs.
+/// Returns the rank of each value, from 1; ties share their mean rank.
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<double> result;
   result.reserve(values.size());
@@ -116,7 +116,7 @@ std::vector<double> holm(std::span<const double> p) {
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
   std::vector<double> adjusted(p.begin(), p.end());
-  double largest = 0.0;  // a test is never surer than one with a smaller p
+  double largest = 0.0;  // keeps the corrected p values in the order of the given ones
   for (std::size_t k = 0; k < order.size(); ++k) {
     largest = std::max(largest, std::min(1.0, static_cast<double>(order.size() - k) * p[order[k]]));
     adjusted[order[k]] = largest;
@@ -135,7 +135,7 @@ Paired paired(std::span<const double> a, std::span<const double> b, double confi
     result.less += b[i] < a[i] ? 1 : 0;
     result.greater += b[i] > a[i] ? 1 : 0;
     result.equal += b[i] == a[i] ? 1 : 0;
-    // Both infinite: no difference that could be told.
+    // Two infinite values have no defined difference.
     if (!(std::isinf(a[i]) && std::isinf(b[i]))) differences.push_back(b[i] - a[i]);
   }
   result.difference = student_interval(differences, confidence);

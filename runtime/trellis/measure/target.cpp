@@ -18,13 +18,13 @@ namespace trellis {
 
 namespace {
 
-// Points of the cover for the tube's volume: the geometry alone is cheap, so more of them than the pool needs.
+// Points of the cover for the tube's volume: they need geometry only, no checks, so use more than for the pool.
 constexpr std::size_t cover_points = std::size_t{1} << 16U;
-// A tube that fills little of its cover (many dimensions) or is mostly invalid ends the search for its pool here,
-// in multiples of the pool asked for: points of the cover, and validity checks.
+// Limits of the search for the pool, as multiples of the requested pool: points of the cover, and validity checks. A
+// tube that fills little of its cover (many dimensions) or is mostly invalid reaches them.
 constexpr std::size_t cover_limit = 256;
 constexpr std::size_t check_limit = 16;
-// With this share of the pool found, a third of the pool's price in checks is not exceeded.
+// After this share of the pool, the search costs at most a third of the pool's checks.
 constexpr std::size_t patience = 3;
 constexpr std::size_t enough = 1024;
 constexpr std::size_t region_limit = 64;  // points of the space for a region's pool, in multiples of the pool
@@ -87,7 +87,7 @@ Settings<S> with_target_options(Settings<S> settings, const std::string& delta, 
                "points of the target for the volumes of cut balls and for `exact`, at least as many as points");
 }
 
-/// Draws the numbers that move a low-discrepancy sequence.
+/// Draws the shift of a low-discrepancy sequence.
 measure::LowDiscrepancy sequence_of(std::uint64_t seed, std::size_t dimension, std::vector<double>& unit) {
   Stream stream(seed, "", "measure");
   unit.resize(dimension);

@@ -14,11 +14,11 @@ namespace {
 constexpr std::size_t grid_limit = 3;             // axes of the grid
 constexpr std::uint64_t axis_limit = 1U << 20U;   // cells of one axis, so that three fit a key
 constexpr double cell_budget = 30000.0;           // cells of the cover, about
-constexpr double thinning = 1e-3;                 // of the radius
+constexpr double thinning = 1e-3;                 // as a share of the radius
 constexpr std::uint64_t table_limit = 1U << 18U;  // cells of a grid that has a table of them
 constexpr std::uint32_t no_cell = std::numeric_limits<std::uint32_t>::max();
 
-/// Coordinates of a point over the tube's axes; on the stack but for spaces of very many axes.
+/// Coordinates of a point over the tube's axes; on the stack except for spaces of very many axes.
 class Gathered {
  public:
   Gathered(View y, const std::vector<std::size_t>& axes) {
@@ -72,7 +72,8 @@ void Tube::add_piece(const std::vector<double>& from, const std::vector<double>&
 
 void Tube::cut_path(const Space& space, const Configurations& path) {
   const std::size_t count = axes_.size();
-  // Waypoints unrolled over the tube's axes: each leg goes the short way, so positions are sums of differences.
+  // Unwrapped waypoints over the tube's axes: each leg takes the shorter direction, so positions are sums of
+  // differences.
   std::vector<double> unrolled;
   std::vector<double> y(frame_.dimension());
   std::vector<double> delta(frame_.dimension());
@@ -92,7 +93,7 @@ void Tube::cut_path(const Space& space, const Configurations& path) {
     }
     length_ += std::sqrt(square);
   }
-  // Pieces as long as the tube is thick keep the lists of the cells short; a very thin tube must not make millions.
+  // Pieces as long as the radius keep the lists of the cells short; a very thin tube must not have millions of pieces.
   const double piece_limit = std::max(radius_, length_ / 4096.0);
   const auto step_between = [&](std::size_t a, std::size_t b) {
     std::vector<double> step(count);
@@ -103,7 +104,7 @@ void Tube::cut_path(const Space& space, const Configurations& path) {
     const std::vector<double> step = step_between(a, b);
     double square = 0.0;
     for (std::size_t j = 0; j < count; ++j) {
-      // A piece of more than half a period would take the wrong way round.
+      // A piece of more than half a period would take the wrong direction.
       if (std::abs(step[j]) > 0.25 * frame_.period(axes_[j])) return true;
       square += step[j] * step[j];
     }
@@ -137,8 +138,8 @@ void Tube::cut_path(const Space& space, const Configurations& path) {
 double Tube::squared(std::size_t piece, const double* z, std::size_t count, double* at) const {
   const double* a = &from_[piece * axes_.size()];
   const double* d = &step_[piece * axes_.size()];
-  // As the point of the piece moves from t = 0 to 1, the image of z nearest to it changes on a periodic axis where the
-  // two are half a period apart, at most once per axis. Between such changes the square is a plain parabola.
+  // As the point of the piece moves from t = 0 to 1, the nearest image of z changes on a periodic axis where the two
+  // are half a period apart, at most once per axis. Between such changes the squared distance is a parabola.
   double best = std::numeric_limits<double>::infinity();
   double from = 0.0;
   while (true) {
@@ -192,7 +193,7 @@ double Tube::along(View y) const {
       arc = begin_[piece] + t * std::sqrt(step_square_[piece]);
     }
   };
-  // A point of the tube is nearest to one of the pieces that its cell knows.
+  // A point of the tube is nearest to one of the pieces in its cell's list.
   if (const auto cell = cell_of(y); cell && near(*cell, z.data())) {
     for (std::uint32_t i = first_[*cell]; i < first_[*cell + 1]; ++i) look(near_[i]);
   } else {
@@ -202,7 +203,7 @@ double Tube::along(View y) const {
 }
 
 void Tube::choose_grid() {
-  // Fine cells waste few points and many words; what a cell costs grows with the dimension.
+  // Small cells waste few points and much memory; the memory of a cell grows with the dimension.
   double side = radius_ / (grid_axes_ <= 2 ? 8.0 : 4.0);
   const auto expected = [&](double h) {
     double cells = (length_ + 2.0 * (radius_ + h)) / h;
@@ -224,7 +225,7 @@ void Tube::fill_cells() {
   double diagonal = 0.0;
   for (const double h : side_) diagonal += h * h;
   const double half_diagonal = 0.5 * std::sqrt(diagonal);
-  // A cell may hold points of the tube only where its centre is this near; the margin covers rounding.
+  // A cell may contain points of the tube only if its centre is this near; the margin covers rounding.
   const double reach = (radius_ + half_diagonal) * (1.0 + 1e-9);
   const double sure = grid_axes_ == axes_.size() ? radius_ * (1.0 - 1e-9) - half_diagonal : -1.0;
 
@@ -377,7 +378,7 @@ bool Tube::contains(View y) const {
 std::size_t Tube::cell_at(double volume) const {
   const std::size_t last = cumulative_.size() - 1;
   if (rest_.empty()) {
-    // Cells of one volume: there but for rounding.
+    // Cells of equal volume: exact up to rounding.
     auto cell = std::min(last, static_cast<std::size_t>(volume / cumulative_.front()));
     while (cell < last && cumulative_[cell] <= volume) ++cell;
     while (cell > 0 && cumulative_[cell - 1] > volume) --cell;

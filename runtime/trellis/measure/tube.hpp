@@ -11,16 +11,16 @@
 
 namespace trellis::measure {
 
-/// The geometry of a tube { x in C : d(x, P) < radius }, d over all axes or over some of them, the others free.
+/// The geometry of a tube { x in C : d(x, P) < radius }, with d over all axes or over a subset of them.
 ///
-/// A cover of small grid cells around P serves two ends: quasi Monte Carlo points drawn from it lie in the tube more
-/// often than not, and a point is tested against the pieces of P near its cell only. The grid spans the first three
-/// axes of the distance; further ones are bounded cell by cell. Waypoints that lie within a thousandth of the radius
-/// of the line that replaces them are left out, which spares densely interpolated paths.
+/// A cover of small grid cells around P has two uses: quasi Monte Carlo points drawn from it mostly lie in the tube,
+/// and a membership test needs only the pieces of P near the point's cell. The grid spans the first three axes of the
+/// distance; each cell has bounds on the others. Waypoints within a thousandth of the radius of the line that replaces
+/// them are omitted, which simplifies densely interpolated paths.
 class Tube {
  public:
   /// \param path    at least one configuration of the space
-  /// \param axes    the axes that the distance counts, at least one
+  /// \param axes    the axes of the distance, at least one
   /// \param radius  > 0, in metric coordinates
   Tube(const Frame& frame, const Space& space, const Configurations& path, std::vector<std::size_t> axes,
        double radius);
@@ -28,17 +28,17 @@ class Tube {
   [[nodiscard]] const Frame& frame() const { return frame_; }
   /// Whether a point of C (metric coordinates) lies in the tube.
   [[nodiscard]] bool contains(View y) const;
-  /// The distance from a point (metric coordinates) to P over the tube's axes.
+  /// Returns the distance from a point (metric coordinates) to P over the tube's axes.
   [[nodiscard]] double distance(View y) const;
-  /// The length of P over the tube's axes, and the arc length at the point of P nearest to y.
+  /// Returns the length of P over the tube's axes, and the arc length at the point of P nearest to y.
   [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] double along(View y) const;
   [[nodiscard]] const std::vector<std::size_t>& axes() const { return axes_; }
 
-  /// Volume of the cover, which holds the whole tube within C.
+  /// Returns the volume of the cover, which contains the whole tube within C.
   [[nodiscard]] double cover_volume() const { return cover_volume_; }
-  /// Maps a point of the unit cube with one more coordinate than C has to the cover, volumes kept; returns whether
-  /// the point lies in the tube.
+  /// Maps a point of the unit cube, with one more coordinate than C has, to the cover with uniform density. \return
+  /// whether the point lies in the tube
   bool draw(View unit, MutableView y) const;
 
  private:
@@ -48,12 +48,12 @@ class Tube {
   void fill_cells();
   void bound_rest();
   [[nodiscard]] std::size_t pieces() const { return step_square_.size(); }
-  /// The squared distance to a piece over the first `count` axes; `at`, if given, receives the nearest point's share of
-  /// the piece.
+  /// Returns the squared distance to a piece over the first `count` axes. `at`, if given, receives the nearest point's
+  /// parameter on the piece.
   [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count, double* at = nullptr) const;
-  /// The cell that holds y; none outside of the cover.
+  /// Returns the cell that contains y; none outside of the cover.
   [[nodiscard]] std::optional<std::size_t> cell_of(View y) const;
-  /// The cell at which the volumes of all before it and its own go beyond a volume.
+  /// Returns the first cell at which the cumulative volume exceeds a volume.
   [[nodiscard]] std::size_t cell_at(double volume) const;
   [[nodiscard]] bool near(std::size_t cell, const double* z) const;
 
@@ -61,7 +61,7 @@ class Tube {
   std::vector<std::size_t> axes_;
   double radius_;
 
-  // Pieces of P over the tube's axes: start and the short way to the end, about as long as the radius.
+  // Pieces of P over the tube's axes: start and shortest difference to the end, about as long as the radius.
   std::vector<double> from_, step_;
   std::vector<double> step_square_;
   std::vector<double> begin_;  // arc length at each piece's start

@@ -50,7 +50,7 @@ void BestFirstSearch::generate(std::uint32_t vertex, std::uint32_t edge, std::ui
   if (at_selection || cost < before.cost) reach(vertex, edge, from);
   const Open entry{priority_(state_, vertex) + state_.at(vertex).penalty, vertex, edge, cost};
   if (at_selection) {
-    // Whether the edge leads here is not known yet.
+    // The entry may be invalid: no evaluation has confirmed that the edge leads here.
     state_.at(vertex) = before;
     open_.insert(entry);
     return;
@@ -82,7 +82,7 @@ bool BestFirstSearch::expand(Open entry) {
     if (rules_.evaluation == Evaluation::expansion && !valid(e, next)) continue;
     successors.emplace_back(next, e);
   }
-  // What was found invalid counts for the priorities of all.
+  // An invalid configuration changes the priorities of all successors.
   for (const auto& [next, e] : successors) {
     generate(next, e, v);
     if (next == goal && rules_.evaluation == Evaluation::expansion && rules_.ends == Ends::generated) {

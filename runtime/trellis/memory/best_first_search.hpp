@@ -12,13 +12,13 @@
 
 namespace trellis {
 
-/// Best-first search of an explicit graph whose edges are evaluated one by one. Of the open list, it expands the vertex
-/// with the least priority. A priority is computed when the vertex is generated, and anew each time that an expansion
-/// generates it again.
+/// Best-first search of an explicit graph whose edges are evaluated one by one. It expands the vertex of the open list
+/// with the least priority. It computes a priority when it generates a vertex, and again each time that an expansion
+/// generates the vertex again.
 class BestFirstSearch {
  public:
-  /// Evaluates an edge in the direction to a vertex: where it is invalid, the first invalid configuration on it, else
-  /// an empty view. The search asks for an edge at most once.
+  /// Evaluates an edge in the direction to a vertex: returns the first invalid configuration on an invalid edge, else
+  /// an empty view. The search evaluates an edge at most once.
   using Evaluate = std::function<View(std::uint32_t edge, std::uint32_t to)>;
   using Priority = std::function<double(const SearchState&, std::uint32_t vertex)>;
 
@@ -33,11 +33,11 @@ class BestFirstSearch {
   struct Rules {
     Evaluation evaluation = Evaluation::expansion;
     Ends ends = Ends::generated;
-    /// Per edge what is to be added to the priorities of the vertices reached through it; empty: nothing.
+    /// For each edge an addend to the priorities of the vertices reached through it; empty: none.
     std::vector<double> penalties = {};
   };
 
-  /// The graph outlives the search.
+  /// The graph must outlive the search.
   BestFirstSearch(const Graph& graph, Evaluate evaluate, Priority priority, Rules rules);
   BestFirstSearch(const BestFirstSearch&) = delete;
   BestFirstSearch& operator=(const BestFirstSearch&) = delete;
@@ -46,21 +46,21 @@ class BestFirstSearch {
   struct Open {
     double priority = 0.0;
     std::uint32_t vertex = 0;
-    std::uint32_t edge = SearchState::none;  ///< that generated it
+    std::uint32_t edge = SearchState::none;  ///< its edge from its parent
     double cost = 0.0;                       ///< from the start through that edge
     friend bool operator<(const Open& a, const Open& b) {
       return std::tie(a.priority, a.cost, a.vertex, a.edge) < std::tie(b.priority, b.cost, b.vertex, b.edge);
     }
   };
-  /// In the order of their priority. With evaluation at selection a vertex may be in it more than once.
+  /// Returns the open list by priority. With evaluation at selection it may contain a vertex more than once.
   [[nodiscard]] const std::set<Open>& open() const { return open_; }
   [[nodiscard]] const SearchState& state() const { return state_; }
   [[nodiscard]] bool reached_goal() const { return reached_goal_; }
   [[nodiscard]] std::uint64_t expansions() const { return expansions_; }
   [[nodiscard]] std::uint64_t evaluations() const { return evaluations_; }
 
-  /// Removes an entry from the open list and expands its vertex. False where the edge to it turned out invalid or the
-  /// vertex had been expanded.
+  /// Removes an entry from the open list and expands its vertex. \return false where the edge to it is invalid or the
+  /// vertex is already expanded
   bool expand(Open entry);
 
  private:
@@ -78,7 +78,8 @@ class BestFirstSearch {
   std::vector<std::vector<std::uint32_t>> adjacency_;  ///< of each vertex its edges
   std::vector<Known> known_;                           ///< of each edge
   std::set<Open> open_;
-  std::vector<std::set<Open>::iterator> entries_;  ///< of each vertex its entry, else the end; not at selection
+  std::vector<std::set<Open>::iterator>
+      entries_;  ///< of each vertex its entry, else the end; unused with evaluation at selection
   bool reached_goal_ = false;
   std::uint64_t expansions_ = 0;
   std::uint64_t evaluations_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Numbers as bytes, the least first, whatever the machine: how files and hashes hold them.
+// Little-endian bytes of numbers on every machine, for files and hashes.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@ inline void put_integer(std::string& bytes, std::uint64_t value) {
 }
 inline void put_number(std::string& bytes, double value) { put_integer(bytes, std::bit_cast<std::uint64_t>(value)); }
 
-/// The eight bytes from `at`; there must be as many.
+/// Returns the number in the eight bytes from `at`, all of which must exist.
 inline std::uint64_t integer_at(std::string_view bytes, std::size_t at) {
   std::uint64_t value = 0;
   for (unsigned i = 0; i < 8; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only source that meets dlib.
+// The only source that includes dlib.
 #include <trellis/memory/forest.hpp>
 
 #include <dlib/random_forest.h>

@@ -12,27 +12,27 @@ namespace trellis {
 
 struct ForestSettings {
   std::size_t trees = 40;
-  std::size_t leaf = 20;   ///< samples that a leaf holds at least
-  std::uint64_t seed = 1;  ///< the same samples, settings and seed give the same forest, on any number of threads
+  std::size_t leaf = 20;   ///< least number of samples in a leaf
+  std::uint64_t seed = 1;  ///< equal samples, settings and seeds give equal forests, on any number of threads
 };
 
-/// A random forest that regresses a number from a row of numbers.
+/// A random forest for the regression of a number on a row of numbers.
 class Forest {
  public:
   /// \param rows    of `columns` numbers each, finite
   /// \param values  one for each row, finite
   static Forest train(const std::vector<double>& rows, std::size_t columns, const std::vector<double>& values,
                       const ForestSettings& settings);
-  /// What `bytes` made. Throws Error for anything else.
+  /// Reads the result of `bytes`. \throws Error for other input.
   static Forest from_bytes(const std::string& bytes, std::size_t columns);
 
   ~Forest();
   Forest(Forest&&) noexcept;
   Forest& operator=(Forest&&) noexcept;
 
-  /// The same on every machine.
+  /// Serialises the forest; the result is the same on every machine.
   [[nodiscard]] std::string bytes() const;
-  /// The mean of the trees' leaves that a row falls into.
+  /// Returns the mean of the leaves of all trees for a row.
   [[nodiscard]] double operator()(std::span<const double> row) const;
 
  private:

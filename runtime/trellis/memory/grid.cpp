@@ -26,7 +26,7 @@ struct Step {
 };
 constexpr std::array<Step, 8> around = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
 
-/// The cell a step away; none outside of the grid.
+/// Returns the neighbouring cell in a direction; none outside of the grid.
 std::optional<std::size_t> beside(const WorldGrid& grid, std::size_t cell, const Step& step) {
   const auto column = static_cast<long>(cell % grid.columns()) + step.columns;
   const auto row = static_cast<long>(cell / grid.columns()) + step.rows;
@@ -36,7 +36,7 @@ std::optional<std::size_t> beside(const WorldGrid& grid, std::size_t cell, const
   return static_cast<std::size_t>(row) * grid.columns() + static_cast<std::size_t>(column);
 }
 
-/// Shortest ways over the grid from some cells, where `may` says that a step may be taken.
+/// Computes shortest paths over the grid from some cells; `may` decides whether a step is allowed.
 template <class May>
 std::vector<double> spread_from(const WorldGrid& grid, const std::vector<std::size_t>& from, const May& may) {
   std::vector<double> length(grid.size(), nowhere);
@@ -75,7 +75,7 @@ WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : b
   height_ = side.y / static_cast<double>(rows_);
   free_.assign(columns_ * rows_, 0);
 
-  // A cell that touches an obstacle's side or the boundary with its own is still free.
+  // A cell whose side only touches an obstacle's side or the boundary is still free.
   constexpr double inner = 0.49;
   const auto scene = std::make_shared<const Scene>(Scene{
       world, Robot::rigid({Box2{{-inner * width_, -inner * height_}, {inner * width_, inner * height_}}}, false)});
@@ -136,7 +136,7 @@ std::vector<double> ways_to(const WorldGrid& grid, std::size_t to) {
 
 namespace {
 
-/// What is looked at from the cells of one grid.
+/// Computes the features of the cells of one grid.
 class Looker {
  public:
   Looker(const WorldGrid& grid, Vec2 start, Vec2 goal)
@@ -147,7 +147,7 @@ class Looker {
         along_((1.0 / way_) * (goal - start)),
         diagonal_(std::hypot(static_cast<double>(grid.columns()) * grid.width(),
                              static_cast<double>(grid.rows()) * grid.height())) {
-    // Sums over all cells to the lower left, for counting the blocked ones in a window.
+    // Sums over all cells to the lower left, to count the blocked cells in a window.
     sums_.assign((grid.columns() + 1) * (grid.rows() + 1), 0.0);
     for (std::size_t row = 0; row < grid.rows(); ++row) {
       for (std::size_t column = 0; column < grid.columns(); ++column) {
@@ -169,7 +169,7 @@ class Looker {
     *out++ = (p.x - grid_.corner(0).x) / diagonal_;
     *out++ = (p.y - grid_.corner(0).y) / diagonal_;
     *out++ = grid_.clearance()[cell] / diagonal_;
-    // How far one sees, beginning in the direction from start to goal.
+    // Visible distances, beginning in the direction from start to goal.
     constexpr int directions = 8;
     for (int i = 0; i < directions; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / directions;

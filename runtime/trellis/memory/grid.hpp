@@ -9,11 +9,11 @@
 
 namespace trellis {
 
-/// A box of the plane divided into equal cells. A cell is free where no obstacle comes into it.
+/// A box of the plane divided into equal cells. A cell is free where no obstacle overlaps it.
 class WorldGrid {
  public:
-  /// \param cells  along the longer side of the box, at least 2; the shorter side has as many as keep them nearly
-  /// square
+  /// \param cells  along the longer side of the box, at least 2; the number along the shorter side makes cells nearly
+  ///     square
   WorldGrid(const World& world, const Box2& box, std::size_t cells);
 
   [[nodiscard]] std::size_t columns() const { return columns_; }
@@ -24,11 +24,12 @@ class WorldGrid {
   [[nodiscard]] bool free(std::size_t cell) const { return free_[cell] != 0; }
   [[nodiscard]] Vec2 corner(std::size_t cell) const;  ///< the lower left one
   [[nodiscard]] Vec2 centre(std::size_t cell) const;
-  /// The cell that holds a point; the nearest one for a point outside.
+  /// Returns the cell that contains a point; the nearest one for a point outside.
   [[nodiscard]] std::size_t at(Vec2 point) const;
-  /// The free cell with the centre nearest to a point; none where no cell is free.
+  /// Returns the free cell with the centre nearest to a point; none where no cell is free.
   [[nodiscard]] std::optional<std::size_t> free_near(Vec2 point) const;
-  /// How far from each cell's centre the nearest obstacle's or outer cell's centre is, metres; 0 for those.
+  /// Returns the distance from each cell's centre to the nearest centre of an obstacle's or outer cell, metres; 0 for
+  /// those.
   [[nodiscard]] const std::vector<double>& clearance() const { return clearance_; }
 
  private:
@@ -41,14 +42,15 @@ class WorldGrid {
   std::vector<double> clearance_;
 };
 
-/// The oracle: the length of the shortest way from each free cell to `to` by steps to the eight cells around, metres;
-/// infinity where there is none. A step across a corner needs both cells beside it free.
+/// The oracle: returns the length of the shortest path from each free cell to `to` by steps to the eight neighbours,
+/// metres; infinity where there is none. A diagonal step requires that both cells beside it are free.
 std::vector<double> ways_to(const WorldGrid& grid, std::size_t to);
 
-/// What is known of a free cell without search, for a learner: where it lies between start and goal, and what stands
-/// around it and in the way. Lengths are in shares of the distance from start to goal or of the grid's diagonal.
+/// Features of a free cell that need no search, for a learner: its position relative to start and goal, and the
+/// obstacles around it and between it and the goal. Lengths are shares of the distance from start to goal or of the
+/// grid's diagonal.
 inline constexpr std::size_t cell_features = 21;
-/// All cells' features, row by row; those of cells that are not free are zero.
+/// Returns all cells' features, row by row; zero for cells that are not free.
 std::vector<double> features(const WorldGrid& grid, Vec2 start, Vec2 goal);
 
 }  // namespace trellis

@@ -8,13 +8,14 @@
 
 namespace trellis {
 
-// Stable hashes of what a path was found in: the same on every machine and in every version that reads the same files.
+// Stable hashes that identify the origin of a path: the same on every machine and in every version that reads the same
+// files.
 
-/// Of the axes and their weights; the name of the space does not count.
+/// Hashes the axes and their weights, but not the name of the space.
 std::uint64_t identity(const Space& space);
-/// Of the shapes and joints.
+/// Hashes the shapes and joints.
 std::uint64_t identity(const Robot& robot);
-/// Of the bounds and the obstacles in their order; their names do not count.
+/// Hashes the bounds and the obstacles in their order, but not their names.
 std::uint64_t identity(const World& world);
 
 }  // namespace trellis

@@ -7,7 +7,7 @@
 
 namespace trellis {
 
-/// What a model is trained and validated on: worlds with a start and a goal in the plane.
+/// One task for training or validation: a world with a start and a goal in the plane.
 struct LearningTask {
   std::string name;
   World world;

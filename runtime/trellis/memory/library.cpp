@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only source that meets SQLite.
+// The only source that includes SQLite.
 #include <trellis/memory/library.hpp>
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr int application = 0x54726C73;  // "Trls", in the header of the file
 constexpr int version = 1;               // of the tables
-constexpr int patience_ms = 30000;       // for another process that writes
+constexpr int patience_ms = 30000;       // timeout for another process that writes
 constexpr std::size_t warped_points = 64;
 
 constexpr const char* tables = R"sql(
@@ -46,7 +46,7 @@ CREATE INDEX path_of ON path (space, robot);
 
 std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
-/// The mean over the cheapest warping of the distances between what it sets beside each other.
+/// Returns the mean distance of the pairs of points in the cheapest warping.
 double warped(const Space& space, const Configurations& a, const Configurations& b, bool backwards) {
   struct Way {
     double sum = std::numeric_limits<double>::infinity();
@@ -106,7 +106,7 @@ double default_novelty(const Space& space, const Robot& robot) {
   return radius > 0.0 ? radius : 0.02 * space.diameter();
 }
 
-/// The connection, and what is asked of it.
+/// The database connection and the queries.
 class Library::Database {
  public:
   Database(std::string path, Mode mode) : path_(std::move(path)) {
@@ -117,7 +117,7 @@ class Library::Database {
       throw Error(
           fmt::format("{}: there is no such library of paths; trellis run SCRIPT --learn {} makes one", path_, path_));
     }
-    // Also who only reads may have to write: to undo what a process that was killed had begun.
+    // A read-only user may also have to write: to roll back the transaction of a process that was killed.
     int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX;
     if (mode == Mode::write) flags |= SQLITE_OPEN_CREATE;
     int code = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
@@ -129,7 +129,7 @@ class Library::Database {
       if (code != SQLITE_OK) fail("cannot be opened");
       sqlite3_extended_result_codes(handle_, 1);
       sqlite3_busy_timeout(handle_, patience_ms);
-      // The rollback journal keeps the library one file, and its deletion, synced, is the commit.
+      // With the rollback journal the library remains one file; the synced deletion of the journal is the commit.
       if (mode == Mode::write) run("PRAGMA synchronous = EXTRA");
       run("PRAGMA trusted_schema = OFF");
       recognise(mode);
@@ -142,7 +142,7 @@ class Library::Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  /// A statement that is stepped through.
+  /// A prepared statement.
   class Statement {
    public:
     Statement(const Database& database, std::string_view text) : database_(database) {
@@ -155,7 +155,7 @@ class Library::Database {
     Statement(const Statement&) = delete;
     Statement& operator=(const Statement&) = delete;
 
-    /// Goes to the next row; false after the last.
+    /// Steps to the next row; false after the last.
     bool step() {
       const int code = sqlite3_step(statement_);
       if (code == SQLITE_ROW) return true;
@@ -195,7 +195,7 @@ class Library::Database {
     return statement.step() ? statement.integer(0) : 0;
   }
 
-  /// One state of the library for all that is asked in `body`; undone where it throws.
+  /// Runs `body` in a transaction: its queries see one state of the library; an exception rolls it back.
   template <class Body>
   void together(const char* begin, const Body& body) const {
     run(begin);
@@ -203,7 +203,7 @@ class Library::Database {
       body();
       run("COMMIT");
     } catch (...) {
-      // Where the rollback fails too, closing the file, or opening it again, undoes it.
+      // If the rollback fails too, closing or reopening the file rolls back.
       sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
       throw;
     }
@@ -256,10 +256,11 @@ class Library::Database {
     }
   }
 
-  /// Makes the tables of a new library, and looks whether an old one can be understood.
+  /// Creates the tables of a new library, and checks the version of an existing one.
   void recognise(Mode mode) const {
     if (mode == Mode::write) {
-      // Asked within the transaction, so that of two processes that find nothing only one makes the tables.
+      // The check runs within the transaction, so that only one of two processes that find an empty file creates the
+      // tables.
       if (is_empty()) together("BEGIN IMMEDIATE", [&] { make_tables(); });
     } else if (is_empty()) {
       return;
@@ -286,7 +287,7 @@ class Library::Database {
     run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", application, version).c_str());
   }
 
-  /// Nothing was ever written: a file of no bytes, as a process leaves that was killed before its first path.
+  /// Whether the file has no bytes, as after a process was killed before its first path.
   [[nodiscard]] bool is_empty() const {
     return ask("PRAGMA application_id") == 0 && ask("PRAGMA user_version") == 0 &&
            ask("SELECT count(*) FROM sqlite_schema") == 0;

@@ -12,9 +12,9 @@
 
 namespace trellis {
 
-/// A path that solved a problem, and what it was found in.
+/// A path that solved a problem, with the identities of the problem's space, robot and world.
 struct StoredPath {
-  std::int64_t id = 0;      ///< in the order in which paths were added
+  std::int64_t id = 0;      ///< in the order of insertion
   std::string problem;      ///< its name
   std::string space_name;   ///< "SE(2)"
   std::uint64_t space = 0;  ///< identity()
@@ -24,36 +24,35 @@ struct StoredPath {
   Configurations path;
 };
 
-/// What is to be stored of a solved problem.
+/// Returns the record of a solved problem.
 StoredPath stored_path(const Problem& problem, const Configurations& path);
 
-/// How far apart two paths of a space are, in metres: the mean distance between what dynamic time warping sets beside
-/// each other of points evenly spread over them, in the direction of the second that brings them nearer.
+/// Returns the distance between two paths of a space, in metres: dynamic time warping pairs points evenly spaced along
+/// them; the result is the mean distance of the pairs, for the direction of the second path that gives the smaller one.
 double path_distance(const Space& space, const Configurations& a, const Configurations& b);
 
-/// A library of solved problems in a file (an SQLite database). A path that `add` has returned for is there whatever
-/// happens to the process afterwards; one that it has not returned for is there as a whole or not at all. Several
-/// processes may have one library open.
+/// A library of solved problems in a file (an SQLite database). A path is durable once `add` has returned; until then
+/// it is stored completely or not at all. Several processes may open one library.
 class Library {
  public:
   enum class Mode : std::uint8_t {
-    read,   ///< the file must be there
-    write,  ///< made where there is none
+    read,   ///< the file must exist
+    write,  ///< creates a missing file
   };
 
-  /// Throws Error for a file that is no library, is damaged, or was written by a later version; such a file is left as
-  /// it is.
+  /// \throws Error for a file that is no library, is damaged, or was written by a later version; does not change such a
+  ///     file.
   explicit Library(const std::string& path, Mode mode = Mode::read);
   ~Library();
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
 
-  /// All paths, in the order of their ids: one state of the library, whoever writes meanwhile. Throws Error where the
-  /// file turns out to be damaged.
+  /// Returns all paths, in the order of their ids: one consistent state, even if other processes write.
+  /// \throws Error where the file is damaged.
   [[nodiscard]] std::vector<StoredPath> paths() const;
-  /// Adds a path that is farther than `novelty` metres (path_distance) from every path of the same space and robot;
-  /// whether it was added. The library is looked at and written as one step, so that two processes do not both add what
-  /// one of them has. `space` is that of the path.
+  /// Adds a path that is farther than `novelty` metres (path_distance) from every path of the same space and robot.
+  /// Reads and writes the library in one transaction, so that two processes do not add the same path. `space` is that
+  /// of the path. \return whether it added the path
   bool add(const StoredPath& stored, const Space& space, double novelty);
 
  private:
@@ -61,12 +60,13 @@ class Library {
   std::unique_ptr<Database> database_;
 };
 
-/// What a library held when this process first asked for it: all runs see one state, whoever adds meanwhile. Nothing
-/// where there is no such file. Throws Error as a Library does.
+/// Returns the content of a library at this process's first call: all runs see one state, even if other processes add
+/// paths. Empty where there is no such file.
+/// \throws Error as a Library does.
 std::shared_ptr<const std::vector<StoredPath>> known_paths(const std::string& file);
 
-/// The distance within which two paths are one where nobody says otherwise: the robot's bounding radius, or 2 % of the
-/// space's diameter for a point.
+/// Returns the default distance within which two paths count as one: the robot's bounding radius, or 2 % of the space's
+/// diameter for a point.
 double default_novelty(const Space& space, const Robot& robot);
 
 }  // namespace trellis

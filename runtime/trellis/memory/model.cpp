@@ -16,7 +16,7 @@ namespace trellis {
 
 namespace {
 
-constexpr double least_probability = 1e-3;  // of a free cell, so that none is ruled out
+constexpr double least_probability = 1e-3;  // of a free cell, so that the model excludes none
 
 std::vector<double> normalised(std::vector<double> weights) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -24,7 +24,7 @@ std::vector<double> normalised(std::vector<double> weights) {
   return weights;
 }
 
-/// KL(T || q), T uniform over the cells on the way.
+/// Computes KL(T || q), with T uniform over the near-optimal cells.
 double divergence(const Oracle& oracle, const std::vector<double>& q) {
   const auto count = static_cast<double>(std::count(oracle.on_way.begin(), oracle.on_way.end(), 1));
   double sum = 0.0;

@@ -14,13 +14,13 @@
 
 namespace trellis {
 
-// Model files: a header with the kind of model, its version and what it was trained on, then the forest and a hash.
+// Model files: a header with the kind of model, its version and its training data, then the forest and a hash.
 
 /// One kind of model.
 struct ModelKind {
-  std::string_view magic;    ///< that its files begin with
+  std::string_view magic;    ///< the first bytes of its files
   std::string_view what;     ///< a noun phrase for messages
-  std::string_view command;  ///< the options of `trellis train` that make one
+  std::string_view command;  ///< the options of `trellis train` that train one
   std::uint64_t version = 1;
   std::size_t features = 0;
 };
@@ -32,17 +32,17 @@ extern const ModelKind search_heuristic;
 
 struct ModelFile {
   Forest forest;
-  std::size_t cells = 0;  ///< along the longer side of the worlds that it was trained on
+  std::size_t cells = 0;  ///< along the longer side of the training worlds
   std::string description;
 };
 
-/// The bytes of a file, the same on every machine.
+/// Returns the bytes of a file, the same on every machine.
 std::string model_bytes(const ModelKind& kind, const Forest& forest, std::size_t cells, const std::string& description);
-/// Throws Error for a file that is missing, no model, of another kind, damaged, or of another version.
+/// \throws Error for a file that is missing, no model, of another kind, damaged, or of another version.
 ModelFile read_model(const ModelKind& kind, const std::string& file);
 
-/// A model as it was when this process first asked for it; nullptr where there is no such file. Throws Error as
-/// M::load does.
+/// Returns the model in a file as of this process's first call; nullptr where there is no such file.
+/// \throws Error as M::load does.
 template <class M>
 std::shared_ptr<const M> known_model_of(const std::string& file) {
   static std::mutex mutex;

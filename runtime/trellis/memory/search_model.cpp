@@ -21,14 +21,14 @@ namespace trellis {
 
 namespace {
 
-/// Of the worlds with a path, each fourth one chooses the round whose forest is the model.
+/// Every fourth world with a path is held out, to choose the round whose forest becomes the model.
 constexpr std::size_t held_out_every = 4;
 
-/// Where the Euclidean distance to the goal stands among the features.
+/// The index of the Euclidean distance to the goal among the features.
 constexpr std::size_t euclidean_feature = 3;
 
-/// The forest regresses by how much the cost-to-go exceeds the Euclidean distance, so that plateaus of the forest still
-/// have a slope towards the goal.
+/// The forest predicts the difference of the cost-to-go and the Euclidean distance, so that its plateaus still have a
+/// gradient towards the goal.
 double predicted(const Forest& forest, const std::array<double, search_features>& row) {
   const double direct = row[euclidean_feature];
   return direct > 0.0 ? direct + std::max(0.0, forest(row)) : 0.0;
@@ -39,7 +39,7 @@ double euclidean(const SearchState& state, std::uint32_t vertex) {
   return norm(SearchState::position(graph.vertices[graph.goal]) - SearchState::position(graph.vertices[vertex]));
 }
 
-/// Dijkstra's search from the goal.
+/// Computes costs-to-go by Dijkstra's search from the goal.
 std::vector<double> costs_to_go(const Graph& graph, const std::vector<char>& valid) {
   std::vector<std::vector<std::uint32_t>> adjacency(graph.vertices.size());
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
@@ -67,14 +67,14 @@ std::vector<double> costs_to_go(const Graph& graph, const std::vector<char>& val
   return cost;
 }
 
-/// What training aggregates.
+/// The aggregated training samples.
 struct Samples {
   std::vector<double> rows;
   std::vector<double> values;
 };
 
-/// One search of a world by a mixture of the learner and the oracle. At steps drawn evenly from all, a vertex of the
-/// open list is drawn and its cost-to-go taken from the oracle.
+/// Runs one search of a world with a mixture of the learner and the oracle. At uniformly sampled steps, samples a
+/// vertex of the open list and takes its cost-to-go from the oracle.
 void run_episode(KnownWorld& world, const Forest* learner, double oracle_share, std::int64_t samples, Stream& stream,
                  Samples& aggregated) {
   const auto& oracle = world.cost_to_go();
@@ -89,7 +89,7 @@ void run_episode(KnownWorld& world, const Forest* learner, double oracle_share, 
   const auto wanted = static_cast<std::size_t>(samples);
   for (std::uint64_t step = 0; !search.reached_goal() && !search.open().empty(); ++step) {
     const auto& open = search.open();
-    // Reservoir sampling, because the number of steps is not known before.
+    // Reservoir sampling, because the number of steps is unknown in advance.
     const std::size_t place = step < wanted ? step : stream.below(step + 1);
     if (place < wanted) {
       const std::uint32_t v = std::next(open.begin(), static_cast<std::ptrdiff_t>(stream.below(open.size())))->vertex;
@@ -191,7 +191,7 @@ SearchModel SearchModel::train(const std::vector<LearningTask>& tasks, const Sea
       if (progress) progress(round * worlds.size() + i + 1, rounds * worlds.size());
     }
     learner = Forest::train(aggregated.rows, search_features, aggregated.values, settings.forest);
-    // Without worlds held out, those that it was trained on choose.
+    // Without held-out worlds, the training worlds decide.
     for (std::size_t i = 0; i < worlds.size(); ++i) {
       if (!held_out(i) && worlds.size() >= held_out_every) continue;
       expansions += effort(worlds[i].search([&](const SearchState& state, std::uint32_t v) {

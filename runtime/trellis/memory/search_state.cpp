@@ -11,7 +11,7 @@ namespace {
 
 constexpr double lattice = 256;  // cells along the longer side
 
-/// Inserts into a sorted list without duplicates; whether it was new.
+/// Inserts into a sorted list without duplicates; returns whether the value was new.
 bool insert(std::vector<std::int32_t>& sorted, std::int32_t value) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), value);
   if (at != sorted.end() && *at == value) return false;
@@ -19,7 +19,7 @@ bool insert(std::vector<std::int32_t>& sorted, std::int32_t value) {
   return true;
 }
 
-/// Calls `visit` with the elements of a sorted list that are next to a value, at most one on either side.
+/// Calls `visit` with the neighbours of a value in a sorted list, at most one on either side.
 template <class Visit>
 void beside(const std::vector<std::int32_t>& sorted, std::int32_t value, const Visit& visit) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), value);
@@ -69,7 +69,7 @@ std::optional<InvalidPositions::Nearest> InvalidPositions::nearest(Vec2 position
       if (d < distance) *this = {p, d};
     }
   };
-  // Lines at most `offset` lines away, in the order of their distance; ends when `done` says so after an offset.
+  // Visits lines at most `offset` lines away, by increasing distance; stops when `done` returns true after an offset.
   const auto outward = [](const Lines& lines, std::int32_t from, const auto& look, const auto& done) {
     const auto count = static_cast<std::int32_t>(lines.size());
     for (std::int32_t offset = 0; offset < count && !done(offset); ++offset) {

@@ -13,23 +13,23 @@
 
 namespace trellis {
 
-/// Positions that a search found invalid, on a lattice of 256 cells along the longer side of a box, for nearest
-/// neighbour queries.
+/// Invalid positions of a search, on a lattice of 256 cells along the longer side of a box, for nearest neighbour
+/// queries.
 class InvalidPositions {
  public:
   explicit InvalidPositions(const Box2& box);
 
-  /// A position outside of the box counts as the nearest one within.
+  /// Moves a position outside of the box to the nearest one within.
   void add(Vec2 position);
   [[nodiscard]] bool empty() const { return count_ == 0; }
 
-  /// The centres of lattice cells.
+  /// The centres of the nearest lattice cells.
   struct Nearest {
     Vec2 any;   ///< the nearest one
-    Vec2 in_x;  ///< of those with the least difference in x the nearest one
-    Vec2 in_y;  ///< of those with the least difference in y the nearest one
+    Vec2 in_x;  ///< the nearest of those with the least difference in x
+    Vec2 in_y;  ///< the nearest of those with the least difference in y
   };
-  /// None where nothing was added.
+  /// Returns none before the first `add`.
   [[nodiscard]] std::optional<Nearest> nearest(Vec2 position) const;
 
  private:
@@ -46,22 +46,22 @@ class InvalidPositions {
   std::size_t count_ = 0;
 };
 
-/// The numbers that a learnt search heuristic regresses the cost-to-go from.
+/// The number of features of a learnt search heuristic.
 inline constexpr std::size_t search_features = 17;
 
-/// What a search of an explicit graph has found so far.
+/// The state of a search of an explicit graph.
 class SearchState {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   struct Vertex {
     double cost = std::numeric_limits<double>::infinity();  ///< from the start along the tree
-    double penalty = 0.0;                                   ///< the sum along the tree of what was added to costs
+    double penalty = 0.0;                                   ///< the sum of the cost penalties along the tree
     std::uint32_t edge = none;                              ///< of the graph, from the parent in the tree
     std::uint32_t depth = 0;                                ///< edges from the start along the tree
     bool expanded = false;
   };
 
-  /// The graph outlives the state.
+  /// The graph must outlive the state.
   explicit SearchState(const Graph& graph);
 
   [[nodiscard]] const Graph& graph() const { return graph_; }
@@ -69,17 +69,17 @@ class SearchState {
   [[nodiscard]] Vertex& at(std::uint32_t vertex) { return vertices_[vertex]; }
   /// The first two coordinates of a configuration of the graph's space.
   [[nodiscard]] static Vec2 position(View q) { return {q[0], q[1]}; }
-  /// Whether the graph lies in the plane, which the features need.
+  /// Whether the graph lies in the plane, which the features require.
   [[nodiscard]] bool planar() const { return graph_.vertices.dimension() == 2; }
-  /// Records a configuration that was found invalid.
+  /// Records an invalid configuration.
   void add_invalid(View q);
 
-  /// The unit of the features: the diagonal of the box that holds all vertices, metres.
+  /// Returns the unit of the features: the diagonal of the bounding box of all vertices, metres.
   [[nodiscard]] double scale() const { return scale_; }
-  /// Of a vertex that the search has generated, where the graph is planar; lengths are shares of `scale`. Position;
-  /// cost from the start; Euclidean and Manhattan distance to the goal; depth in mean edges; position of the goal; then
-  /// of the nearest invalid position, of the one nearest in x and of the one nearest in y, the distance and the offset
-  /// from the vertex (distance -1 and offset 0 where nothing invalid was found).
+  /// Returns the features of a vertex that the search has generated, where the graph is planar; lengths are shares of
+  /// `scale`. Position; cost from the start; Euclidean and Manhattan distance to the goal; depth in mean edges;
+  /// position of the goal; then the distance and the offset from the vertex to the nearest invalid position, to the one
+  /// nearest in x and to the one nearest in y (distance -1 and offset 0 without an invalid position).
   [[nodiscard]] std::array<double, search_features> features(std::uint32_t vertex) const;
 
  private:

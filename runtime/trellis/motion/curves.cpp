@@ -15,15 +15,16 @@ namespace trellis {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// What is less is taken for rounding; where a word leads is looked at anyway.
+/// Smaller amounts count as rounding errors. The caller checks the end of each word, so this tolerance decides no
+/// validity.
 constexpr double slack = 1e-9;
 
-/// In (-pi, pi].
+/// Returns the angle in (-pi, pi].
 double half_turns(double angle) {
   const double a = std::remainder(angle, 2.0 * pi);
   return a <= -pi ? a + 2.0 * pi : a;
 }
-/// In [0, 2 pi).
+/// Returns the angle in [0, 2 pi).
 double whole_turn(double angle) {
   const double a = std::fmod(angle, 2.0 * pi);
   return a < 0.0 ? a + 2.0 * pi : a;
@@ -33,7 +34,7 @@ struct Polar {
   double r;
   double angle;
 };
-/// The direction of what is there by rounding only is 0.
+/// Polar coordinates of (x, y). A vector whose length is a rounding error has direction 0.
 Polar polar(double x, double y) {
   const double r = std::hypot(x, y);
   return {r, r < slack ? 0.0 : std::atan2(y, x)};
@@ -49,12 +50,12 @@ CurvePose driven(const CurvePose& from, const CurvePiece& piece, double radius) 
           from.y - r * (std::cos(from.theta + turned) - std::cos(from.theta)), from.theta + turned};
 }
 
-/// The shortest of the curves offered that lead to a goal, at radius 1 from (0, 0, 0).
+/// Selects the shortest of the offered curves that reach the goal, at radius 1 from (0, 0, 0).
 class Shortest {
  public:
   explicit Shortest(const CurvePose& goal) : goal_(goal) {}
 
-  /// As `offer`, and without the whole turns that rounding makes of no turn at all.
+  /// As `offer`, but removes whole turns that rounding makes of a turn by 0.
   void offer_forwards(std::vector<CurvePiece> pieces) {
     offer(pieces);
     constexpr double nearly = 1e-7;
@@ -90,7 +91,7 @@ class Shortest {
   Curve best_;
 };
 
-/// The goal as seen from the start, in units of the radius.
+/// Returns the goal's pose in the frame of the start, in units of the radius.
 CurvePose relative(const CurvePose& from, const CurvePose& to, double radius) {
   const double dx = (to.x - from.x) / radius;
   const double dy = (to.y - from.y) / radius;
@@ -105,8 +106,8 @@ Curve scaled(Curve curve, double radius) {
   return curve;
 }
 
-/// The words of Reeds and Shepp that begin with a turn to the left forwards, in the numbers of their paper. Those that
-/// begin otherwise are these for the goal mirrored in time, left and right, or order.
+/// The words of Reeds and Shepp that begin with a forward left turn, with the section numbers of their paper. The other
+/// words follow from these by mirroring the goal in time, in left and right, or by reversing the order.
 class Words {
  public:
   Words(const CurvePose& goal, Shortest& shortest, bool backwards_in_time, bool mirrored, bool reversed)
@@ -132,11 +133,11 @@ class Words {
   void offer_all() {
     const double xi = x_ - std::sin(phi_);
     const double eta = y_ - 1.0 + std::cos(phi_);
-    const Polar same = polar(xi, eta);  // between the centres of the turns, both to the left
+    const Polar same = polar(xi, eta);  // between the centres of two left turns
     offer_same(same);
     const double xj = x_ + std::sin(phi_);
     const double etj = y_ - 1.0 - std::cos(phi_);
-    offer_other(xj, etj);  // the last turn to the right
+    offer_other(xj, etj);  // the last turn is to the right
   }
 
  private:
@@ -199,7 +200,7 @@ class Words {
     }
   }
 
-  /// The first and the last turn of four.
+  /// Computes the first and the last of four turns.
   [[nodiscard]] std::pair<double, double> ends(double u, double v, double xi, double eta) const {
     const double delta = half_turns(u - v);
     const double a = std::sin(u) - std::sin(delta);
@@ -240,10 +241,10 @@ CurvePose Curve::at(const CurvePose& start, double s) const {
 Curve dubins(const CurvePose& from, const CurvePose& to, double radius) {
   const CurvePose goal = relative(from, to, radius);
   Shortest shortest(goal);
-  // Between the centres of the first and the last turn: straight where both are alike, across where they are not, or a
-  // third turn between two that are alike.
+  // The line between the centres of the first and the last turn: an outer tangent for turns of one direction, an inner
+  // tangent for opposite turns, or a third turn between two turns of one direction.
   for (const int turn : {1, -1}) {
-    // To the right is to the left with the goal mirrored.
+    // A first turn to the right equals a first turn to the left with the goal mirrored.
     const CurvePose g{goal.x, turn * goal.y, turn * goal.theta};
     const auto [same, angle] = polar(g.x - std::sin(g.theta), g.y - 1.0 + std::cos(g.theta));
     shortest.offer_forwards({{whole_turn(angle), turn}, {same, 0}, {whole_turn(g.theta - angle), turn}});
@@ -254,7 +255,7 @@ Curve dubins(const CurvePose& from, const CurvePose& to, double radius) {
       shortest.offer_forwards({{first, turn}, {straight, 0}, {whole_turn(first - g.theta), -turn}});
     }
     if (same <= 4.0 + slack) {
-      // The middle turn is the long way round.
+      // The middle turn is longer than a half turn.
       const double half = std::acos(std::min(1.0, same / 4.0));
       const double first = whole_turn(angle + 0.5 * pi + half);
       const double middle = pi + 2.0 * half;

@@ -12,25 +12,25 @@ struct CurvePose {
   double theta = 0.0;
 };
 
-/// A piece of constant curvature of a curve.
+/// A piece of a curve with constant curvature.
 struct CurvePiece {
-  double length = 0.0;  ///< metres; negative: driven backwards
-  int turn = 0;         ///< 1: to the left at the least radius, -1: to the right, 0: straight
+  double length = 0.0;  ///< metres; negative: backwards
+  int turn = 0;         ///< 1: left at the least radius, -1: right, 0: straight
 };
 
-/// A curve of bounded curvature, as its pieces.
+/// A curve of bounded curvature, as a sequence of pieces.
 struct Curve {
   std::vector<CurvePiece> pieces;
   double radius = 1.0;
 
   [[nodiscard]] double length() const;
-  /// Where it has come to after `s` metres, from a start; beyond its length, its end.
+  /// Returns the pose after `s` metres from `start`; the end of the curve where `s` exceeds its length.
   [[nodiscard]] CurvePose at(const CurvePose& start, double s) const;
 };
 
-/// The shortest curve that is driven forwards with a turning radius of at least `radius` > 0 (Dubins 1957).
+/// Returns the shortest forward curve with a turning radius of at least `radius` > 0, in metres (Dubins 1957).
 Curve dubins(const CurvePose& from, const CurvePose& to, double radius);
-/// The shortest that may also be driven backwards (Reeds and Shepp 1990).
+/// Returns the shortest curve with forward and backward pieces (Reeds and Shepp 1990).
 Curve reeds_shepp(const CurvePose& from, const CurvePose& to, double radius);
 
 }  // namespace trellis

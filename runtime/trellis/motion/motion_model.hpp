@@ -21,8 +21,8 @@ struct ControlAxis {
   double hi = 0.0;
 };
 
-/// How a robot that cannot move straight to any configuration moves: dx/dt = f(x, u), in steps of explicit Euler. A
-/// state x is a configuration (x, y, theta, perhaps theta of a trailer) followed by velocities. Immutable.
+/// The kinodynamic model of a robot: dx/dt = f(x, u), integrated with explicit Euler steps. A state x is a
+/// configuration (x, y, theta, perhaps theta of a trailer) followed by velocities. Immutable.
 class MotionModel {
  public:
   MotionModel(const MotionModel&) = delete;
@@ -30,31 +30,31 @@ class MotionModel {
   virtual ~MotionModel() = default;
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// As a script would write it: "unicycle1 { max_speed = 0.3 }".
+  /// Returns the model in the syntax of a script: "unicycle1 { max_speed = 0.3 }".
   [[nodiscard]] const std::string& text() const { return text_; }
-  /// The coordinates of a configuration, which come first in a state.
+  /// Returns the number of coordinates of a configuration; they come first in a state.
   [[nodiscard]] std::size_t configuration_dimension() const { return configuration_dimension_; }
-  /// The axes that follow them.
+  /// Returns the axes of the velocities, which follow the configuration.
   [[nodiscard]] const std::vector<Axis>& velocities() const { return velocities_; }
   [[nodiscard]] std::size_t dimension() const { return configuration_dimension_ + velocities_.size(); }
   [[nodiscard]] const std::vector<ControlAxis>& controls() const { return controls_; }
-  /// Seconds of one step.
+  /// Returns the duration of one step, in seconds.
   [[nodiscard]] double dt() const { return dt_; }
 
-  /// f(x, u).
+  /// Computes f(x, u) into `rate`.
   virtual void derivative(View x, View u, MutableView rate) const = 0;
-  /// Whether a state keeps the limits of the model that are no bounds of single axes.
+  /// Whether a state satisfies those limits of the model that are not bounds of single axes.
   [[nodiscard]] virtual bool admits(View x) const {
     static_cast<void>(x);
     return true;
   }
 
-  /// Whether u has as many coordinates as there are controls, each within its bounds.
+  /// Whether u has one coordinate for each control, each within its bounds.
   [[nodiscard]] bool allows(View u) const;
-  /// Brings controls to the nearest within their bounds.
+  /// Clamps each control to its bounds.
   void clamp(MutableView u) const;
   void sample_control(Stream& stream, MutableView u) const;
-  /// One step of explicit Euler, angles brought into the space. `out` may be `x`.
+  /// Takes one explicit Euler step and normalises the angles. `out` may be `x`.
   void step(const Space& space, View x, View u, MutableView out) const;
 
  protected:
@@ -70,32 +70,34 @@ class MotionModel {
   double dt_;
 };
 
-/// A path as it is driven: each row of controls is held for a number of steps.
+/// A sequence of controls; each row of controls is constant over a number of steps.
 struct Trajectory {
   Configurations controls;
   std::vector<std::uint32_t> steps;
   double dt = 0.0;
 
-  /// Seconds.
+  /// Returns the duration in seconds.
   [[nodiscard]] double duration() const;
 };
 
-/// The states that a trajectory passes through: the start, and one after each step. Bit for bit what driving it gave.
-/// Throws Error for a control out of its bounds.
+/// Returns the states of a trajectory: the start, and the state after each step. The result equals that of the
+/// planner's propagation bit for bit.
+/// \throws Error for a control out of its bounds.
 Configurations replay(const MotionModel& model, const Space& space, View start, const Trajectory& trajectory);
 
-/// The space of a model's states over a space of configurations. Throws Error where the model moves something else.
+/// Returns the state space of a model over a space of configurations.
+/// \throws Error where the model's configuration does not fit the space.
 Space state_space(const Space& configurations, const MotionModel& model);
 
-/// One kind of motion model: its description and how to make it.
+/// One kind of motion model: its description and its factory.
 struct MotionKind {
   const Component* component = nullptr;
   std::shared_ptr<const MotionModel> (*make)(const Options&) = nullptr;
 };
 
-/// All motion models, in the order of the reference.
+/// Returns all motion models, in the order of the reference.
 const std::vector<MotionKind>& motion_kinds();
-/// nullptr for an unknown name.
+/// Returns the model with this name; nullptr for an unknown name.
 const MotionKind* find_motion(std::string_view name);
 
 }  // namespace trellis

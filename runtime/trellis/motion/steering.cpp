@@ -11,7 +11,7 @@ namespace trellis {
 
 namespace {
 
-/// A model that turns by its second control while its first one drives it, or nothing.
+/// The controls of a model whose first control is the speed and whose second control steers; empty for other models.
 struct Wheels {
   ControlAxis speed;
   ControlAxis turn;
@@ -20,7 +20,7 @@ struct Wheels {
     if (model.dimension() != 3 || model.controls().size() != 2) return std::nullopt;
     return Wheels{model.controls()[0], model.controls()[1]};
   }
-  /// The least radius at a speed > 0, turning as hard as can be.
+  /// Returns the least turning radius in metres at a speed > 0.
   [[nodiscard]] std::optional<double> radius(const MotionModel& model, View from, double at) const {
     const std::array<double, 2> hardest = {at, turn.hi};
     std::array<double, 3> rate{};
@@ -34,10 +34,10 @@ struct Wheels {
     const CurvePose b{to[0], to[1], to[2]};
     return speed.lo < 0.0 ? reeds_shepp(a, b, radius) : dubins(a, b, radius);
   }
-  /// A steering angle fixes the curvature at any speed; an angular speed goes with the speed.
+  /// A steering angle fixes the curvature at any speed; an angular speed must be proportional to the speed.
   [[nodiscard]] std::array<double, 2> control(double v, int side, double fastest) const {
     if (turn.name == "steering") return {v, side * turn.hi};
-    // Never more than all, however the quotient is rounded.
+    // The rounded quotient must not exceed the bound.
     return {v, side * std::copysign(std::min(turn.hi, turn.hi * std::abs(v) / fastest), v)};
   }
 };
@@ -51,7 +51,7 @@ std::optional<Trajectory> steer(const MotionModel& model, View from, View to) {
   Trajectory trajectory{Configurations(2), {}, model.dt()};
   for (const CurvePiece& piece : wheels->curve(from, to, *radius).pieces) {
     const double fastest = piece.length < 0.0 ? -wheels->speed.lo : wheels->speed.hi;
-    // As few whole steps as can be, at the speed that makes them come out.
+    // Take the fewest whole steps, at the speed at which they add up to the piece's length.
     const double steps = std::ceil(std::abs(piece.length) / (fastest * model.dt()) - 1e-9);
     if (steps < 1.0) continue;
     const auto control = wheels->control(piece.length / (steps * model.dt()), piece.turn, wheels->speed.hi);
@@ -65,7 +65,7 @@ std::optional<Trajectory> steer(const MotionModel& model, View from, View to) {
 std::optional<Trajectory> steer_at(const MotionModel& model, View from, View to, double share) {
   const auto wheels = Wheels::of(model);
   if (!wheels) return std::nullopt;
-  // A model that may stop could turn about any point, at a crawl.
+  // A model that may stop could turn on the spot at almost zero speed: bound the speed from below.
   const double slowest = std::max(wheels->speed.lo, 0.1 * wheels->speed.hi);
   const double pace = slowest + share * (wheels->speed.hi - slowest);
   const auto radius = wheels->radius(model, from, pace);

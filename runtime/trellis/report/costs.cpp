@@ -57,7 +57,7 @@ std::vector<CensoredCost> costs(const Cell& cell, Quantity quantity) {
   return values;
 }
 
-/// On the seeds that both have, where both documents have the quantity.
+/// Pairs the runs by seed, where both documents have the quantity.
 PairedCosts pairs_of(const Cell& mine, const Cell& theirs, Quantity quantity) {
   std::vector<CensoredCost> left;
   std::vector<CensoredCost> right;
@@ -99,7 +99,7 @@ std::optional<std::size_t> with_text(const CostData& data, const std::string& te
   return static_cast<std::size_t>(found - data.strategies.begin());
 }
 
-/// The strategies that a strategy is to be compared with.
+/// Returns the strategies to compare a strategy with.
 std::vector<std::size_t> references_of(const CostData& data, std::size_t strategy, CostReference reference,
                                        std::size_t baseline) {
   if (reference == CostReference::baseline) {
@@ -123,7 +123,7 @@ std::vector<std::size_t> references_of(const CostData& data, std::size_t strateg
   return found;
 }
 
-/// The one with the least median.
+/// Returns the strategy with the least median cost.
 std::size_t cheapest(const std::vector<Cell>& row, const std::vector<std::size_t>& references, Quantity quantity) {
   std::size_t best = references.front();
   double least = infinity;
@@ -239,12 +239,12 @@ double spent(const Improvement& one, CostKind kind) {
   return kind == CostKind::checks ? static_cast<double>(one.validity_checks) : one.cpu_seconds;
 }
 
-/// When a run had its first path. Runs go on where they improve it.
+/// Returns the cost of a run's first path; anytime planners continue after it.
 double first_path(const CostData::Run& run, CostKind kind) {
   return run.improvements.empty() ? spent(run, kind) : spent(run.improvements.front(), kind);
 }
 
-/// Ascending, each once, evenly thinned to `most` with the first and the last among them.
+/// Sorts, removes duplicates, and thins evenly to `most` values including the first and the last.
 std::vector<double> places(std::vector<double> at, std::size_t most) {
   std::sort(at.begin(), at.end());
   at.erase(std::unique(at.begin(), at.end()), at.end());

@@ -24,8 +24,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Ratios
 // ---------------------------------------------------------------------------------------------------------------
 
-/// The groups in the order of the problems: circles for those that the strategies were tuned on, discs for the others.
-/// Problems of no group have a colour each, where there are few.
+/// Returns the groups in the order of the problems: circles for those on which the strategies were tuned, discs for the
+/// others. Problems without a group have a colour each, if they are few.
 std::vector<draw::RatioGroup> groups_of(const CostData& data, std::vector<std::size_t>& group_of_problem) {
   std::vector<draw::RatioGroup> groups;
   std::map<std::string, std::size_t> known;
@@ -47,7 +47,8 @@ std::vector<draw::RatioGroup> groups_of(const CostData& data, std::vector<std::s
   return groups;
 }
 
-/// Of a problem alone the ratio is printed beside the dot, as in a forest plot; of several the largest one's problem.
+/// With a single problem the ratio is printed beside the dot, as in a forest plot; with several problems, the problem
+/// of the largest ratio.
 draw::RatioDot dot(const CostData& data, const CostComparison& c, const CostRatio& ratio, std::size_t group) {
   draw::RatioDot dot{group, data.problems[c.problem].name, ratio.ratio.value, ratio.ratio.lo, ratio.ratio.hi};
   if (data.problems.size() == 1) dot.text = ratio_text(ratio.ratio);
@@ -71,7 +72,7 @@ void fill(const CostData& data, const std::vector<CostComparison>& comparisons, 
   for (auto& [strategy, row] : rows) figure.rows.push_back(std::move(row));
 }
 
-/// How to read a figure of ratios, with the number of pairs that they are medians of.
+/// Explains a figure of ratios, with the number of pairs of the medians.
 std::string ratios_caption(const std::vector<CostComparison>& comparisons) {
   std::size_t least = std::numeric_limits<std::size_t>::max();
   std::size_t most = 0;
@@ -104,7 +105,7 @@ constexpr std::size_t strategy_colours = 6;
 struct Quantity {
   CostKind kind;
   const char* label;
-  double unit;  ///< of the axis, in that of the costs
+  double unit;  ///< of the axis, in the unit of the costs
 };
 constexpr std::array<Quantity, 2> quantities = {
     {{CostKind::checks, "validity checks, all levels", 1.0}, {CostKind::seconds, "CPU time (ms)", 1e-3}}};
@@ -115,9 +116,9 @@ std::size_t index_of(const CostData& data, const std::string& strategy) {
   return static_cast<std::size_t>(found - data.strategies.begin());
 }
 
-/// The strategies in rows of panels: few enough to tell their curves apart, the baseline in each row.
+/// Distributes the strategies over rows of panels with few curves each; every row includes the baseline.
 std::vector<std::vector<std::size_t>> rows_of(const std::vector<std::size_t>& strategies, std::size_t baseline) {
-  constexpr std::size_t most_curves = 3;  // beside the baseline's
+  constexpr std::size_t most_curves = 3;  // without the baseline's
   const bool has = std::find(strategies.begin(), strategies.end(), baseline) != strategies.end();
   std::vector<std::vector<std::size_t>> rows;
   std::size_t in_row = most_curves;
@@ -134,13 +135,13 @@ std::vector<std::vector<std::size_t>> rows_of(const std::vector<std::size_t>& st
   return rows;
 }
 
-/// A figure over a cost, which holds from each cost on; `before` holds before the first one.
+/// A step function of a cost; `before` is its value before the first cost.
 struct Curve {
   std::size_t strategy = 0;
   std::vector<double> at;
   std::vector<Interval> y;
   Interval before;
-  double spent = 0.0;  ///< where it ends
+  double spent = 0.0;  ///< the end of the curve
 };
 
 /// Curves on one logarithmic axis.
@@ -153,7 +154,7 @@ draw::Panel curves_panel(const CostData& data, const std::string& baseline, cons
     for (const double at : curve.at) first = at > 0.0 ? std::min(first, at) : first;
     last = std::max(last, curve.spent);
   }
-  constexpr double before = 0.8;  // of the first cost: where the axis begins
+  constexpr double before = 0.8;  // the axis begins at this share of the first cost
   first *= before;
   for (const Curve& curve : curves) {
     draw::Series series{.kind = draw::Series::Kind::steps,
@@ -179,7 +180,7 @@ draw::Panel curves_panel(const CostData& data, const std::string& baseline, cons
   return panel;
 }
 
-/// Panels of checks and of CPU time side by side, a row for each few strategies. None without any curve.
+/// Draws panels of checks and of CPU time side by side, few strategies per row. None without any curve.
 std::optional<draw::Figure> curves_figure(const CostData& data, const std::string& baseline,
                                           const std::vector<std::size_t>& strategies, const std::string& y_label,
                                           const std::function<Curve(std::size_t strategy, CostKind kind)>& curve_of) {
@@ -237,7 +238,7 @@ std::vector<std::size_t> strategies_on(const CostData& data, std::size_t problem
 draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy) {
   using namespace draw::palette;  // NOLINT(google-build-using-namespace): its names say what they are
   if (data.strategies[strategy].name == baseline) return draw::palette::baseline;
-  // The baseline's is left to it; blue, which is near to it, comes last.
+  // The baseline has its own colour; blue, which is similar, comes last.
   constexpr std::array<draw::Colour, strategy_colours> colours = {vermillion, green, purple, orange, black, blue};
   const std::size_t before = index_of(data, baseline) < strategy ? 1 : 0;
   return colours.at((strategy - before) % colours.size());
@@ -279,7 +280,7 @@ std::optional<draw::Figure> length_figure(const CostData& data, const std::strin
         runs.add(found.runs);
         Curve curve{strategy, found.at, {}, {}, found.spent};
         for (Interval length : found.length) {
-          // Before half of the runs have a path there is no median; where the interval has no end there is no band.
+          // Until half of the runs have a path there is no median; an infinite interval has no band.
           if (!std::isfinite(length.value)) length.value = nan;
           if (!std::isfinite(length.hi) || std::isnan(length.value)) length.lo = length.hi = nan;
           curve.y.push_back(length);
@@ -313,7 +314,7 @@ std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::s
 
 namespace {
 
-/// Of each problem: FOLDER/PROBLEM/success and length.
+/// For each problem: FOLDER/PROBLEM/success and length.
 void write_curves(const CostData& data, const std::string& baseline, const std::string& folder,
                   const FigureStyle& style) {
   Directories problems;

@@ -24,7 +24,7 @@ const std::vector<std::pair<const char*, Quantity>>& quantities() {
   return all;
 }
 
-/// Two significant digits at the least.
+/// At least two significant digits.
 std::string ratio_text(double x) {
   if (std::isnan(x)) return "-";
   if (std::isinf(x)) return x > 0.0 ? "inf" : "0";
@@ -56,7 +56,7 @@ std::string milliseconds(double seconds) {
   return std::isinf(seconds) ? "inf" : ratio_text(1000.0 * seconds);
 }
 
-/// What Markdown would take for a sign of its own.
+/// Escapes the characters that have a meaning in Markdown.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -97,7 +97,7 @@ std::string share_text(std::size_t solved, std::size_t runs) {
   return runs == 0 ? "-" : fmt::format("{}/{}", solved, runs);
 }
 
-/// The strategies that some comparison is of, in their order.
+/// Returns the strategies of the comparisons, in their order.
 std::vector<std::size_t> strategies_of(const std::vector<CostComparison>& comparisons) {
   std::set<std::size_t> found;
   for (const auto& c : comparisons) found.insert(c.strategy);

@@ -14,7 +14,8 @@ namespace trellis {
 
 namespace {
 
-/// A name as a directory: letters, digits and what no shell or file system minds; everything else becomes '-'.
+/// Converts a name to a directory name: letters, digits and other characters that are safe in shells and file systems;
+/// everything else becomes '-'.
 std::string safe(const std::string& name) {
   std::string out = name;
   for (auto& c : out) {
@@ -24,7 +25,7 @@ std::string safe(const std::string& name) {
     if (!keep) c = '-';
   }
   if (out.empty()) return "-";
-  if (out.front() == '.') out.front() = '-';  // neither "..", nor hidden
+  if (out.front() == '.') out.front() = '-';  // neither ".." nor hidden
   return out;
 }
 

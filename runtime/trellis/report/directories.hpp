@@ -7,8 +7,8 @@
 
 namespace trellis {
 
-/// Gives each name a directory of its own: letters, digits and what no shell or file system minds; everything else
-/// becomes '-'. Two names that only differ in unsafe characters are told apart by a number.
+/// Assigns each name its own directory: letters, digits and other characters that are safe in shells and file systems;
+/// everything else becomes '-'. A number distinguishes two names that differ in unsafe characters only.
 class Directories {
  public:
   const std::string& operator()(const std::string& name);
@@ -18,7 +18,7 @@ class Directories {
   std::set<std::string> taken_;
 };
 
-/// Makes a directory and those above it. Throws Error where it cannot be made.
+/// Creates a directory and its parents. \throws Error where it cannot create one.
 void make_directory(const std::string& path);
 
 }  // namespace trellis

@@ -39,7 +39,8 @@ std::string levels_text(const std::vector<int>& numbers) {
   return fmt::format("levels {} and {}", fmt::join(first, ", "), numbers.back());
 }
 
-/// "step = 0.5 m", on one line. Units of measurement are written; what is counted is in the option's name.
+/// Returns "step = 0.5 m", on one line. Omits units that are no unit of measurement: the option's name states what it
+/// counts.
 std::string option_text(const Option& option, const OptionValue& value) {
   constexpr std::size_t longest_symbol = 3;  // m, s, rad
   const std::string symbol = option.unit.substr(0, option.unit.find(' '));
@@ -65,7 +66,7 @@ std::string options_text(const Component& component, const Options& options,
   return (given.empty() ? "by default " : given + "; by default ") + defaults;
 }
 
-/// The text of a claim, in which an option's name in backquotes is followed by its value: "`evidence` = 60 blocked
+/// Returns the text of a claim with each option's name in backquotes followed by its value: "`evidence` = 60 blocked
 /// proposals".
 std::string with_values(const std::string& text, const Options& options) {
   std::string out;
@@ -119,7 +120,7 @@ std::string motions_text(const LevelExplanation& level) {
   return level.motion_model.empty() ? "straight" : level.motion_model;
 }
 
-/// Who pays for what is validated in the space of a level. \param above  the number of the level that it guides
+/// States which instance counts the checks of a level's space. \param above  the number of the level that it guides
 std::string checks_text(const LevelExplanation& level, int above) {
   const std::string collision =
       fmt::format("collision checks ({}), one each {:g} m of a motion", level.collision, level.resolution);
@@ -211,13 +212,13 @@ std::string resolves_text(const GuideExplanation& guide) {
   return text;
 }
 
-/// Options in claims of a custom guide are its script's.
+/// Returns the options for the claims; those of a custom guide belong to its script.
 const Options& options_of(const GuideExplanation& guide) {
   static const Options none;
   return guide.component != nullptr ? guide.spec.options() : none;
 }
 
-/// Whether h has a density in closed form: a combinator's where its parts' have.
+/// Whether h has a density in closed form; for a combinator, whether its parts have one.
 bool closed_form(const GuideExplanation& guide) {
   return guide.claims->closed_form && std::all_of(guide.parts.begin(), guide.parts.end(), closed_form);
 }
@@ -230,7 +231,7 @@ std::string density_text(const GuideExplanation& guide) {
   }
   if (open.empty()) return fmt::format("{}: {}", guide.claims->closed_form ? "closed form" : "no closed form", density);
   const std::string parts = fmt::format("part{} {}", open.size() == 1 ? "" : "s", fmt::join(open, ", "));
-  // A mixture's is the sum of all parts'; of other combinators one part's at a time.
+  // A mixture sums all parts; other combinators use one part at a time.
   const bool sum = guide.spec.kind() == GuideSpec::Kind::mixture || guide.spec.kind() == GuideSpec::Kind::blend;
   return sum ? fmt::format("no closed form: {} {} none; else {}", parts, open.size() == 1 ? "has" : "have", density)
              : fmt::format("no closed form while {} {}; else {}", parts, open.size() == 1 ? "serves" : "serve",
@@ -245,7 +246,7 @@ const Combinator& split_combinator() {
 // The tree
 // ----------------------------------------------------------------------------------------------------------------
 
-/// A node of the tree that is printed.
+/// A node of the printed tree.
 struct Block {
   std::string title;
   std::vector<std::pair<std::string, std::string>> entries;  ///< label and text
@@ -323,7 +324,7 @@ Block block_of_root(const LevelExplanation& root) {
   return block;
 }
 
-/// \param first  before the title  \param rest  before all other lines
+/// \param first  prefix of the title  \param rest  prefix of all other lines
 void print(const Block& block, const std::string& first, const std::string& rest, std::size_t width, std::string& out) {
   constexpr std::size_t label_width = 11;
   const std::string bar = rest + (block.children.empty() ? "  " : "│ ");
@@ -340,7 +341,7 @@ void print(const Block& block, const std::string& first, const std::string& rest
 // JSON
 // ----------------------------------------------------------------------------------------------------------------
 
-/// An infinite number is null: there is no limit.
+/// Infinity becomes null: no limit.
 Json number_json(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 Json options_json(const Component& component, const Options& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `trellis explain`: what will run, as text and as JSON.
+// `trellis explain`: the hierarchy and the settings of a strategy, as text and as JSON.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 
 namespace trellis {
 
-/// One strategy on one problem, explained.
+/// The explanation of one strategy on one problem.
 struct ExplainedStrategy {
-  std::string name;                  ///< as the script calls it
-  std::string text;                  ///< the strategy in the language
-  std::string problem;               ///< its name; bounds, graphs and numbers are this problem's
-  std::vector<std::string> similar;  ///< other problems in the same space, where the hierarchy is the same
+  std::string name;                  ///< its name in the script
+  std::string text;                  ///< the strategy in the syntax of a script
+  std::string problem;               ///< its name; bounds, graphs and numbers refer to this problem
+  std::vector<std::string> similar;  ///< other problems in the same space, with the same hierarchy
   LevelExplanation root;
 };
 
-/// The hierarchy as an indented tree, the root first: each level's space, planner, proposals, bound, limits and checks,
-/// and of each guide f, h, density and when its space is solved again. Lines have at most `width` columns, except for
-/// words longer than that. UTF-8; ends with a newline.
+/// Returns the hierarchy as an indented tree, the root first: each level's space, planner, proposals, bound, limits and
+/// checks, and for each guide f, h, density and the conditions for solving its space again. Lines have at most `width`
+/// columns, except for longer words. UTF-8; ends with a newline.
 std::string explanation_text(const ExplainedStrategy& explained, std::size_t width);
 
-/// The same of several as a JSON document (docs/formats.md); ends with a newline.
+/// Returns several explanations as a JSON document (docs/formats.md); ends with a newline.
 /// \param script  the path of the script as given
 std::string explanation_json(const std::vector<ExplainedStrategy>& explained, const std::string& script);
 

@@ -26,7 +26,7 @@ draw::WaterfallStep step(const std::string& label, const Interval& interval) {
   return {label, interval.value, interval.lo, interval.hi};
 }
 
-/// How many runs the figures of a picture are means over: those that have one, not all that were made.
+/// Records over how many runs the means of a picture are: the runs that have the value, not all runs.
 class Averaged {
  public:
   void add(const Interval& interval) {
@@ -36,7 +36,7 @@ class Averaged {
     most_ = std::max(most_, n);
   }
   /// "means over 2 of 20 runs, too few for whiskers".
-  /// \param marks  what shows the intervals; "": nothing does
+  /// \param marks  the symbols that show the intervals; "": none
   [[nodiscard]] std::string text(std::size_t runs, const std::string& marks) const {
     std::string means = (marks.empty() ? "Means over " : "means over ") + averaged_text(least_, most_, runs);
     if (marks.empty()) return means;
@@ -49,7 +49,7 @@ class Averaged {
   std::size_t most_ = 0;
 };
 
-/// The guides of a level that have steps of their own, in the waterfall's order.
+/// Returns the guides of a level that have their own steps, in the waterfall's order.
 std::vector<const WaterfallStep*> steps_to(const Waterfall& waterfall, int level) {
   std::vector<const WaterfallStep*> steps;
   for (const WaterfallStep& s : waterfall.steps) {
@@ -58,10 +58,10 @@ std::vector<const WaterfallStep*> steps_to(const Waterfall& waterfall, int level
   return steps;
 }
 
-constexpr std::size_t narrow_name = 14;  ///< of a level, in a panel beside others
+constexpr std::size_t narrow_name = 14;  ///< of a level, in one of several panels
 constexpr std::size_t wide_name = 28;
 
-/// One panel for each way from a level that nothing guides to the root: a chain has one, a mixture several.
+/// Adds one panel for each path from an unguided level to the root: a chain has one, a mixture several.
 void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Figure& root, const std::string& role,
                 draw::Waterfall& picture) {
   std::vector<std::vector<const WaterfallStep*>> ways;
@@ -90,7 +90,7 @@ void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Fi
   }
 }
 
-/// A panel for the profile of one level and role: the bins of two roles are seldom as many.
+/// Adds a panel for the profile of one level and role, because two roles usually have different numbers of bins.
 void add_profile(const Figure& figure, const std::string& level, const std::string& role, const draw::Colour& colour,
                  draw::Profile& picture) {
   if (figure.profile.empty()) return;
@@ -111,13 +111,13 @@ void add_profile(const Figure& figure, const std::string& level, const std::stri
   picture.panels.push_back(std::move(panel));
 }
 
-/// Whether a panel shows anything.
+/// Whether a panel is not empty.
 bool has_bars(const draw::WaterfallPanel& panel) {
   return !std::isnan(panel.root.value) || std::any_of(panel.levels.begin(), panel.levels.end(),
                                                       [](const auto& level) { return !std::isnan(level.value); });
 }
 
-/// The panels of a profile as strips below each other.
+/// Returns the panels of a profile as strips below each other.
 draw::StripFigure strips_of(const draw::Profile& profile, const std::string& heading, const std::string& means) {
   draw::StripFigure figure;
   figure.title = heading + ": along the path, samples beside the target";
@@ -133,11 +133,11 @@ draw::StripFigure strips_of(const draw::Profile& profile, const std::string& hea
   return figure;
 }
 
-/// A point of the plane: nats above uniform by mass and by spread, with the intervals.
+/// A point of the plane: nats above uniform by mass and by spread, with their intervals.
 struct PlanePoint {
   Interval mass;
   Interval spread;
-  bool sure = true;  ///< the estimate behind it does not fail
+  bool sure = true;  ///< its estimate is reliable
 };
 
 std::optional<PlanePoint> plane_point(const Figure& figure) {
@@ -172,8 +172,8 @@ draw::Series point_series(std::size_t level, const std::string& name, const Plan
   return series;
 }
 
-/// Each level of a hierarchy by what its samples, lifted to the root, gain above uniform: by mass to the right, by
-/// spread upwards. Arrows lead from the level that guides to the one that is guided.
+/// Draws for each level the gain of its samples, lifted to the root, over uniform: mass to the right, spread upwards.
+/// Arrows point from a guiding level to the level that it guides.
 std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsSummary& summary) {
   if (summary.levels.size() < 2) return std::nullopt;
   draw::Figure figure{.title = heading + ": mass and spread of its levels"};
@@ -309,7 +309,7 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
   figure.columns = 4;
   figure.width = 700.0;
   figure.panel_height = 120.0;
-  constexpr double above = 1.6;  // of perfect guidance: estimates may be above it, and texts need room
+  constexpr double above = 1.6;  // times perfect guidance: estimates may exceed it, and texts need space
   constexpr double below = 1.25;
   for (draw::Panel& panel : figure.panels) {
     if (perfect == 0.0) break;
@@ -335,7 +335,7 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
     Directories strategies;
     places.push_back(std::filesystem::path(directory) / problems(problem.name));
     for (const auto& entry : experiment.strategies) {
-      // Named first, so that what is left out changes no other's name.
+      // Assigns names first, so that an omitted picture changes no other name.
       tasks.push_back({problem.name, entry.first, places.back() / strategies(entry.first)});
     }
   }

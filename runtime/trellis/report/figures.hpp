@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// The pictures of one strategy on one problem; those that have anything to show.
+/// The pictures of one strategy on one problem; omits empty ones.
 struct StrategyFigures {
   std::optional<draw::Figure> waterfall;
   std::optional<draw::Figure> profile;
@@ -20,13 +20,13 @@ struct StrategyFigures {
 };
 StrategyFigures strategy_figures(const std::string& problem, const std::string& strategy, const RunsSummary& summary);
 
-/// A strategy's name and what its runs on a problem show.
+/// A strategy's name and the summary of its runs on a problem.
 struct NamedSummary {
   std::string strategy;
   const RunsSummary* summary = nullptr;
 };
-/// The waterfalls of all strategies with guides on one scale, side by side. It ends at perfect guidance and as far
-/// below uniform sampling; what is beyond has an arrow. None for fewer than two such strategies.
+/// Draws the waterfalls of all strategies with guides on one scale, side by side. The scale ends at perfect guidance
+/// and equally far below uniform sampling; arrows mark values beyond it. None for fewer than two such strategies.
 std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const std::vector<NamedSummary>& strategies);
 
 }  // namespace trellis

@@ -25,11 +25,11 @@ namespace fs = std::filesystem;
 }
 
 struct Part {
-  int file = -1;  ///< a file descriptor, -1 with errno where there is none
+  int file = -1;  ///< a file descriptor, -1 with errno on failure
   std::string name;
 };
 
-/// Opens a new file beside `path` whose name nobody else has.
+/// Creates a new file with a unique name beside `path`.
 Part open_beside(const std::string& path) {
   Part part;
   for (int attempt = 0; attempt < 100; ++attempt) {
@@ -40,7 +40,7 @@ Part open_beside(const std::string& path) {
   return part;
 }
 
-/// 0 or what went wrong. Closes the file in any case.
+/// Returns 0 or the error code. Closes the file in any case.
 int write_all(int file, std::string_view content) {
   int reason = 0;
   while (!content.empty() && reason == 0) {
@@ -51,12 +51,12 @@ int write_all(int file, std::string_view content) {
       reason = errno;
     }
   }
-  // A full disc or a quota may show only here.
+  // A full disc or a quota may only fail here.
   if (::close(file) != 0 && reason == 0 && errno != EINTR) reason = errno;
   return reason;
 }
 
-/// Terminals, pipes and devices take a stream of bytes; renaming a file over them would replace the device itself.
+/// Terminals, pipes and devices accept a stream of bytes; renaming a file over them would replace the device itself.
 bool is_stream(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return false;
@@ -73,14 +73,14 @@ void write_file(const std::string& path, const std::string& content) {
     if (const int reason = write_all(file, content); reason != 0) fail(path, reason);
     return;
   }
-  // A link is followed, so that the file it names is replaced and not the link.
+  // Follow a link, so that its target is replaced and not the link.
   std::error_code ignored;
   std::string target = path;
   if (fs::is_symlink(path, ignored)) {
     const fs::path resolved = fs::canonical(path, ignored);
     if (!ignored) target = resolved.string();
   }
-  // rename() would refuse too, but only after all has been written.
+  // rename() would fail too, but only after writing everything.
   if (fs::is_directory(target, ignored)) fail(path, EISDIR);
 
   const Part part = open_beside(target);

@@ -6,13 +6,13 @@
 
 namespace trellis {
 
-/// A word that the printed report or the page uses: a column's name, a verdict.
+/// A term of the printed report or the page: a column's name, a verdict.
 struct ReportTerm {
-  std::string name;  ///< as it is printed
+  std::string name;  ///< as printed
   std::string meaning;
 };
 
-/// All of them, in the order in which a reader meets them.
+/// Returns all terms, in the order of the report.
 const std::vector<ReportTerm>& report_terms();
 
 }  // namespace trellis

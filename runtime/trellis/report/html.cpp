@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page: its tables are written here, its runs are drawn by html/report.js.
+// The page: this source writes its tables; html/report.js draws its runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Text for the page: markup in it is harmless, and so are bytes that are no UTF-8.
+/// Escapes text for the page: markup, and bytes that are not UTF-8.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : draw::clean_text(text)) {
@@ -51,7 +51,7 @@ std::string escaped(std::string_view text) {
 // Tables
 // ---------------------------------------------------------------------------------------------------------------
 
-/// "1.23 ±0.08", the latter smaller, with the interval's ends for whoever points at it.
+/// Returns "1.23 ±0.08", the latter smaller, with the interval's ends as a tooltip.
 std::string interval_html(const Interval& interval, int decimals = 2, bool sign = false) {
   std::string text = interval_text(interval, decimals, sign);
   const std::size_t half = text.find(" ±");
@@ -61,7 +61,7 @@ std::string interval_html(const Interval& interval, int decimals = 2, bool sign 
                      text.substr(0, half), text.substr(half + 1));
 }
 
-/// What the marks beside figures mean, said once under a table.
+/// The meanings of the marks in a table, for one legend below it.
 class Marks {
  public:
   std::string of(const Figure& figure) {
@@ -97,7 +97,7 @@ std::string figure_cell(const Figure& figure, Marks& marks) {
 
 std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
 
-/// Validity checks, with the proposals for whoever points at them.
+/// Returns validity checks, with the proposals as a tooltip.
 std::string spent_cell(const SpentSummary& spent) {
   if (std::isnan(spent.validity_checks)) return cell("-");
   return fmt::format(R"(<td title="{} proposals">{}</td>)", count_text(spent.proposals),
@@ -133,7 +133,7 @@ const LevelSummary& root_of(const RunsSummary& summary) {
 
 using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and strategy
 
-/// What the runs of one problem show.
+/// The results of the runs of one problem.
 struct ProblemFindings {
   std::vector<Comparison> comparisons;
   std::vector<std::vector<Verdict>> verdicts;  ///< by strategy, on its levels
@@ -171,7 +171,7 @@ std::string summary_row(const RunsSummary& s, const std::string& head, const std
          cell(interval_html(s.length)) + "</tr>\n";
 }
 
-/// A patch of the colour that a strategy has in the figures; none for an ablation.
+/// Returns a patch of a strategy's colour in the figures; none for an ablation.
 std::string swatch(const CostData& data, const std::string& strategy) {
   const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
                                   [&](const CostData::Strategy& one) { return one.name == strategy; });
@@ -230,7 +230,7 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
                      tall ? " tall" : "", heading("method", columns), body, marks.text());
 }
 
-/// What the printed report warns of: guides that do worse than none, and why runs found no path.
+/// Returns the warnings of the printed report: guides that perform worse than no guide, and why runs found no path.
 std::string warnings_html(const Experiment& experiment, const ExperimentResult& result, const Findings& findings) {
   std::string items;
   const auto add = [&](const std::string& problem, const std::string& text) {
@@ -251,7 +251,7 @@ std::string warnings_html(const Experiment& experiment, const ExperimentResult& 
   return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
 }
 
-/// Why levels were solved again.
+/// Returns the reasons why levels were solved again.
 std::string resolves_html(const RunsSummary& summary) {
   std::string out;
   for (const LevelSummary& level : summary.levels) {
@@ -320,24 +320,24 @@ std::string script(const std::string& id, const std::string& json) {
   return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, json);
 }
 
-/// The runs that the page holds.
+/// The runs that the page contains.
 struct HeldRuns {
   std::string scripts;
   std::map<const RunResult*, std::size_t> ids;
-  std::size_t seeds = 0;       ///< the first ones of the experiment, whose runs are all here
-  std::size_t incomplete = 0;  ///< runs of the first seed, where not even they are all here
-  std::size_t thinned = 0;     ///< runs of which a part of the samples is here
+  std::size_t seeds = 0;       ///< the number of first seeds with all their runs
+  std::size_t incomplete = 0;  ///< runs of the first seed, if the page contains only some of them
+  std::size_t thinned = 0;     ///< runs with only a part of their samples
 };
 
-/// A run as it stands in the page.
+/// A run in the format of the page.
 struct PackedRun {
   std::string text;
   bool thinned = false;
 };
 
-/// A run with all of its samples, or, where they take more than `most` bytes, with as many as fit.
+/// Packs a run with all of its samples, or with as many as fit into `most` bytes.
 PackedRun packed_within(const RunResult& run, const Problem& problem, std::size_t most, RobotTable& robots) {
-  constexpr double spare = 0.95;  // what is packed together is not quite proportional to the samples
+  constexpr double spare = 0.95;  // the packed size is not exactly proportional to the samples
   constexpr int attempts = 4;
   std::string text = script_json(packed_run(run, problem, robots));
   if (text.size() <= most) return {std::move(text), false};
@@ -376,7 +376,7 @@ HeldRuns held_within(const Experiment& experiment, const ExperimentResult& resul
     const bool all = size <= most_bytes;
     if (!all) {
       if (held.seeds > 0) break;
-      // Of the only seed that there is room for, as many runs as there is room for.
+      // If only one seed fits, add as many of its runs as fit.
       std::stable_sort(order.begin(), order.end(),
                        [&](std::size_t a, std::size_t b) { return packed[a].text.size() < packed[b].text.size(); });
     }
@@ -396,14 +396,14 @@ HeldRuns held_within(const Experiment& experiment, const ExperimentResult& resul
   return held;
 }
 
-/// All runs whole where they fit into `most_bytes`. Where not, long searches are thinned out, so that one of them does
-/// not take the place of other runs.
+/// Packs all runs completely if they fit into `most_bytes`. If not, thins long searches, so that no search displaces
+/// other runs.
 HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
                    std::size_t most_bytes, RobotTable& robots) {
   HeldRuns whole = held_within(experiment, result, options, most_bytes, most_bytes, robots);
   if (whole.ids.size() == result.runs.size()) return whole;
-  constexpr std::size_t least = 20'000;  // bytes; what is less looks like no search
-  constexpr std::size_t seeds = 2;       // that are held at least, where the least allows it
+  constexpr std::size_t least = 20'000;  // bytes; a smaller search shows too little
+  constexpr std::size_t seeds = 2;       // the page contains at least these, if `least` permits
   const std::size_t runs_of_seed =
       std::max<std::size_t>(1, result.runs.size() / std::max<std::size_t>(1, experiment.seeds.size()));
   return held_within(experiment, result, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)),
@@ -487,7 +487,7 @@ std::string worth_scripts(const Experiment& experiment, const Summaries& summari
   return out;
 }
 
-/// The figures that compare the strategies on each problem.
+/// Returns the figures that compare the strategies on each problem.
 std::string comparison_scripts(const Experiment& experiment, const ExperimentResult& result,
                                const Summaries& summaries) {
   const CostData data = cost_data(experiment, result);
@@ -540,7 +540,7 @@ std::string data_scripts(const Experiment& experiment, const ExperimentResult& r
   }
   Json classes = Json::array();
   for (int c = 0; c < 5; ++c) classes.push_back(to_string(static_cast<NodeClass>(c)));
-  // Seeds as text: a number of JavaScript has 53 bits.
+  // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
   for (const std::uint64_t seed : experiment.seeds) seeds.push_back(std::to_string(seed));
   std::string out = script("data", script_json({{"problems", std::move(problems)},
@@ -567,7 +567,7 @@ std::string about(const Experiment& experiment) {
   return text + "Trellis " + version() + '.';
 }
 
-/// The page with its @PLACES@ filled. What is put in is not looked at again.
+/// Replaces the page's @PLACES@. Does not expand the inserted text again.
 std::string filled(std::string_view page, const std::map<std::string_view, std::string>& places) {
   std::string out;
   for (std::size_t at = 0; at < page.size();) {
@@ -599,9 +599,9 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
     }
     summaries.push_back(std::move(row));
   }
-  // A page that opens in a second has 5 MB at the most. What the runs may take of it is what the rest leaves.
+  // A page opens within a second up to 5 MB. The runs get the rest of that size.
   constexpr std::size_t most_of_page = 5'000'000;
-  constexpr std::size_t bytes_of_outcome = 200;  // of a run, whether or not its samples are held
+  constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
   const Findings findings = findings_of(experiment, result, summaries);
   const std::string summary =

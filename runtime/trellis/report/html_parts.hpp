@@ -5,9 +5,9 @@
 
 namespace trellis {
 
-/// The files of html/, compiled in.
+/// The files of html/, embedded in the program.
 struct HtmlParts {
-  std::string_view page;  ///< with @PLACES@ for what differs
+  std::string_view page;  ///< with @PLACES@ for the variable parts
   std::string_view style;
   std::string_view script;
 };

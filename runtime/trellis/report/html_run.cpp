@@ -33,14 +33,14 @@ std::string base64(const std::string& bytes) {
   return out;
 }
 
-/// Whole numbers, seven bits to a byte, the lowest first.
+/// Variable-length integers: seven bits to a byte, the lowest first.
 class Numbers {
  public:
   void add(std::uint64_t value) {
     for (; value > 127U; value >>= 7U) bytes_ += static_cast<char>((value & 127U) | 128U);
     bytes_ += static_cast<char>(value);
   }
-  /// 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+  /// Maps 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
   void add_signed(std::int64_t value) { add(zigzag(value)); }
   static std::uint64_t zigzag(std::int64_t value) {
     return value < 0 ? 2U * static_cast<std::uint64_t>(-(value + 1)) + 1U : 2U * static_cast<std::uint64_t>(value);
@@ -112,7 +112,7 @@ Json axes_json(const Space& space) {
   return out;
 }
 
-/// Of each proposal its fate and, from bit 2, whether it is valid itself: 0 unknown, 1 yes, 2 no.
+/// Returns of each proposal its outcome and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid.
 std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;
   if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot.dimension()) {
@@ -133,8 +133,8 @@ std::string packed_fates(const LevelRecord& record, const Search& search, const 
   return base64(bytes);
 }
 
-/// Of each node how far before it its parent is, 0 for a root, signed: a node may be hung from a later one. null
-/// without a tree.
+/// Returns for each node the signed difference of its index and its parent's, 0 for a root: after a rewiring the parent
+/// may have a larger index. null without a tree.
 Json packed_parents(const Search& search) {
   const auto& parents = search.parents;
   if (parents.size() != search.nodes.size() ||
@@ -148,7 +148,7 @@ Json packed_parents(const Search& search) {
   return out.text();
 }
 
-/// Rows by one more than they are; none is 0.
+/// Stores each index plus one; 0 for none.
 std::string packed_near(const Search& search) {
   Numbers out;
   for (std::size_t i = 0; i < search.proposals.size(); ++i) {
@@ -158,7 +158,7 @@ std::string packed_near(const Search& search) {
   return out.text();
 }
 
-/// Rows by one more than their difference, signed, from the one before; none is 0.
+/// Stores the signed difference from the previous index plus one; 0 for none.
 std::string packed_added(const Search& search) {
   Numbers out;
   std::int64_t last = 0;
@@ -174,7 +174,7 @@ std::string packed_added(const Search& search) {
   return out.text();
 }
 
-/// Of each edge its first end, from the first of the edge before, and its second, from its first.
+/// Stores for each edge its first end relative to that of the edge before, and its second end relative to its first.
 std::string packed_edges(const Search& search) {
   Numbers out;
   std::int64_t last = 0;
@@ -194,7 +194,7 @@ std::string packed_sources(const Search& search) {
   return out.text();
 }
 
-/// Which rows of a search the page holds, in ascending order.
+/// The rows of a search that the page contains, in ascending order.
 struct HeldRows {
   std::vector<std::uint32_t> proposals;
   std::vector<std::uint32_t> nodes;
@@ -202,7 +202,8 @@ struct HeldRows {
 
 bool is_all(double share) { return share >= 1.0; }
 
-/// So many rows as `share` says, evenly spread, the first and the last among them. \param always  rows held in any case
+/// Returns a `share` of the rows, evenly spaced, with the first and the last. \param always  rows to include in any
+/// case
 std::vector<std::uint32_t> spread(std::size_t rows, double share, const std::vector<char>& always = {}) {
   std::vector<std::uint32_t> held;
   double due = 1.0;
@@ -224,18 +225,18 @@ HeldRows held_rows(const Search& search, double share) {
   return {spread(search.proposals.size(), share), spread(search.nodes.size(), share, roots)};
 }
 
-/// How many of the ascending rows come before one.
+/// Returns how many of the ascending rows are smaller than `row`.
 std::uint32_t rows_before(const std::vector<std::uint32_t>& rows, std::uint32_t row) {
   return static_cast<std::uint32_t>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
 }
 
-/// The search with the rows that are held. What named a node that is not held names the nearest of its ancestors that
-/// is; an edge with such an end is left out.
+/// Returns the search with the selected rows. A reference to an omitted node becomes one to its nearest selected
+/// ancestor; an edge with an omitted end is removed.
 Search thinned(const Search& search, const HeldRows& held) {
   std::vector<std::uint32_t> at(search.nodes.size(), no_node);
   for (std::size_t i = 0; i < held.nodes.size(); ++i) at[held.nodes[i]] = static_cast<std::uint32_t>(i);
   const auto ancestor = [&](std::uint32_t row) {
-    // A tree's way to its root visits each node once at the most.
+    // A path to a tree's root visits each node at most once.
     for (std::size_t steps = 0; row < at.size() && steps <= at.size(); ++steps) {
       if (at[row] != no_node) return at[row];
       if (row >= search.parents.size() || search.parents[row] == row) break;
@@ -266,7 +267,7 @@ Search thinned(const Search& search, const HeldRows& held) {
   return out;
 }
 
-/// \param held  nullptr where all is held
+/// Packs a level with the selected rows; nullptr selects all rows.
 Json level_json(const LevelResult& level, const Search& search, const HeldRows* held, const Problem& problem,
                 RobotTable& robots) {
   const LevelRecord& record = level.record;
@@ -303,7 +304,7 @@ Json level_json(const LevelResult& level, const Search& search, const HeldRows* 
           {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
 }
 
-/// \param held  of each level; empty where all is held
+/// Packs the turns of a run with the selected rows of each level; an empty list selects all rows.
 Json turns_json(const RunResult& run, const std::vector<HeldRows>& held) {
   Json out = Json::array();
   const auto add = [&](const Turn& turn) {
@@ -316,7 +317,7 @@ Json turns_json(const RunResult& run, const std::vector<HeldRows>& held) {
   };
   for (const Turn& turn : run.run.turns) add(turn);
   if (!run.run.turns.empty()) return out;
-  // Records that were not made by execute(): one turn for each level, the deepest first.
+  // Records of other executors: one turn for each level, the deepest first.
   for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
     const LevelRecord& record = level->record;
     add({record.level, static_cast<std::uint32_t>(record.search.proposals.size()),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the page holds of the records, in the form that its script reads (html/report.js).
+// The page's records, in the format that its script reads (html/report.js).
 #pragma once
 
 #include <map>
@@ -11,10 +11,10 @@
 
 namespace trellis {
 
-/// Robots, each once: shrunken ones are shared by all runs of a strategy.
+/// A list of distinct robots: all runs of a strategy share the shrunken ones.
 class RobotTable {
  public:
-  /// Its place in the list; -1 without one.
+  /// Returns the index of the scene's robot in the list; -1 without a scene.
   int add(const Scene* scene);
   [[nodiscard]] const nlohmann::ordered_json& list() const { return list_; }
 
@@ -23,17 +23,16 @@ class RobotTable {
   std::map<std::string, int> places_;
 };
 
-/// "[x, y, radius]" of a disc, "[x, y, x, y, ...]" of a polygon.
+/// Returns "[x, y, radius]" of a disc, "[x, y, x, y, ...]" of a polygon.
 nlohmann::ordered_json shape_json(const Shape& shape);
 
-/// One run: levels with their nodes and proposals, and the turns that they took. Coordinates have 16 bits, shares of
-/// their axis's extent. Whether rejected proposals are themselves valid is looked up here, on nobody's account.
-/// \param share  in (0, 1]: of each level's proposals and nodes that are held, evenly spread over the search; trees
-/// stay
-///               whole, as the parent of a node is the nearest of its ancestors that is held
+/// Packs one run: levels with their nodes and proposals, and the turns of the levels. Coordinates have 16 bits, as
+/// shares of their axis's extent. Checks the validity of rejected proposals; these checks do not count.
+/// \param share  in (0, 1]: the share of each level's proposals and nodes to include, evenly spaced over the search;
+///     trees stay connected, because a node's parent becomes its nearest included ancestor
 nlohmann::ordered_json packed_run(const RunResult& run, const Problem& problem, RobotTable& robots, double share = 1.0);
 
-/// JSON to stand in a <script> element: it holds no '<', whatever the names in it.
+/// Returns JSON for a <script> element: it contains no '<', whatever its strings are.
 std::string script_json(const nlohmann::ordered_json& json);
 
 }  // namespace trellis

@@ -21,10 +21,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has neither NaN nor infinity: a figure that does not exist is null.
+/// JSON has neither NaN nor infinity: a missing value is null.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
-/// As number(), but an infinite value is told apart from a missing one.
+/// As number(), but distinguishes an infinite value from a missing one.
 Json number_or_inf(double x) { return std::isinf(x) ? Json(x > 0 ? "inf" : "-inf") : number(x); }
 
 Json array(View q) {
@@ -39,7 +39,7 @@ Json array(const Configurations& path) {
   return out;
 }
 
-/// Names for programs: they stay what docs/formats.md says, whatever the printed report calls them.
+/// Names for programs: docs/formats.md fixes them, independent of the printed report.
 std::string_view status_name(Status status) {
   switch (status) {
     case Status::untried: return "untried";
@@ -53,7 +53,7 @@ std::string_view status_name(Status status) {
   throw Fault("unknown status");
 }
 
-/// The same fields whether there is a score or not, so that readers need no second shape.
+/// Has the same fields with or without a score, so that readers need only one schema.
 Json efficiency_json(const Efficiency* estimated) {
   if (estimated == nullptr) {
     return {{"value", nullptr},      {"estimator", nullptr},  {"n", nullptr},
@@ -108,7 +108,7 @@ Json estimate_json(const Estimate& e) {
           {"JS", number(e.js)}};
 }
 
-/// Everything that is known of samples against a target.
+/// All values of samples relative to a target.
 Json measure_json(const Efficiency* estimated) {
   const bool scored = estimated != nullptr;
   const Efficiency bounded = scored ? shown(*estimated) : Efficiency();
@@ -155,7 +155,7 @@ Json roles_json(const std::optional<Scores>& self, const std::optional<Scores>& 
   return out;
 }
 
-/// In the level's own space, and lifted to the root's.
+/// In the level's own space, and lifted to the root's space.
 Json measures_json(const LevelResult& level) {
   Json out = roles_json(level.own, level.own_cross);
   out["root"] = roles_json(level.root, level.root_cross);
@@ -214,7 +214,7 @@ Json spent_json(std::uint64_t checks, std::uint64_t proposals) {
   return {{"validity_checks", checks}, {"proposals", proposals}};
 }
 
-/// What either side of bounded loss spent.
+/// The costs of both sides of bounded loss.
 Json spent_json(const LevelRecord& r) {
   if (!r.guided) return nullptr;
   return {{"guided", spent_json(r.guided_checks, r.guided_proposals)},
@@ -233,7 +233,7 @@ Json spent_json(const LevelSummary& level) {
           {"below", spent_json(level.by_below)}};
 }
 
-/// How often a level was solved again, by reason.
+/// The number of times that a level was solved again, by reason.
 Json resolves_json(const Resolves& resolves) {
   Json out = Json::object();
   for (const ResolveReason& reason : resolve_reasons) out[reason.name] = resolves.*reason.count;
@@ -273,7 +273,7 @@ Json level_json(const LevelResult& level) {
           {"metrics", metrics_json(level.metrics)}};
 }
 
-/// How the path is driven: controls, each held for a number of steps of dt seconds.
+/// A path's trajectory: controls, each constant for a number of steps of dt seconds.
 Json trajectory_json(const Trajectory& trajectory) {
   return {{"dt", number(trajectory.dt)},
           {"duration_s", number(trajectory.duration())},
@@ -333,7 +333,7 @@ Json figure_json(const Figure& figure) {
           {"flags", std::move(flags)}};
 }
 
-/// The same names as a run's, each an interval over the runs.
+/// The names of a run's measure, each with an interval over the runs.
 Json measure_json(const Figure& f) {
   Json flags = Json::object();
   for (const auto& [flag, runs] : f.flags) flags[flag] = runs;
@@ -424,7 +424,7 @@ Json paired_json(const Paired& paired) {
           {"holm_p", number(paired.holm_p)}};
 }
 
-/// Where it ends at an infinity, that is no missing end.
+/// An infinite bound is not a missing one.
 Json median_json(const Interval& interval) {
   return {{"value", number_or_inf(interval.value)}, {"lo", number_or_inf(interval.lo)},
           {"hi", number_or_inf(interval.hi)},       {"n", interval.n},
@@ -461,7 +461,7 @@ Json comparison_json(const Comparison& c) {
           {"expansion_D_eps", paired_json(c.expansion)}};
 }
 
-/// null where nothing is said of a level: of the root, and of an ablation's levels.
+/// null for levels without a verdict: the root, and an ablation's levels.
 Json verdict_json(const std::vector<Verdict>& found, std::size_t level) {
   if (level >= found.size() || found[level].kind == Verdict::Kind::none) return nullptr;
   const Verdict& verdict = found[level];
@@ -604,10 +604,10 @@ Json experiment_json(const Experiment& experiment) {
           {"ablations", std::move(ablations)}};
 }
 
-/// Names and paths come from users and need not be UTF-8; what is not becomes U+FFFD.
+/// Names and paths come from users and may be invalid UTF-8; invalid bytes become U+FFFD.
 std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// One entry per line: readable, and line tools can pick single runs.
+/// One entry per line: readable, and line tools can select single runs.
 std::string lines(const std::vector<Json>& entries) {
   std::string out = "[";
   for (std::size_t i = 0; i < entries.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + dump(entries[i]);
@@ -646,7 +646,7 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
     }
   };
   for (const auto& problem : experiment.problems) add(problem.name);
-  if (experiment.problems.size() > 1) add("");  // all problems taken together
+  if (experiment.problems.size() > 1) add("");  // all problems together
 
   std::string out = "{\n";
   out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";

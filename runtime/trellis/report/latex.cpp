@@ -15,7 +15,7 @@ namespace trellis {
 
 namespace {
 
-/// What LaTeX would take for a sign of its own, and the signs that are no letters of its fonts.
+/// Characters with a meaning in LaTeX, and characters that its fonts lack.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 22> signs = {{{"\\", "\\textbackslash{}"},
                                                                                   {"%", "\\%"},
                                                                                   {"&", "\\&"},
@@ -39,7 +39,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 22> signs = 
                                                                                   {"…", "\\ldots{}"},
                                                                                   {"·", "$\\cdot$"}}};
 
-/// Appends the sign at `at` and returns how many bytes it took.
+/// Appends the replacement of the character at `at`; returns the number of bytes that it read.
 std::size_t add_sign(std::string_view text, std::size_t at, std::string& out) {
   const auto* const found = std::find_if(signs.begin(), signs.end(),
                                          [&](const auto& sign) { return text.substr(at).starts_with(sign.first); });
@@ -51,7 +51,7 @@ std::size_t add_sign(std::string_view text, std::size_t at, std::string& out) {
   return found->first.size();
 }
 
-/// Text with its bold and code; `<br>` becomes `line_break`.
+/// Converts text with bold and code; `<br>` becomes `line_break`.
 std::string inline_text(std::string_view text, std::string_view line_break) {
   std::string out;
   bool bold = false;
@@ -80,7 +80,7 @@ std::string inline_text(std::string_view text, std::string_view line_break) {
   return out;
 }
 
-/// The cells of a table's row: what stands between its bars, those that are escaped or in code left alone.
+/// Returns the cells of a table's row: the text between its bars; ignores bars that are escaped or in code.
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;
   std::string cell;
@@ -111,7 +111,7 @@ bool is_rule(const std::string& line) { return line.find_first_not_of("|-: ") ==
 
 /// The first row is the heading, the second one the rule below it.
 std::string table(const std::vector<std::string>& lines) {
-  constexpr std::size_t widest = 7;  // columns that a page has room for
+  constexpr std::size_t widest = 7;  // columns that fit on a page
   const std::size_t columns = cells_of(lines.front()).size();
   const bool wide = columns > widest;
   std::string out = "\\par\\medskip\\noindent\n";

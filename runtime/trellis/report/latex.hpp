@@ -5,8 +5,8 @@
 
 namespace trellis {
 
-/// The Markdown that reports write (headings, paragraphs, tables; bold, code, escapes and line breaks in them) as LaTeX
-/// to be read by \input: sections without numbers and tables with the rules of booktabs. It needs the packages booktabs
+/// Converts the Markdown of reports (headings, paragraphs, tables; bold, code, escapes and line breaks in them) to
+/// LaTeX for \input: sections without numbers and tables with the rules of booktabs. It requires the packages booktabs
 /// and, for wide tables, graphicx.
 std::string latex(const std::string& markdown);
 

@@ -59,7 +59,8 @@ CellMap map_of(const Space& space, double finest, const F& value) {
   return map;
 }
 
-/// A path as pieces that are drawn straight: where a leg leaves the picture on one side it comes back on the other.
+/// Splits a path into straight pieces: a leg that wraps around an axis leaves the picture on one side and returns on
+/// the other.
 std::vector<std::vector<Point>> pieces_of(const Space& space, const Configurations& path) {
   std::vector<std::vector<Point>> pieces;
   if (path.size() == 0) return pieces;
@@ -67,7 +68,7 @@ std::vector<std::vector<Point>> pieces_of(const Space& space, const Configuratio
   Configuration way(2);
   for (std::size_t i = 1; i < path.size(); ++i) {
     space.difference(path[i - 1], path[i], way);
-    // The shares of the leg at which it goes round an axis.
+    // The parameters of the leg at which it wraps around an axis.
     std::vector<std::pair<double, std::size_t>> rounds;
     for (std::size_t j = 0; j < 2; ++j) {
       const Axis& axis = space.axes()[j];
@@ -89,7 +90,7 @@ std::vector<std::vector<Point>> pieces_of(const Space& space, const Configuratio
   return pieces;
 }
 
-/// Configurations along a path at even distances, both ends included.
+/// Returns configurations at even distances along a path, with both ends.
 Configurations poses_along(const Space& space, const Configurations& path) {
   Configurations poses(space.dimension());
   if (path.size() == 0) return poses;
@@ -136,7 +137,7 @@ class MotionPictures {
     frame_.blocked = map_of(problem.space, finest_blocked, [&](View q) { return checker_->valid(q) ? 0.0 : 1.0; });
   }
 
-  /// The space is more than where the robot is in the world.
+  /// Whether the space is more than the robot's position in the world.
   [[nodiscard]] static bool possible(const Problem& problem) {
     return problem.scene != nullptr && problem.space.dimension() == 2 && problem.scene->robot.dimension() == 2 &&
            !problem.scene->robot.is_point();

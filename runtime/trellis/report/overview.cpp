@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The report that a run prints: did it solve, what did it cost beside the baseline, which level pays, what to try next.
+// The report that a run prints: solved runs, costs relative to the baseline, the verdict on each level, and the next
+// step.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,11 +26,11 @@ namespace trellis {
 
 namespace {
 
-/// Above so many problems they are taken together.
+/// More problems than these are reported together.
 constexpr std::size_t most_single_problems = 6;
-/// Above so many tables of levels the report would not fit a screen: they are left to --report levels.
+/// More tables of levels than these would not fit a screen: --report levels prints them.
 constexpr std::size_t most_level_tables = 4;
-/// Names of levels are cut to so many columns, so that a row fits a line; the heading has them whole.
+/// Longest name of a level, in columns, so that a row fits a line; the heading shows the full names.
 constexpr std::size_t longest_label = 24;
 
 Table::Column number_column(std::vector<std::string> heading, std::string group = "") {
@@ -47,11 +48,11 @@ struct Row {
   std::vector<Verdict> verdicts;  ///< of its levels
 };
 
-/// One problem, or all of them taken together, with its strategies and their comparisons.
+/// One problem, or all of them together, with its strategies and their comparisons.
 struct Section {
   std::string problem;  ///< "": all
   std::string heading;
-  std::vector<Row> rows;  ///< ablations left out
+  std::vector<Row> rows;  ///< without ablations
   std::vector<Comparison> comparisons;
   std::string baseline;
 };
@@ -79,7 +80,7 @@ Section section_of(const Experiment& experiment, const ExperimentResult& result,
   return section;
 }
 
-/// A bar of eighths of a column, `share` of `width` columns long; never empty where there is something.
+/// Returns a bar of eighths of a column, `share` of `width` columns long; never empty for a positive share.
 std::string bar(double share, std::size_t width) {
   static constexpr std::array<const char*, 8> eighths = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   if (!(share > 0.0)) return "";
@@ -129,7 +130,7 @@ std::string strategies_table(const Section& section, std::size_t width) {
   return table.text(width);
 }
 
-/// uniform - figure, with the interval of the figure.
+/// Returns uniform - figure, with the interval of the figure.
 Interval above(double uniform, const Interval& figure) {
   Interval result = figure;
   result.value = uniform - figure.value;
@@ -138,7 +139,7 @@ Interval above(double uniform, const Interval& figure) {
   return result;
 }
 
-/// "a level has nats" in the order of its parts: all, mass, spread.
+/// The nats of a level: all, mass, spread.
 struct Nats {
   std::string total, mass, spread;
   bool blank = false;
@@ -154,7 +155,7 @@ Nats nats_of(const LevelSummary& level) {
           std::isfinite(spread.value) ? fixed(spread.value, 2, true) : interval_text(spread, 2, true)};
 }
 
-/// "+1.95 is perfect guidance", of the oracle's nodes.
+/// Returns "+1.95 is perfect guidance", from the oracle's nodes.
 std::string scale_text(const RunsSummary& summary) {
   if (summary.levels.empty()) return "";
   const Figure& perfect = summary.levels.front().oracle.tree;
@@ -163,11 +164,11 @@ std::string scale_text(const RunsSummary& summary) {
   return std::isfinite(top) ? fmt::format("0 is uniform sampling, {} perfect guidance", fixed(top, 2, true)) : "";
 }
 
-/// At most so many columns of a text; what is left out is an ellipsis.
+/// Shortens a text to a number of columns; an ellipsis replaces the rest.
 std::string shortened(const std::string& text, std::size_t columns) {
   if (display_width(text) <= columns) return text;
   std::string cut = text;
-  // Whole code points: a continuation byte never ends a text.
+  // Removes whole code points: a continuation byte never ends a text.
   while (display_width(cut) >= columns) {
     while ((static_cast<unsigned char>(cut.back()) & 0xC0U) == 0x80U) cut.pop_back();
     cut.pop_back();
@@ -175,7 +176,7 @@ std::string shortened(const std::string& text, std::size_t columns) {
   return cut + "…";
 }
 
-/// Which level pays, of one strategy.
+/// Returns the table of the verdicts on one strategy's levels.
 std::string levels_table(const Experiment& experiment, const Row& row, std::size_t width) {
   const std::vector<LevelSummary>& levels = row.summary.levels;
   if (levels.size() < 2) return "";
@@ -230,7 +231,7 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
   return out;
 }
 
-/// Runs without a path, with the reasons, and strategies whose guides do worse than none.
+/// Lists runs without a path, with the reasons, and strategies whose guides perform worse than no guide.
 std::string warnings(const Experiment& experiment, const ExperimentResult& result, const Section& section,
                      std::size_t width) {
   std::string out;
@@ -245,7 +246,7 @@ std::string warnings(const Experiment& experiment, const ExperimentResult& resul
   return out;
 }
 
-/// What to try next, one line.
+/// Suggests the next step, in one line.
 std::string next_step(const Experiment& experiment, const std::vector<Section>& sections) {
   for (const Section& section : sections) {
     for (const Row& row : section.rows) {
@@ -319,7 +320,7 @@ std::string heading_of(const Experiment& experiment, const Section& section, std
   return wrap(heading, width, "", "  ");
 }
 
-/// Why levels were solved again, over the runs.
+/// Lists why levels were solved again, over the runs.
 std::string resolves_lines(const Row& row, std::size_t width) {
   std::string out;
   for (const LevelSummary& level : row.summary.levels) {
@@ -329,7 +330,7 @@ std::string resolves_lines(const Row& row, std::size_t width) {
   return out;
 }
 
-/// What rejected most of the proposals of each level, over the runs.
+/// Names the obstacle that rejected most of each level's proposals, over the runs.
 std::string rejections_text(const Experiment& experiment, const Row& row, std::size_t width) {
   std::string out;
   for (const LevelSummary& level : row.summary.levels) {

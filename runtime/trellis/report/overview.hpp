@@ -8,11 +8,12 @@
 
 namespace trellis {
 
-/// The report that a run prints: what was solved, what it cost beside the baseline, which level pays, what to try next.
+/// Returns the report that a run prints: solved runs, costs relative to the baseline, the verdict on each level, and
+/// the next step.
 std::string overview_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
 
-/// The same level by level, for every strategy with its ablations: verdicts, what each level did, why it was solved
-/// again, what rejected most of its proposals.
+/// Returns the same level by level, for every strategy with its ablations: verdicts, the search of each level, why it
+/// was solved again, and the obstacle that rejected most of its proposals.
 std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width);
 
 }  // namespace trellis

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tables of an experiment as papers print them: strategies below each other, problems side by side, and what was
-// published beside what came out.
+// The tables of an experiment in the layout of papers: strategies below each other, problems side by side, and
+// published values beside the results.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ const std::vector<NamedPath>& paths() {
   return all;
 }
 
-/// The estimators that there are figures of: the headline, then those that were asked for.
+/// Returns the estimators with results: the headline's, then the other requested ones.
 std::vector<std::string> estimators_of(const Experiment& experiment) {
   std::vector<std::string> names = {headline};
   if (!experiment.measure) return names;
@@ -59,7 +59,7 @@ const Efficiency* efficiency_of(const RunResult& run, Where where, Role role) {
   return scores ? &((*scores).*role) : nullptr;
 }
 
-/// The headline figure of an estimator: SE; of the plain grid, which is not defended, D. NaN where it has none.
+/// Returns the headline value of an estimator: SE; for the plain grid, which is not defended, D. NaN where it has none.
 double value_by(const Efficiency& efficiency, const std::string& estimator) {
   const Estimate* found = nullptr;
   if (estimator == headline || efficiency.estimator == estimator) found = &efficiency;
@@ -70,7 +70,7 @@ double value_by(const Efficiency& efficiency, const std::string& estimator) {
   return found->estimator.starts_with("legacy") ? found->undefended : found->value;
 }
 
-/// One figure per run, NaN where a run has none.
+/// Returns one value per run, NaN where a run has none.
 template <class Value>
 std::vector<double> per_run(const std::vector<const RunResult*>& runs, Where where, Role role, Value value) {
   std::vector<double> values;
@@ -88,7 +88,7 @@ std::string fixed(double x, int decimals = 2) {
   return text;
 }
 
-/// "1.23 ± 0.08", "1.23" without an interval, "NA" where there is no figure; infinite ones are counted.
+/// "1.23 ± 0.08", "1.23" without an interval, "NA" for a missing value; states the number of infinite values.
 std::string cell(const Interval& interval) {
   if (std::isnan(interval.value)) return "NA";
   if (std::isinf(interval.value)) {
@@ -100,16 +100,16 @@ std::string cell(const Interval& interval) {
   return text;
 }
 
-/// A figure that cannot lie beyond a bound, which is a mean over the same runs.
+/// A value with a bound, which is a mean over the same runs.
 struct Bounded {
-  Interval interval;    ///< ends at the bound
-  Interval estimate;    ///< as it is
-  bool beyond = false;  ///< the mean of the estimates lies beyond the bound, so the bound stands for it
+  Interval interval;    ///< clipped at the bound
+  Interval estimate;    ///< not clipped
+  bool beyond = false;  ///< the mean of the estimates lies beyond the bound and is replaced by it
   const char* sign = "≥ ";
 };
 
 Bounded bounded(Interval interval, double least) {
-  constexpr double visible = 0.005;  // half of the last digit in print
+  constexpr double visible = 0.005;  // half of the last printed digit
   Bounded result{interval, interval, interval.value < least - visible};
   if (std::isnan(least)) return result;
   for (double* x : {&result.interval.value, &result.interval.lo, &result.interval.hi}) {
@@ -118,7 +118,7 @@ Bounded bounded(Interval interval, double least) {
   return result;
 }
 
-/// The same of what is at most so much.
+/// The same with an upper bound.
 Bounded bounded_above(const Interval& interval, double most) {
   const auto negative = [](Interval x) {
     x.value = -x.value;
@@ -134,19 +134,20 @@ Bounded bounded_above(const Interval& interval, double most) {
   return result;
 }
 
-/// "≥ 0.05" where no more than the bound is known.
+/// Returns "≥ 0.05" where only the bound is available.
 std::string cell(const Bounded& figure) {
   return figure.beyond ? figure.sign + fixed(figure.interval.value) : cell(figure.estimate);
 }
 
-/// What an estimator's figure of a run is at least: by the mass in the target, or 0 where it is no estimate.
+/// Returns the lower bound of an estimator's value for a run: from the mass in the target, or 0 where it is no
+/// estimate.
 double least_by(const Efficiency& efficiency, const std::string& estimator) {
   const std::string& name = estimator == headline ? efficiency.estimator : estimator;
   if (name.starts_with("legacy") || name.starts_with("exact")) return 0.0;
   return least_value(efficiency);
 }
 
-/// What Markdown would take for a sign of its own.
+/// Escapes the characters that have a meaning in Markdown.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -235,9 +236,9 @@ class Tables {
     const char* name;
     const char* title;
     double (*field)(const Efficiency&);
-    /// What it is at least in a run; nullptr: it is no divergence.
+    /// Returns its lower bound for a run; nullptr: it is no divergence.
     double (*least)(const Efficiency&) = nullptr;
-    /// What it is at most; nullptr: anything.
+    /// Returns its upper bound; nullptr: none.
     double (*most)(const Efficiency&) = nullptr;
   };
   static double zero(const Efficiency& /*efficiency*/) { return 0.0; }
@@ -278,7 +279,7 @@ class Tables {
                                     [&](const Efficiency& e) { return value_by(e, estimator); }));
   }
 
-  /// The same as it is printed: never below what the runs' masses in the target allow.
+  /// The printed value: never below the bound from the runs' masses in the target.
   [[nodiscard]] Bounded shown_figure(const std::string& problem, const std::string& strategy, const NamedPath& path,
                                      const NamedRole& role, const std::string& estimator) const {
     const auto least =
@@ -424,8 +425,9 @@ class Tables {
     }
   }
 
-  /// A section, where it has a row: one for each estimator, path and role, one column for each problem: Spearman's rank
-  /// correlation of our figures with other(problem, strategy, path, role), NaN where there is none.
+  /// Writes a section, if it has rows: one row for each estimator, path and role, one column for each problem. Each
+  /// cell is Spearman's rank correlation of the results with other(problem, strategy, path, role), NaN where there is
+  /// none.
   template <class Other>
   void ranks(const std::string& title, const std::string& text, Other other) {
     std::vector<std::vector<std::string>> rows;
@@ -484,7 +486,7 @@ class Tables {
         });
   }
 
-  /// What a difference of two efficiencies, b - a, says of "b is lower than a".
+  /// Returns the verdict of a difference of two efficiencies, b - a, on "b is lower than a".
   static std::string verdict(const Interval& difference, bool lower) {
     if (std::isnan(difference.value)) return "NA";
     const bool below = difference.hi < 0.0;

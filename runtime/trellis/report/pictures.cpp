@@ -12,7 +12,7 @@ namespace trellis {
 
 namespace {
 
-/// Points; in what is narrower, as a column of a paper, panels stand below each other.
+/// Points; narrower figures, as for a column of a paper, stack their panels.
 constexpr double narrow = 360.0;
 
 bool is_narrow(const FigureStyle& style) { return style.width && *style.width < narrow; }
@@ -40,13 +40,13 @@ void write_picture(const draw::Canvas& canvas, const std::string& stem) {
 }
 
 void write_figure(draw::Figure figure, const FigureStyle& style, const std::string& stem) {
-  // Panels that are narrow as they are stay two to a row.
+  // Panels that are already narrow stay two to a row.
   if (is_narrow(style)) figure.columns = figure.columns > 3 ? 2 : 1;
   write(std::move(figure), style, stem);
 }
 
 void write_figure(draw::RatioFigure figure, const FigureStyle& style, const std::string& stem) {
-  // Beside the names there is room for one panel.
+  // Beside the names, only one panel fits.
   if (is_narrow(style) && figure.panels.size() > 1) {
     figure.panels.resize(1);
     for (draw::RatioRow& row : figure.rows) row.panels.resize(1);

@@ -13,15 +13,15 @@
 
 namespace trellis {
 
-/// How all figures of a command are set.
+/// The style of all figures of a command.
 struct FigureStyle {
-  std::optional<double> width = {};  ///< points; none: as wide as each figure is by default
-  bool titles = true;                ///< else titles and captions stand in a text file beside the figure
+  std::optional<double> width = {};  ///< points; none: each figure's default width
+  bool titles = true;                ///< else titles and captions are in a text file beside the figure
   draw::Typeface typeface = draw::Typeface::sans;
   bool scale_bar = false;  ///< in pictures of worlds
 };
 
-/// Writes STEM.svg, STEM.png and STEM.pdf. Throws Error where one cannot be written.
+/// Writes STEM.svg, STEM.png and STEM.pdf. \throws Error where it cannot write one.
 void write_picture(const draw::Canvas& canvas, const std::string& stem);
 
 /// Draws a figure in a style and writes it as write_picture() does; without titles, also STEM.txt.

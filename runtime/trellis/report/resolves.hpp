@@ -27,8 +27,8 @@ inline constexpr std::array<ResolveReason, 7> resolve_reasons = {{
     {"finer_check", "its path proved invalid in a finer check", &Resolves::finer_check},
 }};
 
-/// "solved again 12 times: its path proved invalid in C (9), C rejected guided proposals (3); no other path in 1 run".
-/// "" where it was not solved again and nothing refuted its path for good.
+/// Returns "solved again 12 times: its path proved invalid in C (9), C rejected guided proposals (3); no other path in
+/// 1 run". "" where the level was not solved again and its path was not refuted at the limit.
 std::string resolves_text(const LevelSummary& level);
 
 }  // namespace trellis

@@ -24,7 +24,7 @@ void append_number(std::string& out, T value) {
   out.append(digits, end);
 }
 
-/// q1,...,qn with the separators before; missing coordinates stay empty.
+/// Appends q1,...,qn, each after a separator; missing coordinates stay empty.
 void append_coordinates(std::string& out, View q, std::size_t columns) {
   for (std::size_t j = 0; j < columns; ++j) {
     out += ',';

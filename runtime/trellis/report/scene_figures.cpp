@@ -48,7 +48,7 @@ std::vector<Point> track(const Configurations& path, const Axes& axes) {
   return way;
 }
 
-/// Samples counted cell by cell, over any number of runs.
+/// Counts of samples per cell, over any number of runs.
 class Counts {
  public:
   explicit Counts(const Grid& grid) : grid_(grid), sums_(grid.size(), 0.0) {}
@@ -64,7 +64,7 @@ class Counts {
   [[nodiscard]] bool none() const { return inside_ + outside_ == 0.0; }
   [[nodiscard]] bool any_outside() const { return outside_ > 0.0; }
   [[nodiscard]] std::size_t runs() const { return runs_; }
-  /// Samples of a run.
+  /// Returns the mean number of samples of a run.
   [[nodiscard]] double mean() const { return runs_ == 0 ? 0.0 : (inside_ + outside_) / static_cast<double>(runs_); }
   [[nodiscard]] CircleLayer layer(std::string name, Role role) const {
     CircleLayer layer{std::move(name), role, sums_};
@@ -110,7 +110,7 @@ double cell_of(const draw::Rect& world, const std::optional<double>& asked) {
   return cell;
 }
 
-/// What the caption says of the target.
+/// Describes the target for the caption.
 std::string target_text(const Measure& measure) {
   const double delta = common_settings(measure.target).delta;
   if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
@@ -142,7 +142,7 @@ class ScenePictures {
     return problem.scene != nullptr && problem.scene->robot.translates();
   }
 
-  /// None without a run.
+  /// Returns none without a run.
   [[nodiscard]] std::optional<PlanarFigure> samples(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     if (runs.empty()) return std::nullopt;
@@ -211,7 +211,7 @@ class ScenePictures {
     return figure;
   }
 
-  /// The levels below the root, each in its own space. None where no such level has a position in the plane.
+  /// Draws the levels below the root, each in its own space. None where no such level has a position in the plane.
   [[nodiscard]] std::optional<PlanarFigure> levels(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     std::map<std::vector<std::uint64_t>, std::vector<const LevelRecord*>> found;
@@ -227,7 +227,7 @@ class ScenePictures {
     figure.title = fmt::format("{} on {}: where the samples of its guides lie", strategy, problem_.name);
     figure.caption =
         circles_text(counted(runs.size(), "seed")) + " Each level in its own space, with the paths found in it.";
-    // Robots differ from level to level: only their places are marked.
+    // Robots differ between levels: mark only their positions.
     const LevelRecord& first = *found.begin()->second.front();
     figure.start = {WorldDisc{position(first.start, first.position_axes), 0.0}};
     figure.goal = {WorldDisc{position(first.goal, first.position_axes), 0.0}};
@@ -244,7 +244,7 @@ class ScenePictures {
       }
       outside = outside || tree.any_outside() || expansion.any_outside();
       const std::string name = short_level(records.front()->name, 24);
-      // A level that proposes nothing, as one that searches a graph, has no panel of its proposals.
+      // A level without proposals, such as a graph search, has no panel for them.
       for (const auto& [counts, role, what] :
            {std::tuple{&tree, Role::tree, "tree"}, std::tuple{&expansion, Role::expansion, "expansion"}}) {
         if (counts->none()) continue;
@@ -258,7 +258,7 @@ class ScenePictures {
   }
 
  private:
-  /// What all pictures of a problem have in common.
+  /// Returns the parts that all pictures of a problem share.
   static PlanarFigure make_frame(const Problem& problem, const SceneFigureOptions& options) {
     const World& world = problem.scene->world;
     const auto& [lo, hi] = world.bounds();

@@ -10,7 +10,7 @@
 
 namespace trellis {
 
-/// The path of one solved run, as a document of `trellis run --json` stores it.
+/// The path of one solved run, from a document of `trellis run --json`.
 struct StoredRunPath {
   std::string problem;
   std::string strategy;
@@ -21,14 +21,14 @@ struct StoredRunPath {
 
 /// The paths of a document, in its order.
 struct StoredPaths {
-  std::string script;  ///< as the command line named it
+  std::string script;  ///< as given on the command line
   std::vector<StoredRunPath> paths;
   std::size_t unsolved = 0;  ///< runs without a path
 };
 
 /// \param document  JSON of trellis run
 /// \param file      for messages
-/// Throws Error, naming the file, for what is no such document.
+/// \throws Error that names the file, for another kind of document.
 StoredPaths read_stored_paths(const std::string& document, const std::string& file);
 
 }  // namespace trellis

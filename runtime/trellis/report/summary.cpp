@@ -31,13 +31,13 @@ double median_of(const LevelResults& levels, F f) {
 using Where = std::optional<Scores> LevelResult::*;
 using Role = Efficiency Scores::*;
 
-/// A level's figures of a role; nullptr where it was not scored.
+/// Returns a level's score of a role; nullptr where it was not scored.
 const Efficiency* find(const LevelResult& level, Where where, Role role) {
   const std::optional<Scores>& scores = level.*where;
   return scores ? &((*scores).*role) : nullptr;
 }
 
-/// Shares in bins, spread over `count` bins of the same whole.
+/// Distributes shares in bins over `count` bins of the same total extent.
 std::vector<double> spread(const std::vector<double>& shares, std::size_t count) {
   std::vector<double> result(count, 0.0);
   const double scale = static_cast<double>(count) / static_cast<double>(shares.size());
@@ -52,8 +52,8 @@ std::vector<double> spread(const std::vector<double>& shares, std::size_t count)
   return result;
 }
 
-/// The mean profile over paths of different lengths: along the share of the path, in the fewest bins that half of the
-/// runs have at least.
+/// Computes the mean profile over paths of different lengths: along the share of the path, in the smallest number of
+/// bins that at least half of the runs have.
 void add_profile(const std::vector<const Efficiency*>& figures, Figure& result) {
   std::vector<double> counts;
   for (const Efficiency* e : figures) {
@@ -75,7 +75,7 @@ void add_profile(const std::vector<const Efficiency*>& figures, Figure& result) 
   for (const auto& shares : samples) result.profile.push_back(student_interval(shares));
 }
 
-/// A figure that cannot be below a bound, shown as the bound where it is.
+/// Raises an interval to a lower bound.
 void at_least(Interval& interval, double bound) {
   if (std::isnan(bound)) return;
   for (double* x : {&interval.value, &interval.lo, &interval.hi}) {
@@ -83,9 +83,9 @@ void at_least(Interval& interval, double bound) {
   }
 }
 
-/// \param least  what D_eps is at least, the mean over the runs
+/// \param least  the lower bound of D_eps, the mean over the runs
 void bound_below(Figure& figure, double least) {
-  constexpr double visible = 0.005;  // half of the last digit in print
+  constexpr double visible = 0.005;  // half of the last printed digit
   if (figure.value.value < least - visible) figure.flags.emplace_back("at its bound", figure.scored);
   at_least(figure.undefended, figure.mass_lower95.value);
   at_least(figure.value, least);
@@ -212,7 +212,7 @@ MetricsSummary metrics(const LevelResults& levels) {
   return result;
 }
 
-/// The level of a run with a key; nullptr where the run has none.
+/// Returns the level of a run with a key; nullptr where the run has none.
 const LevelResult* level_of(const RunResult& run, const std::string& key) {
   const auto it = std::find_if(run.levels.begin(), run.levels.end(),
                                [&](const LevelResult& level) { return level.record.key == key; });
@@ -240,7 +240,7 @@ Waterfall waterfall(std::span<const RunResult* const> runs, const std::vector<Le
     const auto values = gains(level);
     return std::any_of(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
   };
-  // A level without samples of its own (a graph search makes no proposals) is passed over: what guides it counts.
+  // Skip a level without samples of its own (a graph search makes no proposals): its guides count instead.
   const auto guides_of = [&](int level, auto&& self) -> std::vector<int> {
     std::vector<int> guides;
     for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -281,7 +281,7 @@ double median_spent(const std::vector<CensoredCost>& costs) {
   return median(values);
 }
 
-/// Each level's part of what all levels of all runs spent.
+/// Computes each level's share of the costs of all levels of all runs.
 void add_shares(std::span<const RunResult* const> runs, std::vector<LevelSummary>& levels) {
   std::map<std::string, std::pair<double, double>> spent;
   double checks = 0.0;
@@ -475,7 +475,7 @@ std::vector<Comparison> compare_on(const Experiment& experiment, const Experimen
   return comparisons;
 }
 
-/// Corrects the p values of one quantity; `any` says whether a comparison has it.
+/// Corrects the p values of one quantity; `any` returns whether a comparison has it.
 template <class Quantity, class Any>
 void correct(std::vector<Comparison>& comparisons, Quantity quantity, Any any) {
   std::vector<double> p;
@@ -549,7 +549,7 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
   };
   std::vector<std::string> warnings;
   for (const Comparison& c : comparisons) {
-    // Ablations take out a guide of several: their tables say what each is worth.
+    // Ablations remove one of several guides: their tables show the effect of each guide.
     if (!c.text.empty() || !guided(c.strategy) || guided(c.baseline)) continue;
     const PairedCosts& checks = c.validity_checks;
     if (c.solved.difference.n >= least_for_interval && c.solved.difference.hi < 0.0) {
@@ -569,7 +569,7 @@ std::vector<std::string> guide_warnings(const Experiment& experiment, const Expe
     if (summary.levels.empty()) continue;
     const LevelSummary& root = summary.levels.front();
     const FigurePair& pair = root.root_cross.tree.scored > 0 ? root.root_cross : root.root;
-    // Proposals in a thin tube lie below uniform ones in spread and may save most checks all the same: nodes count.
+    // Proposals in a thin tube may have less spread than uniform ones and still save most checks: judge by the nodes.
     if (pair.tree.gain.hi < 0.0) {
       warnings.push_back(
           fmt::format("{}'s nodes cover the target less well than uniform samples: {} nats above uniform", name,

@@ -23,7 +23,7 @@ void append_line(std::string& out, std::string line) {
   out += '\n';
 }
 
-/// A run of chosen columns that share a heading; a column without one is a run of its own.
+/// Adjacent columns with a common heading; a column without one is a span of its own.
 struct Span {
   std::size_t first = 0;  ///< positions in the list of chosen columns
   std::size_t last = 0;
@@ -121,7 +121,7 @@ std::string Table::part(const std::vector<std::size_t>& columns, std::size_t gap
     std::string line;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Column& column = columns_[columns[i]];
-      const std::size_t above = heading_lines - column.heading.size();  // headings stand on the rule
+      const std::size_t above = heading_lines - column.heading.size();  // headings are bottom-aligned
       if (i > 0) line += space;
       line += pad(h < above ? "" : column.heading[h - above], widths[i], !column.left);
     }
@@ -131,7 +131,7 @@ std::string Table::part(const std::vector<std::size_t>& columns, std::size_t gap
   const std::string thin = repeat("─", total) + '\n';
   out += thin;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    // A row that says nothing in this part of a split table is left out of it.
+    // Omit a row without values from this part of a split table.
     const bool blank = columns.size() > 1 && std::all_of(columns.begin() + 1, columns.end(),
                                                          [&](std::size_t c) { return rows_[r][c].empty(); });
     if (blank) continue;
@@ -166,7 +166,7 @@ std::string Table::text(std::size_t width) const {
   std::vector<std::size_t> chosen = {0};
   std::size_t c = 1;
   while (c < columns_.size()) {
-    // The next block: a group, or a column that is in none.
+    // The next block: a group, or a column without a group.
     std::size_t end = c + 1;
     while (end < columns_.size() && !columns_[c].group.empty() && columns_[end].group == columns_[c].group) ++end;
     const auto with = [&](std::size_t to) {
@@ -181,7 +181,7 @@ std::string Table::text(std::size_t width) const {
         chosen = {0};
         continue;
       }
-      // Too wide even alone: as many of its columns as fit, at least one.
+      // The group alone is too wide: take as many of its columns as fit, at least one.
       while (end > c + 1 && !fits(part(with(end), 2))) --end;
     }
     chosen = with(end);

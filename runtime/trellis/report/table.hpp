@@ -8,17 +8,17 @@
 
 namespace trellis {
 
-/// Columns that a terminal shows the string in: code points, which is right for all that a report prints.
+/// Returns the width in terminal columns: code points, which is exact for all characters of reports.
 std::size_t display_width(std::string_view text);
 
-/// Fills with spaces on the right or, `left_pad`, on the left.
+/// Pads with spaces on the right or, with `left_pad`, on the left.
 std::string pad(const std::string& text, std::size_t width, bool left_pad);
 
-/// A space at which wrap() does not break; it comes out as a plain one.
+/// A space at which wrap() does not break; prints as a normal space.
 inline constexpr char no_break = '\x1f';
 
-/// Breaks text at spaces into lines of at most `width` columns. `first` stands before the first line, `indent` before
-/// the others. A word longer than a line stays whole. Ends with a newline.
+/// Breaks text at spaces into lines of at most `width` columns, with the prefix `first` on the first line and `indent`
+/// on the others. Does not break a longer word. Ends with a newline.
 std::string wrap(const std::string& text, std::size_t width, const std::string& first = "",
                  const std::string& indent = "");
 
@@ -27,8 +27,8 @@ class Table {
  public:
   struct Column {
     std::vector<std::string> heading;  ///< lines, the last one lowest
-    std::string group;                 ///< neighbours of the same group share a heading above theirs
-    bool left = false;                 ///< flush left; numbers are flush right
+    std::string group;                 ///< adjacent columns of one group share a heading above their own
+    bool left = false;                 ///< left-aligned; numbers are right-aligned
   };
 
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
@@ -39,9 +39,8 @@ class Table {
   void rule() { rules_.push_back(rows_.size()); }
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
-  /// The table in at most `width` columns: where it is wider, columns are put closer together, and if that is not
-  /// enough, those that do not fit follow in a second table under the first column repeated; groups stay together
-  /// where they can.
+  /// Returns the table in at most `width` columns. A wider table gets narrower gaps; if that is not enough, the
+  /// remaining columns follow in a second table that repeats the first column. Groups stay together where possible.
   [[nodiscard]] std::string text(std::size_t width) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tables that several kinds of the printed report have.
+// Tables that several kinds of the printed report share.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace trellis {
 
-/// What each level did: solves, proposals, nodes, checks and time, medians over the runs.
+/// Returns the search of each level: solves, proposals, nodes, checks and time, medians over the runs.
 std::string search_table(const RunsSummary& summary, std::size_t width);
-/// How each level sampled: the measure of tree and expansion, its waterfalls, and what is to be said about them.
+/// Returns the sampling of each level: the measure of tree and expansion, its waterfalls, and notes.
 std::string efficiency_tables(const RunsSummary& summary, std::size_t width);
 /// "uniform share of proposals 0.05 at each guided level".
 std::string shares_text(const StrategySpec& spec);

@@ -20,18 +20,18 @@ namespace trellis {
 
 namespace {
 
-/// Above so many problems one table each would bury the reader: they are taken together.
+/// More problems than these are reported together: single tables would be too many.
 constexpr std::size_t most_single_problems = 6;
 
 // Figures and what is to be said about them -------------------------------------------------------------------------
 
-/// Where a figure stands: a row and a column of the table.
+/// The position of a value: a row and a column of the table.
 struct Place {
   std::string row;
   std::string column;
 };
 
-/// Collects what the marks in a table stand for, in the order of the legend.
+/// Collects the meanings of the marks in a table, in the order of the legend.
 class Notes {
  public:
   void add(const std::string& flag, const Place& place, std::size_t runs, std::size_t of) {
@@ -59,7 +59,7 @@ class Notes {
   }
 
  private:
-  /// "0 own tree 3/15, root tree 3/15; 2 own tree 1/15": each row is named once.
+  /// "0 own tree 3/15, root tree 3/15; 2 own tree 1/15": names each row once.
   struct Places {
     std::string text;
     std::string row;
@@ -80,9 +80,9 @@ class Notes {
   Places infinite_;
 };
 
-/// A column of nats above uniform: means, half-widths and marks below each other. Where there is no more than a bound
-/// (in every run no sample in the target, or a lower bound of the divergence; or an estimate beyond what is possible)
-/// it says "at most".
+/// A column of nats above uniform: means, half-widths and marks, aligned. Where only a bound is available (no sample in
+/// the target in any run, or a lower bound of the divergence; or an estimate beyond the possible range) it prints "at
+/// most".
 class FigureColumn {
  public:
   void add(const Figure& figure, const Place& where, Notes& told) {
@@ -107,7 +107,7 @@ class FigureColumn {
     cells_.push_back(std::move(cell));
   }
 
-  /// Decimal points below each other; marks stand right behind their figure.
+  /// Aligns decimal points; marks follow their value directly.
   [[nodiscard]] std::vector<std::string> text() const {
     std::size_t mean = 0;
     for (const auto& cell : cells_) mean = std::max(mean, display_width(cell.mean));
@@ -146,7 +146,7 @@ struct UniformShare {
 void collect_shares(const GuideSpec* guide, const PlannerSpec& planner, const std::string& name,
                     std::vector<UniformShare>& out);
 
-/// The levels that search the spaces of a guide's parts.
+/// Collects the levels that search the spaces of a guide's parts.
 void collect_parts(const GuideSpec& guide, std::vector<UniformShare>& out) {
   if (guide.kind() != GuideSpec::Kind::component) {
     for (const auto& term : guide.terms()) collect_parts(term.guide, out);
@@ -157,7 +157,7 @@ void collect_parts(const GuideSpec& guide, std::vector<UniformShare>& out) {
 
 void collect_shares(const GuideSpec* guide, const PlannerSpec& planner, const std::string& name,
                     std::vector<UniformShare>& out) {
-  if (guide == nullptr) return;  // an unguided search draws from nothing but itself
+  if (guide == nullptr) return;  // an unguided search samples from no other level
   for (const auto& [option, value] : planner.options().entries()) {
     const auto* share = std::get_if<double>(&value);
     if (option == "uniform" && share != nullptr) out.push_back({name, *share});
@@ -286,7 +286,7 @@ bool any_sample(const FigurePair& a, const FigurePair& b, Figure FigurePair::*ro
   return (a.*role).scored > 0 || (b.*role).scored > 0;
 }
 
-/// Why runs that have samples have no figure.
+/// Returns why runs with samples have no value.
 std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t width) {
   std::string out;
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -302,7 +302,7 @@ std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t wi
   return out;
 }
 
-/// The measure of every level and role: in its own space on its own path, and lifted to the root.
+/// Returns the measure of every level and role: in its own space on its own path, and lifted to the root.
 std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t width) {
   const std::string own = "own space, own path";
   const std::string root = "root space: above uniform on";
@@ -336,7 +336,7 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
   std::vector<Line> lines;
   const auto labels = level_labels(levels);
   static const Figure nothing;
-  // Perfect guidance above, none below: what the estimators make of either with as many samples.
+  // Perfect guidance above, uniform sampling below: the estimators' results for as many samples of each.
   const auto add_reference = [&](const std::string& name, const FigurePair& pair) {
     Notes unread;
     for (const auto& [role, figure] : {std::pair{"tree", &pair.tree}, std::pair{"expansion", &pair.expansion}}) {
@@ -356,7 +356,7 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
       const char* name = tree ? "tree" : "expansion";
       const std::string row = fmt::format("level {} {}", i, name);
       own_above.add(level.own.*role, {row, "own"}, told);
-      // The root's own target is the root's target: said once.
+      // The root's own target is the root's target: print it once.
       Notes heard_already;
       root_above.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
       cross_above.add(level.root_cross.*role, {row, "other seeds'"}, told);
@@ -386,9 +386,9 @@ std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t w
   return table.text(width) + told.text(width) + reasons_text(levels, width);
 }
 
-/// Where a headline that needs no estimation and the estimate beside it differ by more than their interval.
+/// Lists where a headline without estimation and the estimate beside it differ by more than their interval.
 std::string check_text(const std::vector<LevelSummary>& levels, std::size_t width) {
-  constexpr double agreed = 0.1;  // nats: what the estimators' own bias comes to
+  constexpr double agreed = 0.1;  // nats: about the estimators' own bias
   std::string out;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const Figure& f = levels[i].own.expansion;
@@ -480,7 +480,7 @@ std::string pooled_text(const ExperimentResult& result, const std::string& probl
   return "";
 }
 
-/// \param search  whether the table of what each level did is in it
+/// \param search  whether to include the table of each level's search
 std::string strategy_table(const RunsSummary& summary, bool measured, bool search, std::size_t width) {
   const std::vector<LevelSummary>& levels = summary.levels;
   if (levels.empty()) return "no level was reached\n";
@@ -498,7 +498,7 @@ struct Row {
   RunsSummary summary;
 };
 
-/// How many runs a pair of figures is a mean over: "14", or "14, 12" where tree and expansion differ.
+/// Returns the number of runs of a pair of means: "14", or "14, 12" where tree and expansion differ.
 std::string scored_text(const FigurePair& pair) {
   if (pair.tree.scored == pair.expansion.scored || pair.expansion.scored == 0) return std::to_string(pair.tree.scored);
   if (pair.tree.scored == 0) return std::to_string(pair.expansion.scored);
@@ -592,7 +592,7 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
   return table.text(width) + told.text(width);
 }
 
-/// Strategies against a baseline, paired by seed; one table for each baseline.
+/// Compares strategies with a baseline, paired by seed; one table for each baseline.
 std::string comparison_tables(const std::vector<Comparison>& comparisons, bool measured, std::size_t width) {
   std::vector<std::string> baselines;
   for (const Comparison& c : comparisons) {
@@ -679,7 +679,7 @@ std::string title(const std::string& text, std::size_t width) {
   return line + '\n';
 }
 
-/// The radii of the tubes that guides propose in, 0 for the default.
+/// Collects the radii of the tubes of guides' proposals, 0 for the default.
 void collect_radii(const GuideSpec& guide, std::set<double>& radii) {
   if (guide.kind() != GuideSpec::Kind::component) {
     for (const auto& term : guide.terms()) collect_radii(term.guide, radii);
@@ -692,7 +692,7 @@ void collect_radii(const GuideSpec& guide, std::set<double>& radii) {
   }
 }
 
-/// How the set that the root's guides propose in lies to the target. "" where one of them is no tube.
+/// Compares the tubes of the root's guides with the target. "" where one of them is no tube.
 std::string tubes_text(const Experiment& experiment) {
   const auto* target = std::get_if<TubeSettings>(&experiment.measure->target);
   std::set<double> radii;

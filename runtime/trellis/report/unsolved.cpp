@@ -18,7 +18,7 @@ namespace trellis {
 
 namespace {
 
-/// The component that a level searches the space of; nullptr where there is none of its name.
+/// Returns the guide whose space a level searches; nullptr where no guide has its name.
 const GuideSpec* component_of(const GuideSpec& guide, const std::string& level) {
   if (guide.kind() != GuideSpec::Kind::component) {
     for (const auto& term : guide.terms()) {
@@ -30,7 +30,7 @@ const GuideSpec* component_of(const GuideSpec& guide, const std::string& level) 
   return guide.below() != nullptr ? component_of(*guide.below(), level) : nullptr;
 }
 
-/// How often a level may be solved again; none where nothing limits it.
+/// Returns the limit of re-solves of a level; none without a limit.
 std::optional<std::int64_t> resolves_of(const StrategySpec& strategy, const std::string& level) {
   const GuideSpec* component = strategy.guide() != nullptr ? component_of(*strategy.guide(), level) : nullptr;
   if (component == nullptr || component->custom()) return std::nullopt;
@@ -39,7 +39,7 @@ std::optional<std::int64_t> resolves_of(const StrategySpec& strategy, const std:
   return kind->resolves(component->options());
 }
 
-/// Which budget of the root's planner a run spent.
+/// Names the budget of the root's planner that a run spent.
 std::string spent_text(const LevelRecord& root, const StrategySpec& strategy) {
   const PlannerKind* kind = find_planner(strategy.planner().name());
   const Budget budget = kind->common(strategy.planner().options()).budget;

@@ -18,7 +18,7 @@ constexpr double level_of_significance = 0.05;
 
 enum class Sign : std::uint8_t { unknown, below, above };
 
-/// On which side of `zero` a figure lies with its whole interval.
+/// Returns the side of `zero` on which the whole interval lies.
 Sign sign_of(const Interval& figure, double zero) {
   if (figure.lo > zero) return Sign::above;
   if (figure.hi < zero) return Sign::below;
@@ -31,7 +31,7 @@ Interval point(double value) {
   return interval;
 }
 
-/// a - b of two means over the runs, as if they were independent.
+/// Returns a - b of two means over the runs, with the interval for independent means.
 Interval difference(const Interval& a, const Interval& b) {
   const double half = std::hypot(0.5 * (a.hi - a.lo), 0.5 * (b.hi - b.lo));
   Interval interval;
@@ -47,19 +47,19 @@ Sign costs_of(const PairedCosts& costs) {
   return costs.less > costs.greater ? Sign::below : Sign::above;
 }
 
-/// A guide's strategy without it, and whether what guided it was left.
+/// A guide's strategy without it, and whether the guide's own guides remain.
 struct Without {
   StrategySpec strategy;
   bool skipped = false;
 };
 
-/// The strategy with uniform sampling in the place of its guide draws what its planner alone draws.
+/// With uniform sampling in place of its guide, the strategy samples as its planner alone does.
 bool same_search(const StrategySpec& a, const StrategySpec& b) {
   const auto plain = [](const StrategySpec& s) { return s.guide() == nullptr || s.guide()->text() == "uniform()"; };
   return a == b || (plain(a) && plain(b) && a.planner() == b.planner());
 }
 
-/// What the strategy is without its level `level`, if that searches the space of one of its guides.
+/// Returns the strategy without the guide whose space `level` searches, if there is one.
 std::optional<Without> without(const StrategySpec& strategy, const std::vector<LevelSummary>& levels,
                                std::size_t level) {
   const auto called_so = [&](const LevelSummary& other) { return other.name == levels[level].name; };
@@ -92,7 +92,7 @@ Verdict by_ablation(const PairedCosts& left_out, std::size_t tests) {
   return verdict;
 }
 
-/// What the level's samples show, where nothing else was run.
+/// The verdict from the level's samples, where no ablation was run.
 Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
   Verdict verdict;
   const Figure& figure = lifted_figure(summary.levels[level]);
@@ -100,7 +100,7 @@ Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
   verdict.kind = runs < least_for_interval ? Verdict::Kind::too_few_runs : Verdict::Kind::not_shown;
   if (figure.scored < least_for_interval) return verdict;
   const double uniform = figure.uniform.value;
-  // Mass of uniform samples is their divergence: they cover the target evenly.
+  // The mass of uniform samples equals their divergence, because they cover the target evenly.
   if (sign_of(figure.mass_part, uniform) == Sign::above) {
     verdict.kind = Verdict::Kind::misleads;
     verdict.reason = "mass";
@@ -117,7 +117,7 @@ Verdict by_samples(const RunsSummary& summary, std::size_t level, Sign whole) {
   const Sign added = by_mass ? sign_of(difference(mass_before, figure.mass_part), 0.0) : sign_of(step->added, 0.0);
   if (added == Sign::above && whole == Sign::below) {
     verdict.kind = Verdict::Kind::pays;
-    // Of either part of the divergence, the one that it took more from.
+    // Name the part of the divergence that the level reduces more.
     const double mass = mass_before.value - figure.mass_part.value;
     const double spread = (before != nullptr ? before->spread_part.value : 0.0) - figure.spread_part.value;
     if (!std::isnan(mass)) verdict.reason = !by_mass && spread > mass ? "spread" : "mass";

@@ -116,7 +116,7 @@ std::string short_level(const std::string& name, std::size_t longest) {
   const std::size_t end = name.find_first_of(" ({");
   std::string head = name.substr(0, end);
   if (end == std::string::npos) return head;
-  // The first argument, where it is a number.
+  // The first argument, if it is a number.
   const std::size_t from = name.find_first_not_of(" ({", end);
   if (from == std::string::npos) return head;
   const std::string argument = name.substr(from, name.find_first_of(",)} ", from) - from);

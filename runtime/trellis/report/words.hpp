@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How reports put figures into words: the printed one and the page.
+// The text of values in reports: the printed one and the page.
 #pragma once
 
 #include <array>
@@ -13,24 +13,24 @@
 
 namespace trellis {
 
-/// A fixed number of decimals, without "-0.00".
+/// Prints a fixed number of decimals, without "-0.00".
 std::string fixed(double x, int decimals, bool sign = false);
-/// A median of counts: halves happen, and matter only where the count is small. "inf" where most runs are unsolved.
+/// Prints a median of counts; prints a half only where the count is small. "inf" where most runs are unsolved.
 std::string count_text(double x);
-/// Decimals of a column of milliseconds, by its largest: small ones should not vanish beside it.
+/// Returns the decimals of a column of milliseconds, from its largest value.
 int decimals_for(double largest);
 std::string percent(double share);
-/// "1.23 ±0.08", "1.23" where there is no interval, "-" where there is no figure.
+/// "1.23 ±0.08", "1.23" without an interval, "-" for a missing value.
 std::string interval_text(const Interval& interval, int decimals = 2, bool sign = false);
 /// "<0.001", "0.040".
 std::string p_text(double p);
-/// "0.37 [0.29, 0.52]", a median of ratios; "-" where there is none, and no brackets without an interval.
+/// "0.37 [0.29, 0.52]", a median of ratios; "-" for a missing value, and no brackets without an interval.
 std::string ratio_text(const Interval& ratio);
-/// "20 runs" where all were averaged, "2 of 20 runs", "2–5 of 20 runs".
+/// "20 runs" where the mean is over all runs, "2 of 20 runs", "2–5 of 20 runs".
 std::string averaged_text(std::size_t least, std::size_t most, std::size_t runs);
-/// "+20 [-3, +39]", with signs; "-" where there is no figure.
+/// "+20 [-3, +39]", with signs; "-" for a missing value.
 std::string range_text(const Interval& interval, int decimals);
-/// Milliseconds; "inf" where most runs are unsolved, "-" where there is no figure.
+/// Milliseconds; "inf" where most runs are unsolved, "-" for a missing value.
 std::string milliseconds_text(double seconds, int decimals);
 /// "70–99", a share's interval in per cent.
 std::string wilson_text(const Interval& success);
@@ -39,10 +39,10 @@ std::string plural_y(std::size_t n, const std::string& stem);
 /// "15 seeds (1–15)".
 std::string seeds_text(const std::vector<std::uint64_t>& seeds);
 std::string target_text(const TargetSpec& target);
-/// A level's name where there is little room: "shrink { 0.75, resolves = 10 }" is "shrink(0.75)" unless it fits.
+/// Shortens a level's name: "shrink { 0.75, resolves = 10 }" becomes "shrink(0.75)" unless it fits.
 std::string short_level(const std::string& name, std::size_t longest);
 
-/// What stands behind a figure that is to be read with care.
+/// A caveat to a value.
 struct Note {
   char mark;
   const char* flag;

@@ -8,9 +8,9 @@
 
 namespace trellis {
 
-/// A shape of a world as pictures have it.
+/// Converts a shape of a world for pictures.
 draw::WorldShape drawn(const Shape& shape);
-/// The robot's parts at a configuration.
+/// Returns the robot's parts at a configuration.
 std::vector<draw::WorldShape> placed(const Robot& robot, View q);
 
 }  // namespace trellis

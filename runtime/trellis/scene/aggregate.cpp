@@ -15,14 +15,14 @@ namespace trellis {
 
 namespace {
 
-/// The edges of the polygon that stands for a disc, about it, in a hull.
+/// The number of edges of the circumscribed polygon that replaces a disc in a hull.
 constexpr int disc_vertices = 32;
 
-/// Obstacles and the hull that is to stand for them.
+/// Obstacles and their common hull.
 struct Cluster {
   std::vector<std::size_t> obstacles;
-  std::vector<Polygon> parts;  ///< convex, counter-clockwise; discs with polygons about them
-  std::vector<Vec2> points;    ///< whose hull it is
+  std::vector<Polygon> parts;  ///< convex, counter-clockwise; circumscribed polygons of discs
+  std::vector<Vec2> points;    ///< the hull's vertices
   Box2 box;
 };
 
@@ -33,7 +33,7 @@ double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
   return norm(p - (a + t * along));
 }
 
-/// From a point to a closed convex polygon.
+/// Returns the distance from a point to a closed convex polygon.
 double distance_to(const Polygon& polygon, Vec2 p) {
   const auto& vertices = polygon.vertices;
   bool inside = true;
@@ -53,7 +53,7 @@ double distance_to(const std::vector<Polygon>& parts, Vec2 p) {
   return least;
 }
 
-/// How far the outline of the hull is from the parts, at most; infinite where it is beyond `most`.
+/// Returns the largest distance from the hull's outline to the parts; infinity where it exceeds `most`.
 double error_of(const Polygon& hull, const std::vector<Polygon>& parts, double most) {
   double error = 0.0;
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
@@ -105,7 +105,7 @@ std::vector<Cluster> singles(const World& world) {
   return clusters;
 }
 
-/// Both, with the points of their common hull alone.
+/// Merges two clusters; the result stores only the points of their common hull.
 Cluster merged(const Cluster& a, const Cluster& b) {
   Cluster both = a;
   both.obstacles.insert(both.obstacles.end(), b.obstacles.begin(), b.obstacles.end());
@@ -126,7 +126,8 @@ struct Merge {
   std::size_t b = 0;
 };
 
-/// The merge of two clusters, if it keeps to the error. In the middle of a gap a hull is half its width from either.
+/// Returns the merge of two clusters if its error is small enough. In the middle of a gap, a hull's point is half the
+/// gap's width from either obstacle.
 std::optional<Merge> merge_of(const std::vector<Cluster>& clusters, std::size_t a, std::size_t b, double most) {
   if (!near(clusters[a].box, clusters[b].box, 2.0 * most)) return std::nullopt;
   const Cluster both = merged(clusters[a], clusters[b]);

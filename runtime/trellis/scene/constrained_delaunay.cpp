@@ -12,8 +12,8 @@ namespace trellis {
 
 namespace {
 
-// Predicates are exact, so the triangulation is one; where segments cross, their crossing is rounded, which is all that
-// a guide needs. Exact constructions would cost several times the compilation.
+// Predicates are exact, so the result is a valid triangulation. Crossings of segments are rounded, which suffices for a
+// guide. Exact constructions would cost several times the compile time.
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Default, CGAL::Exact_predicates_tag>;
 
@@ -31,7 +31,8 @@ std::vector<DelaunayTriangle> constrained_delaunay(const std::vector<Vec2>& poin
     if (vertices[a] != vertices[b]) cdt.insert_constraint(vertices[a], vertices[b]);
   }
 
-  // Faces come in an order of their own: they are sorted by what they are, each turned to begin with its least corner.
+  // CGAL's order of faces is arbitrary: rotate each face to begin with its least corner, then sort the faces by their
+  // corners.
   struct Found {
     Cdt::Face_handle face;
     int first = 0;

@@ -18,8 +18,9 @@ struct DelaunayTriangle {
   std::array<std::uint32_t, 3> neighbours;  ///< across the side opposite each corner; none at the hull
 };
 
-/// The constrained Delaunay triangulation of points and of segments between them, given by their indices. Segments may
-/// meet, cross and overlap. Triangles come in the order of their corners. Done by CGAL behind this header.
+/// Returns the constrained Delaunay triangulation of points and of segments between them, given by the points' indices.
+/// Segments may touch, cross and overlap. Triangles are sorted by their corners. Only the source of this header
+/// includes CGAL.
 std::vector<DelaunayTriangle> constrained_delaunay(const std::vector<Vec2>& points,
                                                    const std::vector<std::pair<std::size_t, std::size_t>>& segments);
 

@@ -24,8 +24,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_2;
 
-// Up to this many vertices the fewest parts are worth their O(n^4) time (about a millisecond); beyond, at most four
-// times as many come in O(n log n).
+// Up to this many vertices, compute a minimal partition in O(n^4) time (about a millisecond). Beyond, compute at most
+// four times as many parts in O(n log n).
 constexpr std::size_t optimal_partition_vertices = 32;
 
 std::vector<Point> points_of(const std::vector<Vec2>& vertices) {
@@ -35,14 +35,14 @@ std::vector<Point> points_of(const std::vector<Vec2>& vertices) {
   return points;
 }
 
-// Vertices in the middle of a straight stretch change nothing of the set, but the partition algorithms may stumble
-// over them and collision checking would test a needless axis.
+// Collinear vertices do not change the set, but the partition algorithms may fail on them, and each would cost
+// collision checks a needless axis.
 std::vector<Point> without_straight_vertices(const std::vector<Point>& points) {
   std::vector<Point> kept;
   const std::size_t n = points.size();
   for (std::size_t i = 0; i < n; ++i) {
-    // Comparing with the neighbours as given, not with the last one kept: of a straight stretch every inner vertex
-    // lies between two collinear neighbours, so the result does not depend on where the loop starts.
+    // Compare with the given neighbours, not with the last vertex of the result: each inner vertex of a straight
+    // stretch lies between two collinear neighbours, so the result does not depend on where the loop starts.
     if (!CGAL::collinear(points[(i + n - 1) % n], points[i], points[(i + 1) % n])) kept.push_back(points[i]);
   }
   return kept;
@@ -55,14 +55,14 @@ Polygon polygon_of(const std::vector<Point>& points) {
   return polygon;
 }
 
-// Names the first pair of edges that meet where they must not; called only for polygons known not to be simple.
+// Names the first pair of edges that intersect; call it only for polygons that are not simple.
 std::string crossing_edges(const std::vector<Point>& points) {
   const std::size_t n = points.size();
   const auto edge = [&](std::size_t i) { return Kernel::Segment_2(points[i], points[(i + 1) % n]); };
   const auto text = [&](std::size_t i) {
     return fmt::format("the edge from vertex {} to vertex {}", i + 1, (i + 1) % n + 1);
   };
-  // Neighbours share a vertex; they are at fault only where one runs back over the other.
+  // Neighbours share a vertex; they are at fault only where one overlaps the other.
   for (std::size_t i = 0; i < n; ++i) {
     const auto &a = points[i], &b = points[(i + 1) % n], &c = points[(i + 2) % n];
     if (CGAL::collinear(a, b, c) && !CGAL::collinear_are_ordered_along_line(a, b, c)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Union and offset, apart from polygon.cpp because arrangements with an exact construction kernel take most of a
-// minute to compile.
+// Union and offset. A separate source, because arrangements with an exact construction kernel take most of a minute to
+// compile.
 #include <CGAL/Boolean_set_operations_2.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
@@ -32,11 +32,11 @@ ExactPolygon exact(const std::vector<Vec2>& vertices) {
   return polygon;
 }
 
-// Lazy numbers round from their interval, which depends on how they were made; the exact value does not.
+// A lazy number rounds from its interval, which depends on its history; the exact value does not.
 double nearest_double(const Kernel::FT& x) { return CGAL::to_double(x.exact()); }
 
-// Rounds to doubles, leaves out straight vertices (exactly straight ones, and those that rounding made coincide) and
-// starts at the least vertex, so that equal sets come out equal.
+// Rounds to doubles, removes collinear vertices (exactly collinear ones, and those that coincide after rounding) and
+// starts at the least vertex, so that equal sets give equal results.
 Polygon rounded(const ExactPolygon& polygon) {
   Polygon result;
   const std::size_t n = polygon.size();
@@ -67,7 +67,7 @@ std::vector<PolygonWithHoles> rounded_all(const Range& polygons) {
     PolygonWithHoles& out = result.emplace_back();
     out.outer = rounded(polygon.outer_boundary());
     for (auto hole = polygon.holes_begin(); hole != polygon.holes_end(); ++hole) out.holes.push_back(rounded(*hole));
-    // A hole narrower than the rounding is none.
+    // Remove holes narrower than the rounding.
     std::erase_if(out.holes, [](const Polygon& hole) { return hole.vertices.size() < 3; });
     std::sort(out.holes.begin(), out.holes.end(), before);
   }
@@ -77,8 +77,8 @@ std::vector<PolygonWithHoles> rounded_all(const Range& polygons) {
   return result;
 }
 
-// A regular polygon whose edges touch the circle of this radius from outside, turned so that with a multiple of four
-// edges it touches in the directions of the axes: offsets of boxes then have the right extents.
+// Returns a regular polygon whose edges touch the circle of this radius from outside. With a multiple of four edges it
+// touches in the directions of the axes, so that offsets of boxes have the correct extents.
 ExactPolygon circumscribed(double radius, int vertices) {
   const double step = 2.0 * std::numbers::pi / vertices;
   const double corner = radius / std::cos(0.5 * step);
@@ -112,8 +112,8 @@ std::vector<PolygonWithHoles> polygon_offset(const Polygon& polygon, double dist
   const ExactPolygon disc = circumscribed(std::abs(distance), arc_vertices);
   if (distance > 0.0) return rounded_all(std::vector{CGAL::minkowski_sum_2(given, disc)});
 
-  // Eroding a set is dilating its complement. A frame wide enough to hold the disc anywhere stands for the complement's
-  // unbounded rest: what is taken away next to the polygon is the same.
+  // Eroding a set is dilating its complement. A frame that is wider than the disc replaces the unbounded complement: it
+  // removes the same area next to the polygon.
   const auto box = given.bbox();
   const double margin = 3.0 * std::abs(distance) + (box.xmax() - box.xmin()) + (box.ymax() - box.ymin());
   const ExactPolygon frame = exact(

@@ -61,7 +61,7 @@ World world_of(const SourceText& text) {
 }
 
 struct Query {
-  std::size_t line = 0;  // where it was met first
+  std::size_t line = 0;  // of its first occurrence
   std::array<std::optional<Configuration>, 2> ends;
 };
 

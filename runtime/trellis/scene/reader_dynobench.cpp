@@ -15,7 +15,7 @@ namespace trellis {
 
 namespace {
 
-/// A node of a YAML file that knows its file and what messages call it, so that every fault can be told with its line.
+/// A node of a YAML file with the file's name and its name in messages, so that each message gives the line.
 class Entry {
  public:
   static Entry root(const SourceText& text) {
@@ -63,7 +63,7 @@ class Entry {
     return value;
   }
 
-  /// A list of numbers; `what` says what they mean: "x, y".
+  /// Returns a list of numbers; `what` names their meaning: "x, y".
   [[nodiscard]] std::vector<double> numbers(std::size_t count, std::string_view what) const {
     if (!node_.IsSequence() || node_.size() != count) {
       throw error(fmt::format("{} is {}, expected {} numbers: {}", name_,
@@ -87,7 +87,7 @@ class Entry {
     return size;
   }
 
-  /// The word must be `expected`: what else the format knows is not read.
+  /// The word must be `expected`: Trellis does not read the format's other options.
   void require(const std::string& expected) const {
     if (word() != expected) throw error(fmt::format("{} is '{}', expected '{}'", name_, word(), expected));
   }
@@ -109,7 +109,7 @@ Box2 box_about(Vec2 centre, Vec2 size) { return {centre - 0.5 * size, centre + 0
 
 Polygon rectangle_about(Vec2 centre, Vec2 size) { return {rectangle_vertices(box_about(centre, size))}; }
 
-/// A robot of the format. Without a motion model of ours only the first coordinates of its state are kept.
+/// A robot of the format. Without a motion model in Trellis, only the first coordinates of its state are read.
 struct Kind {
   const char* type;
   const char* motion;  // nullptr: none
@@ -155,7 +155,7 @@ Robot robot_of(const Kind& kind, const Entry& model) {
   if (kind.trailer()) {
     model.at("shape_trailer").require("box");
     const double hitch = model.at("hitch_lengths").numbers(1, "from the car's centre to the trailer's")[0];
-    // The trailer hangs at the car's centre and has a heading of its own.
+    // The trailer's joint is at the car's centre, and the trailer has its own heading.
     Body trailer;
     trailer.parts = {rectangle_about({-hitch, 0.0}, model.at("size_trailer").extents())};
     trailer.parent = 0;
@@ -166,7 +166,7 @@ Robot robot_of(const Kind& kind, const Entry& model) {
   return {kind.type, std::move(bodies)};
 }
 
-/// Our motion model with the numbers of the file; nullptr where we have none.
+/// Returns Trellis' motion model with the numbers of the file; nullptr where Trellis has none.
 std::shared_ptr<const MotionModel> motion_of(const Kind& kind, const Entry& model) {
   if (kind.motion == nullptr) return nullptr;
   std::vector<Options::Entry> given;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only source that meets libpng.
+// The only source that includes libpng.
 #include <png.h>
 
 #include <fmt/format.h>
@@ -52,7 +52,7 @@ Image load(const std::string& path) {
   return image;
 }
 
-/// Rows of obstacle pixels that go on unchanged from one row to the next are one box.
+/// Consecutive rows with an equal run of obstacle pixels form one box.
 std::vector<Obstacle> boxes_of(const Image& image) {
   struct Run {
     std::size_t begin = 0;
@@ -111,7 +111,7 @@ std::vector<Problem> read_image(const std::string& path, const ReadOptions& opti
   const std::filesystem::path file(path);
   const std::string name = file.parent_path().parent_path().filename().string() + "/" +
                            file.parent_path().filename().string() + "/" + file.stem().string();
-  // The middles of the pixels in the corners.
+  // The centres of the corner pixels.
   Problem problem = problem_in(name, std::move(scene), options);
   problem.start = {0.5 * pixel, 0.5 * pixel};
   problem.goal = {width - 0.5 * pixel, height - 0.5 * pixel};

@@ -16,7 +16,7 @@ namespace trellis {
 
 namespace {
 
-/// Links are lines in these files; ours are this share of a cell wide.
+/// Links are lines in these files; Trellis makes them this share of a cell wide.
 constexpr double link_width = 0.1;
 
 constexpr std::array<const char*, 6> headings = {
@@ -24,7 +24,7 @@ constexpr std::array<const char*, 6> headings = {
     "linklengths(meters):",     "linkstartangles(degrees):", "endeffectorgoal(cells):"};
 constexpr const char* grid_heading = "environment:";
 
-/// The file's lines by what they begin with, and its grid.
+/// The file's lines, indexed by their headings, and its grid.
 class ArmFile {
  public:
   explicit ArmFile(const SourceText& text) : text_(text) {
@@ -52,7 +52,7 @@ class ArmFile {
     }
   }
 
-  /// The numbers of a field; `count` of them, where that is not 0.
+  /// Returns the numbers of a field; \throws Error unless there are `count` of them, where `count` is not 0.
   [[nodiscard]] std::vector<double> numbers(const char* heading, std::size_t count) const {
     const auto at = fields_.find(heading);
     if (at == fields_.end()) throw text_.error(grid_line_ - 1, fmt::format("'{}' is missing above", heading));
@@ -75,7 +75,7 @@ class ArmFile {
     return numbers;
   }
 
-  /// A number of cells, at least 0 and below `end`.
+  /// Returns a cell index, at least 0 and below `end`.
   [[nodiscard]] std::size_t cell(const char* heading, double value, double end) const {
     if (!(value >= 0.0) || !(value < end) || value != std::floor(value)) {
       throw text_.error(
@@ -85,7 +85,7 @@ class ArmFile {
     return static_cast<std::size_t>(value);
   }
 
-  /// Whether each cell is taken, row by row from the top.
+  /// Returns whether each cell is occupied, row by row from the top.
   [[nodiscard]] std::vector<std::vector<bool>> grid(std::size_t columns, std::size_t rows) const {
     if (grid_.size() != rows) {
       throw text_.error(grid_.empty() ? grid_line_ - 1 : grid_.back().line,
@@ -124,7 +124,7 @@ class ArmFile {
   std::size_t grid_line_ = 0;  ///< the first line of the grid
 };
 
-/// The cells that are taken, as few rectangles as a sweep from the top makes of them.
+/// Returns the occupied cells as rectangles; a sweep from the top merges cells.
 std::vector<Obstacle> obstacles_of(std::vector<std::vector<bool>> taken, double width, double height) {
   std::vector<Obstacle> obstacles;
   const std::size_t rows = taken.size();
@@ -180,7 +180,7 @@ std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& op
     throw file.error(headings[3], "lengths of links must be greater than 0");
   }
 
-  // The angles of the file are in the world, ours relative to the link before.
+  // The angles of the file refer to the world, those of Trellis to the previous link.
   const auto angles = file.numbers(headings[4], arm.links.size());
   Configuration start;
   start.reserve(angles.size());

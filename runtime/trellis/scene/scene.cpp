@@ -38,7 +38,7 @@ void check_disc(const Disc& disc, const std::string& what, bool point_allowed) {
   }
 }
 
-// Checks a shape, turns polygons counter-clockwise, and appends its convex parts.
+// Checks a shape, makes polygons counter-clockwise, and appends its convex parts.
 void validate(Shape& shape, const std::string& what, bool point_allowed, std::vector<ConvexShape>& parts) {
   if (const auto* box = std::get_if<Box2>(&shape)) {
     check_box(*box, what);
@@ -60,7 +60,7 @@ double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
   return norm(p - (a + t * along));
 }
 
-// The largest disc about `p` inside a convex shape, 0 where p lies outside.
+// Returns the radius of the largest disc about `p` inside a convex shape, 0 where p lies outside.
 double inscribed_in(const ConvexShape& shape, Vec2 p) {
   if (const auto* disc = std::get_if<Disc>(&shape)) return std::max(0.0, disc->radius - norm(p - disc->centre));
   const auto& vertices = std::get<Polygon>(shape).vertices;
@@ -73,7 +73,8 @@ double inscribed_in(const ConvexShape& shape, Vec2 p) {
   return std::max(0.0, radius);
 }
 
-// The largest disc about `p` inside the union of polygons, where p lies inside one of them or on a seam between them.
+// Returns the radius of the largest disc about `p` inside the union of polygons, where p lies inside one of them or on
+// a common edge.
 double inscribed_in_union(const std::vector<Polygon>& polygons, Vec2 p) {
   const bool touched = std::any_of(polygons.begin(), polygons.end(), [&](const Polygon& polygon) {
     const auto& v = polygon.vertices;
@@ -104,7 +105,7 @@ double inscribed_in_body(const Body& body, Vec2 p) {
     radius = std::max(radius, inscribed_in(part, p));
     if (const auto* polygon = std::get_if<Polygon>(&part)) polygons.push_back(*polygon);
   }
-  // Parts of a split polygon meet at seams that are no border of the body.
+  // Parts of a split polygon share edges that are not on the body's boundary.
   if (polygons.size() > 1) radius = std::max(radius, inscribed_in_union(polygons, p));
   return radius;
 }
@@ -144,8 +145,8 @@ Vec2 axis_of(const std::vector<Body>& bodies, std::size_t i) {
   return length > 0.0 ? 1.0 / length * axis : Vec2{1.0, 0.0};
 }
 
-// Scales a convex polygon across an axis. The points that stay are those of the chord between the polygon's two ends
-// along the axis. The chord lies in the polygon, so the scaled polygon does too.
+// Scales a convex polygon across an axis. The chord between the polygon's two ends along the axis stays fixed. The
+// chord lies in the polygon, so the scaled polygon does too.
 void thin(Polygon& polygon, Vec2 along, double factor) {
   const Vec2 across{-along.y, along.x};
   auto& vertices = polygon.vertices;
@@ -160,7 +161,7 @@ void thin(Polygon& polygon, Vec2 along, double factor) {
     least = std::min(least, dot(along, v));
     greatest = std::max(greatest, dot(along, v));
   }
-  // Vertices of one end differ by rounding where the axis is no coordinate axis.
+  // Rounding moves the vertices of one end unless the axis is a coordinate axis.
   const double same = 1e-9 * (greatest - least);
   End from{least, infinity, -infinity}, to{greatest, infinity, -infinity};
   for (const Vec2 v : vertices) {
@@ -241,11 +242,11 @@ Robot::Robot(std::string name, std::vector<Body> bodies, bool translates, Vec2 b
     }
   }
 
-  // A body that never turns has a known place about the reference point, so its radii are exact; of one that turns
-  // only the length of the chain that carries it is known.
+  // The position of a body on a chain without turns is fixed relative to the reference point, so its radii are exact.
+  // Behind a turn only the length of the chain is fixed.
   struct Chain {
     double length = 0.0;         // the sum of |joint|
-    std::optional<Vec2> offset;  // where the origin is, while nothing before it turns
+    std::optional<Vec2> offset;  // the origin's position, as long as no earlier body turns
     bool turns = false;          // whether the body itself turns, by its own axis or its parent's
   };
   std::vector<Chain> chains;
@@ -437,7 +438,7 @@ void Robot::place(View q, std::span<Pose2> out) const {
 }
 
 double Robot::displacement_bound(const Space& space, View a, View b) const {
-  // Runs once per edge check: the usual sizes stay on the stack.
+  // Runs for each motion check: usual sizes fit on the stack.
   constexpr std::size_t few_bodies = 16, few_axes = 2 * few_bodies;
   const std::size_t axes = space.dimension(), count = bodies_.size();
   std::array<double, few_axes> axis_buffer;
@@ -447,7 +448,7 @@ double Robot::displacement_bound(const Space& space, View a, View b) const {
   if (axes > few_axes) many_axes.resize(axes);
   if (count > few_bodies) many_bodies.resize(count);
   const MutableView difference = axes > few_axes ? MutableView(many_axes) : MutableView(axis_buffer).first(axes);
-  // Per body: how far its origin moves, and how far it turns in the world.
+  // Per body: the distance that its origin moves, and its turn in the world.
   const auto motion = count > few_bodies ? std::span(many_bodies) : std::span(body_buffer).first(count);
 
   space.difference(a, b, difference);
@@ -479,7 +480,7 @@ Space default_space(const Robot& robot, const World& world, double weight) {
   if (robot.translates() && angles == 1 && full) return Space::se2(x, y, weight);
   std::vector<std::pair<double, Space>> factors;
   if (robot.translates()) factors.emplace_back(1.0, Space::euclidean({x, y}));
-  // Neighbours of one kind are one factor of the name: "R^2 x SO(2)^3".
+  // Adjacent factors of one kind form a power: "R^2 x SO(2)^3".
   std::vector<std::pair<std::string, std::size_t>> names;
   for (std::size_t i = 0; i < angles; ++i) {
     const bool bounded = i < limits.size() && limits[i];

@@ -16,7 +16,7 @@ namespace trellis {
 
 namespace {
 
-// The traits that allow crossings: a union rounded to doubles may leave segments that cross by a rounding error.
+// Traits that allow crossings: segments of a union rounded to doubles may cross by a rounding error.
 using Traits = CGAL::Segment_Delaunay_graph_filtered_traits_2<CGAL::Simple_cartesian<double>>;
 using Graph = CGAL::Segment_Delaunay_graph_2<Traits>;
 
@@ -39,8 +39,8 @@ SegmentVoronoi segment_voronoi(const std::vector<Vec2>& points,
   Graph graph;
   graph.insert_segments(given, segments.begin(), segments.end());
 
-  // The graph numbers nothing itself, and the order and the end that its edges are met from depend on addresses. So
-  // everything is sorted by what it is, and vertices are computed from their sites in that order.
+  // The graph has no indices, and the order and direction of its edges depend on addresses. So sort all elements by
+  // their coordinates and compute the vertices from their sites in that order.
   std::vector<std::pair<SegmentVoronoi::Site, Graph::Vertex_handle>> found;
   for (auto v = graph.finite_vertices_begin(); v != graph.finite_vertices_end(); ++v) {
     const auto& site = v->site();
@@ -66,7 +66,7 @@ SegmentVoronoi segment_voronoi(const std::vector<Vec2>& points,
   for (auto f = graph.finite_faces_begin(); f != graph.finite_faces_end(); ++f) {
     std::array<int, 3> corner = {0, 1, 2};
     const auto number = [&](int i) { return site_of.at(f->vertex(i)); };
-    // Turned, not sorted: the sites of a vertex go around it counter-clockwise.
+    // Rotate, do not sort: the sites of a vertex go around it counter-clockwise.
     std::rotate(corner.begin(),
                 std::min_element(corner.begin(), corner.end(), [&](int a, int b) { return number(a) < number(b); }),
                 corner.end());
@@ -88,7 +88,7 @@ SegmentVoronoi segment_voronoi(const std::vector<Vec2>& points,
     const Graph::Face_handle face = e->first;
     const int i = e->second;
     const auto one = vertex_of.find(face), other = vertex_of.find(face->neighbor(i));
-    if (one == vertex_of.end() || other == vertex_of.end()) continue;  // runs to infinity
+    if (one == vertex_of.end() || other == vertex_of.end()) continue;  // an unbounded edge
     const auto [from, to] = std::minmax(one->second, other->second);
     const auto [first, second] =
         std::minmax(site_of.at(face->vertex(Graph::ccw(i))), site_of.at(face->vertex(Graph::cw(i))));

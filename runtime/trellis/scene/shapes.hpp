@@ -43,9 +43,9 @@ struct Polygon {
   friend bool operator==(const Polygon&, const Polygon&) = default;
 };
 
-/// What a user may give as an obstacle or a robot's part.
+/// The shapes of obstacles and robot parts that a user may give.
 using Shape = std::variant<Box2, Disc, Polygon>;
-/// What collision checking works on: a disc or a convex counter-clockwise polygon.
+/// The shapes of collision checks: a disc or a convex counter-clockwise polygon.
 using ConvexShape = std::variant<Disc, Polygon>;
 
 /// A rigid motion of the plane: p -> (x + c px - s py, y + s px + c py).
@@ -59,7 +59,7 @@ struct Pose2 {
 };
 
 Box2 bounding_box(const ConvexShape& shape);
-/// The largest distance from the origin to a point of the shape.
+/// Returns the largest distance from the origin to a point of the shape.
 double circumradius(const ConvexShape& shape);
 std::vector<Vec2> rectangle_vertices(const Box2& box);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The medial axis in four steps: the free space's border as segments (union of obstacles and walls), their Voronoi
-// diagram, the diagram's edges as sampled pieces cut to the free space, and the pieces joined to a graph.
+// The medial axis in four steps: the boundary of the free space as segments (union of obstacles and boundary walls),
+// their Voronoi diagram, its edges as sampled pieces clipped to the free space, and the graph of the joined pieces.
 #include <trellis/scene/skeleton.hpp>
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ namespace {
 
 bool before(Vec2 a, Vec2 b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); }
 
-/// The distance to the nearest obstacle or to the boundary. Zero or less at points that are not free.
+/// The distance to the nearest obstacle or to the boundary. Zero or negative at points that are not free.
 class Clearance {
  public:
   Clearance(const Box2& bounds, const std::vector<ConvexShape>& shapes) : bounds_(bounds) {
@@ -43,7 +43,7 @@ class Clearance {
       if (nearest <= 0.0) break;
       const double dx = std::max({box.lo.x - p.x, p.x - box.hi.x, 0.0});
       const double dy = std::max({box.lo.y - p.y, p.y - box.hi.y, 0.0});
-      // With room for rounding, so that the order of equally near obstacles does not show in the last digit.
+      // Allow for rounding, so that the order of equally near obstacles does not change the last digit.
       if (dx * dx + dy * dy <= (1.0 + 1e-12) * nearest * nearest) nearest = std::min(nearest, to(shape, p));
     }
     return nearest;
@@ -69,11 +69,11 @@ class Clearance {
   std::vector<std::pair<Box2, ConvexShape>> parts_;
 };
 
-// ---- the border of the free space ------------------------------------------------------------------------------
+// ---- the boundary of the free space ----------------------------------------------------------------------------
 
 constexpr int no_disc = -1;
 
-/// The border of the free space as segments; each end point and segment knows the disc that it stands for, if any.
+/// The boundary of the free space as segments, with the disc, if any, that each end point and segment approximates.
 struct Border {
   std::vector<Vec2> points;
   std::vector<int> point_disc;
@@ -82,8 +82,8 @@ struct Border {
   std::vector<Disc> discs;
 };
 
-/// A regular polygon inscribed in the disc. From inside, so that the true free space is part of the polygonal one:
-/// every passage of the true one is then found, and what lies too near is cut afterwards by the exact clearance.
+/// Returns a regular polygon inscribed in the disc. Inscribed, so that the polygonal free space contains the true one:
+/// the diagram then has every passage of the true free space. The exact clearance later clips points that are too near.
 Polygon inscribed_polygon(const Disc& disc, int vertices) {
   Polygon polygon;
   for (int i = 0; i < vertices; ++i) {
@@ -93,7 +93,7 @@ Polygon inscribed_polygon(const Disc& disc, int vertices) {
   return polygon;
 }
 
-/// The world's parts, with discs as polygons where `disc_vertices` > 0.
+/// Returns the world's parts, with discs as polygons where `disc_vertices` > 0.
 std::vector<ConvexShape> shapes_of(const World& world, int disc_vertices) {
   std::vector<ConvexShape> shapes;
   for (const auto& part : world.parts()) {
@@ -104,7 +104,7 @@ std::vector<ConvexShape> shapes_of(const World& world, int disc_vertices) {
   return shapes;
 }
 
-/// Whether the segment (a, b) runs along an edge of the polygon.
+/// Whether the segment (a, b) lies on an edge of the polygon.
 bool along_edge(const Polygon& polygon, Vec2 a, Vec2 b, double tolerance) {
   const auto& v = polygon.vertices;
   for (std::size_t i = 0; i < v.size(); ++i) {
@@ -131,7 +131,7 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
       solid.push_back(std::get<Polygon>(obstacle.shape));
     }
   }
-  // The union comes in an order of its own; the discs are to have one, too, whatever order they were given in.
+  // CGAL's union has a canonical order; sort the discs too, so that the order of the input does not matter.
   std::sort(border.discs.begin(), border.discs.end(), [](const Disc& a, const Disc& b) {
     return std::tie(a.centre.x, a.centre.y, a.radius) < std::tie(b.centre.x, b.centre.y, b.radius);
   });
@@ -146,8 +146,8 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
       extent.hi = {std::max(extent.hi.x, v.x), std::max(extent.hi.y, v.y)};
     }
   }
-  // Walls around the boundary, thick enough to hold whatever sticks out of it: the free space is then what the union
-  // leaves inside its outermost loop.
+  // Walls around the boundary that are thick enough to contain all obstacles' parts beyond it: the free space is then
+  // the region inside the union's outermost loop.
   const auto& [lo, hi] = world.bounds();
   const double margin = norm(hi - lo);
   extent.lo = extent.lo - Vec2{margin, margin};
@@ -159,7 +159,7 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
 
   std::vector<Polygon> loops;
   for (auto& piece : polygon_union(solid)) {
-    // The outermost loop bounds nothing free.
+    // The outermost loop bounds no free space.
     const auto& outer = piece.outer.vertices;
     if (std::find(outer.begin(), outer.end(), extent.lo) == outer.end()) loops.push_back(std::move(piece.outer));
     std::move(piece.holes.begin(), piece.holes.end(), std::back_inserter(loops));
@@ -183,9 +183,9 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
       border.point_disc.push_back(incoming == outgoing ? outgoing : no_disc);
     }
   }
-  // A point in the middle of each disc. The diagram inside obstacles is of no use, but it has to be made, and the
-  // bisectors of all edges of a regular polygon meet in one point, where predicates need exact numbers, a hundred times
-  // slower. The middle takes that place for itself.
+  // Insert the centre of each disc as a site. The diagram inside obstacles is discarded, but CGAL has to compute it,
+  // and the bisectors of all edges of a regular polygon meet in one point. There predicates require exact arithmetic,
+  // which is a hundred times slower. A site at the centre avoids that degenerate vertex.
   for (const Disc& disc : border.discs) {
     border.points.push_back(disc.centre);
     border.point_disc.push_back(no_disc);
@@ -193,9 +193,9 @@ Border border_of(const World& world, int disc_vertices, double tolerance) {
   return border;
 }
 
-// ---- what points are equidistant from ----------------------------------------------------------------------------
+// ---- features of the sites -------------------------------------------------------------------------------------
 
-/// What a site stands for: a circle (a point is one of radius 0), or the line that carries a segment.
+/// The feature of a site: a circle (radius 0 for a point), or the line that contains a segment.
 struct Feature {
   bool line = false;
   Vec2 at;      // the centre, or a point of the line
@@ -211,7 +211,8 @@ struct Feature {
   }
 };
 
-/// A condition on a point: as far from one feature as from another, or on the perpendicular of a segment at its end.
+/// A condition on a point: equal distance from two features, or a position on the perpendicular of a segment at its
+/// end.
 struct Condition {
   Feature first, second;
   bool perpendicular = false;
@@ -226,7 +227,8 @@ struct Condition {
   [[nodiscard]] Vec2 gradient(Vec2 p) const { return perpendicular ? along : first.gradient(p) - second.gradient(p); }
 };
 
-/// Newton's method from p: two conditions fix a point, one the nearest point of a curve. Returns the best point met.
+/// Newton's method from p: two conditions determine a point, one the nearest point of a curve. Returns the best
+/// iterate.
 Vec2 refined(Vec2 p, const std::vector<Condition>& conditions, double limit) {
   const auto error = [&](Vec2 x) {
     double worst = 0.0;
@@ -342,7 +344,7 @@ std::vector<Chain> joined(const std::vector<Chain>& chains, std::size_t nodes) {
   return result;
 }
 
-/// Starts a closed loop that nothing else meets at its least point and turns it towards the lesser neighbour.
+/// Rotates an isolated closed loop to start at its least point, and orients it towards the lesser neighbour.
 void rotate_loop(Chain& loop) {
   const auto least = std::min_element(loop.points.begin(), loop.points.end() - 1, before);
   const auto shift = least - loop.points.begin();
@@ -360,7 +362,7 @@ class Builder {
  public:
   Builder(const World& world, double spacing, int disc_vertices)
       : diagonal_(norm(world.bounds().hi - world.bounds().lo)),
-        // Well above rounding and well below anything that a robot could pass through.
+        // Far above rounding and far below the size of any robot.
         tiny_(1e-9 * diagonal_),
         spacing_(spacing > 0.0 ? spacing : diagonal_ / 200.0),
         clearance_(world.bounds(), shapes_of(world, 0)),
@@ -427,8 +429,8 @@ class Builder {
     return disc_[a] != no_disc && disc_[a] == disc_[b];
   }
 
-  /// Whether the sites are a segment and its own end, or points that rounding set apart: such a border is no part of
-  /// the medial axis.
+  /// Whether the sites are a segment and its own end point, or points separated only by rounding: their bisector is not
+  /// part of the medial axis.
   [[nodiscard]] bool attached(std::size_t a, std::size_t b) const {
     const auto &first = diagram_.sites[a], &second = diagram_.sites[b];
     if (!first.point && !second.point) return false;
@@ -438,8 +440,8 @@ class Builder {
     return norm(point.a - segment.a) <= tiny_ || norm(point.a - segment.b) <= tiny_;
   }
 
-  /// Whether the vertex belongs to a point where a disc meets something else. That point is a convex corner of the free
-  /// space, a place of the polygons and not of the discs, and the axis is cut before it.
+  /// Whether the vertex belongs to a point where a disc touches another shape. That point is a convex corner of the
+  /// polygonal free space only, so the axis ends before it.
   [[nodiscard]] bool at_notch(const SegmentVoronoi::Vertex& vertex) const {
     return std::any_of(vertex.sites.begin(), vertex.sites.end(), [&](std::size_t point) {
       return diagram_.sites[point].point && disc_[point] == no_disc &&
@@ -448,7 +450,8 @@ class Builder {
     });
   }
 
-  /// The conditions that fix a vertex of the diagram of these features (those of the polygons, or the exact ones).
+  /// Returns the conditions that determine a vertex of the diagram of these features (those of the polygons, or the
+  /// exact ones).
   [[nodiscard]] std::vector<Condition> conditions(const SegmentVoronoi::Vertex& vertex, bool exact) const {
     const auto& features = exact ? exact_ : flat_;
     std::vector<std::size_t> distinct;
@@ -458,10 +461,10 @@ class Builder {
       if (!known) distinct.push_back(site);
     }
     std::vector<Condition> result;
-    std::vector<std::size_t> free;  // sites whose equality is not already said by a perpendicular
+    std::vector<std::size_t> free;  // sites whose equality no perpendicular implies
     for (const std::size_t site : distinct) {
-      // Between a segment and its own end the difference of distances has a double zero; that the point lies on the
-      // perpendicular says the same and can be solved for.
+      // For a segment and its own end point, the difference of distances has a double root. The condition that the
+      // point lies on the perpendicular is equivalent and well conditioned.
       bool tied = false;
       if (diagram_.sites[site].point && (!exact || disc_[site] == no_disc)) {
         for (const std::size_t other : distinct) {
@@ -490,7 +493,8 @@ class Builder {
     }
   }
 
-  /// Where more than three sites are equally near, the diagram has several vertices at one place; makes them one node.
+  /// Where more than three sites are equally near, the diagram has several coincident vertices; merges them into one
+  /// node.
   void contract() {
     node_.resize(diagram_.vertices.size());
     std::iota(node_.begin(), node_.end(), std::size_t{0});
@@ -508,8 +512,8 @@ class Builder {
     nodes_ = node_.size();
   }
 
-  /// Points from one end of an edge to the other, at most spacing apart, on the bisector of the exact features; none
-  /// for an edge inside the obstacles.
+  /// Returns points from one end of an edge to the other, at most `spacing` metres from each other, on the bisector of
+  /// the exact features; none for an edge inside the obstacles.
   [[nodiscard]] std::vector<Vec2> sampled(const SegmentVoronoi::Edge& edge) const {
     const std::size_t a = edge.first_site, b = edge.second_site;
     const Vec2 start = flat_position_[edge.from], end = flat_position_[edge.to];
@@ -529,8 +533,8 @@ class Builder {
         return foot + x * along + ((x * x + height * height) / (2.0 * height)) * across;
       };
     }
-    // No edge crosses the border, so one point tells whether it runs through the obstacles. Asked before points move to
-    // the exact bisector, which says nothing there.
+    // No edge crosses the boundary, so one point shows whether the edge lies inside the obstacles. Test it before
+    // points move to the exact bisector, which is meaningless there.
     if (flat_clearance_(flat(0.5)) <= tiny_) return {};
 
     const std::vector<Condition> bisector = {Condition::equidistant(exact_[a], exact_[b])};
@@ -555,7 +559,7 @@ class Builder {
     fill(static_cast<double>(std::max(count, 1) - 1) / std::max(count, 1), 1.0, position_[node_[edge.to]]);
     if (points.size() == 2) points.insert(points.begin() + 1, point(0.5));
 
-    // The narrowest point decides what can pass, so it is always among the samples.
+    // The narrowest point decides which robots pass, so it is always a sample.
     if (const auto narrowest = narrowest_between(exact_[a], exact_[b])) {
       const auto side = [&](Vec2 p) { return cross(narrowest->across, p - narrowest->point); };
       for (std::size_t i = 1; i < points.size(); ++i) {
@@ -570,7 +574,7 @@ class Builder {
     return points;
   }
 
-  /// Adds the free stretches of an edge. A stretch that ends where the clearance runs out ends at a node of its own.
+  /// Adds the free pieces of an edge. A piece that ends at zero clearance ends at a node of its own.
   void add_pieces(const SegmentVoronoi::Edge& edge) {
     const std::size_t a = edge.first_site, b = edge.second_site;
     if (attached(a, b) || same_disc(a, b)) return;
@@ -589,7 +593,7 @@ class Builder {
     };
     for (std::size_t i = 0; i < points.size(); ++i) {
       const bool end = i == 0 || i + 1 == points.size();
-      // Points closer together than rounding can tell apart would give edges without a direction.
+      // Points whose distance is a rounding error would give edges without a direction.
       if (!end && norm(points[i] - points[i - 1]) <= tiny_) continue;
       const double clearance = clearance_(points[i]);
       if (clearance <= tiny_) {
@@ -620,7 +624,7 @@ class Builder {
       if (!touches[chain.from] && !touches[chain.to]) {
         kept.push_back(std::move(chain));
       } else if (touches[chain.from] && touches[chain.to]) {
-        // The whole medial axis of a pocket: its widest point still stands for the pocket.
+        // The chain is the whole medial axis of a pocket: represent the pocket by its widest point.
         const auto widest = std::max_element(chain.clearance.begin(), chain.clearance.end());
         lone.push_back(chain.points[static_cast<std::size_t>(widest - chain.clearance.begin())]);
       }
@@ -638,7 +642,7 @@ class Builder {
     return numbered(std::move(chains), lone);
   }
 
-  /// Vertices and edges in an order that depends on nothing but their places.
+  /// Numbers vertices and edges in an order that depends on their positions only.
   static Skeleton numbered(std::vector<Chain> chains, const std::vector<Vec2>& lone) {
     Skeleton skeleton;
     auto& vertices = skeleton.vertices;
@@ -672,8 +676,8 @@ class Builder {
   }
 
   double diagonal_, tiny_, spacing_;
-  Clearance clearance_;       // from the world itself
-  Clearance flat_clearance_;  // from the polygons that the diagram is made of
+  Clearance clearance_;       // of the world itself
+  Clearance flat_clearance_;  // of the polygons of the diagram
   Border border_;
   SegmentVoronoi diagram_;
   std::vector<int> disc_;            // per site
@@ -683,7 +687,7 @@ class Builder {
   std::vector<Vec2> position_;       // per vertex of the diagram, equidistant from the exact features
   std::vector<std::size_t> node_;    // per vertex of the diagram
   std::size_t nodes_ = 0;
-  std::vector<std::size_t> touching_;  // nodes where the clearance runs out
+  std::vector<std::size_t> touching_;  // nodes at zero clearance
   std::vector<Chain> pieces_;
 };
 
@@ -706,7 +710,7 @@ std::shared_ptr<const Skeleton> cached_medial_axis(const World& world) {
     std::shared_ptr<const Skeleton> skeleton;
   };
   struct Slot {
-    std::weak_ptr<const void> world;  // an expired one tells that the address now means another world
+    std::weak_ptr<const void> world;  // expired: another world now has this address
     std::shared_ptr<Entry> entry;
   };
   static std::mutex mutex;
@@ -720,7 +724,7 @@ std::shared_ptr<const Skeleton> cached_medial_axis(const World& world) {
     if (!slot.entry) slot = {world.identity(), std::make_shared<Entry>()};
     entry = slot.entry;
   }
-  // Outside the lock, so that worlds do not wait for each other; those who ask for the same one wait for it.
+  // Outside the lock, so that worlds do not wait for each other; callers with the same world wait for its result.
   std::call_once(entry->once, [&] { entry->skeleton = std::make_shared<const Skeleton>(medial_axis(world)); });
   return entry->skeleton;
 }

@@ -10,7 +10,7 @@
 namespace trellis {
 
 /// The medial axis of a planar world's free space as a graph: vertices at junctions and dead ends (and one on each
-/// closed loop), edges polylines between them that keep to the medial axis, each point with its clearance.
+/// closed loop), and edges that are polylines on the medial axis, with the clearance of each point.
 struct Skeleton {
   struct Edge {
     std::uint32_t from = 0;
@@ -21,19 +21,19 @@ struct Skeleton {
   };
   std::vector<Vec2> vertices;
   std::vector<Edge> edges;
-  double seconds = 0.0;  ///< time that the construction took
+  double seconds = 0.0;  ///< duration of the construction
 };
 
-/// The skeleton from the segment Voronoi diagram of obstacles and boundary. For the diagram discs are polygons of
-/// `disc_vertices` vertices; its points are then moved to the true discs. Parts of the medial axis inside obstacles or
-/// outside the boundary, and the spurs into convex corners of the free space (edges that end on a site), are left out;
-/// a pocket with nothing but spurs, such as a square, keeps one vertex without edges. `spacing`: the largest distance
-/// between points of an edge, in metres; <= 0 picks 1/200 of the world's diagonal. Deterministic. Throws Error where
-/// the world leaves no free space.
+/// Computes the skeleton from the segment Voronoi diagram of obstacles and boundary. In the diagram, discs are polygons
+/// of `disc_vertices` vertices; then the points move to the bisectors of the true discs. Omits parts of the medial axis
+/// inside obstacles or outside the boundary, and the spurs into convex corners of the free space (edges that end on a
+/// site). A pocket with only spurs, such as a square, has one vertex without edges. Deterministic.
+/// \param spacing  the largest distance between points of an edge, in metres; <= 0 selects 1/200 of the world's
+///     diagonal
+/// \throws Error where the world has no free space.
 Skeleton medial_axis(const World& world, double spacing = 0.0, int disc_vertices = 24);
 
-/// The same, remembered for the world and its copies while one of them lives; safe to call from several threads at
-/// once.
+/// As medial_axis, cached for the world and its copies as long as one of them exists. Thread-safe.
 std::shared_ptr<const Skeleton> cached_medial_axis(const World& world);
 
 }  // namespace trellis

@@ -18,7 +18,7 @@ namespace {
 constexpr double most_triangles = 1e6;
 constexpr int disc_vertices = 16;
 
-/// A shape's vertices, those of a disc on a polygon about it.
+/// Returns a shape's vertices; for a disc, those of a circumscribed polygon.
 std::vector<Vec2> outline(const ConvexShape& shape) {
   if (const auto* polygon = std::get_if<Polygon>(&shape)) return polygon->vertices;
   const auto& disc = std::get<Disc>(shape);
@@ -32,7 +32,7 @@ std::vector<Vec2> outline(const ConvexShape& shape) {
   return vertices;
 }
 
-/// Whether p lies in a convex counter-clockwise polygon, or no farther than `margin` outside of it.
+/// Whether p lies in a convex counter-clockwise polygon, or no farther than `margin` metres outside of it.
 bool within(const std::vector<Vec2>& polygon, Vec2 p, double margin) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2 side = polygon[(i + 1) % polygon.size()] - polygon[i];
@@ -45,7 +45,7 @@ bool inside(const Box2& box, Vec2 p, double margin) {
   return p.x >= box.lo.x + margin && p.x <= box.hi.x - margin && p.y >= box.lo.y + margin && p.y <= box.hi.y - margin;
 }
 
-/// What is triangulated: outlines in stretches of about `size`, and a lattice of points in the free space.
+/// The input of the triangulation: outlines in segments of about `size`, and a lattice of points in the free space.
 class Input {
  public:
   Input(const std::vector<std::vector<Vec2>>& obstacles, const Box2& bounds, double size) : size_(size) {
@@ -91,7 +91,7 @@ class Input {
 
 Triangulation::Triangulation(const World& world, double size) : bounds_(world.bounds()), cell_(size) {
   const Vec2 extent = bounds_.hi - bounds_.lo;
-  // Two triangles to a lattice point, each of which stands for size^2 * sqrt(3) / 2.
+  // Each lattice point gives two triangles and represents an area of size^2 * sqrt(3) / 2.
   if (!(size > 0.0) || 4.0 * extent.x * extent.y / (std::numbers::sqrt3 * size * size) > most_triangles) {
     throw Error(fmt::format("triangles of {:g} m would be more than {:g} in a world of {:g} x {:g} m", size,
                             most_triangles, extent.x, extent.y));
@@ -165,7 +165,7 @@ Vec2 Triangulation::sample(std::uint32_t triangle, Stream& stream) const {
     v = 1.0 - v;
   }
   const Vec2 p = c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0]);
-  // Rounding does not carry it out of the world.
+  // Clamp: rounding must not move the point out of the world.
   return {std::clamp(p.x, bounds_.lo.x, bounds_.hi.x), std::clamp(p.y, bounds_.lo.y, bounds_.hi.y)};
 }
 

@@ -11,28 +11,29 @@
 
 namespace trellis {
 
-/// A decomposition of a world's free space into triangles that meet in whole sides.
+/// A decomposition of a world's free space into triangles that share whole sides.
 class Triangulation {
  public:
   struct Triangle {
     std::array<Vec2, 3> corners;  ///< counter-clockwise
-    /// Across the side opposite each corner; none where that is an obstacle's or the boundary.
+    /// Across the side opposite each corner; none at an obstacle or the boundary.
     std::array<std::optional<std::uint32_t>, 3> neighbours;
     double area = 0.0;  ///< square metres
 
     [[nodiscard]] Vec2 centroid() const { return (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]); }
   };
 
-  /// \param size  metres that the sides of triangles are about as long as, where there is room; discs are polygons
-  ///              about them. Throws Error where that makes more than a million triangles.
+  /// \param size  approximate length of the triangles' sides, metres; circumscribed polygons replace discs
+  /// \throws Error where that gives more than a million triangles.
   Triangulation(const World& world, double size);
 
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
   /// Square metres.
   [[nodiscard]] double area() const { return area_; }
-  /// The triangle that holds p, one of them on a side; none in obstacles and outside of the boundary.
+  /// Returns the triangle that contains p (one of them for a point on a side); none in obstacles and outside of the
+  /// boundary.
   [[nodiscard]] std::optional<std::uint32_t> find(Vec2 p) const;
-  /// Uniform in a triangle.
+  /// Returns a uniform sample of a triangle.
   [[nodiscard]] Vec2 sample(std::uint32_t triangle, Stream& stream) const;
 
  private:
@@ -41,7 +42,7 @@ class Triangulation {
   std::vector<Triangle> triangles_;
   double area_ = 0.0;
   Box2 bounds_;
-  // A grid over the world: the triangles whose boxes meet each cell.
+  // A grid over the world: for each cell, the triangles whose boxes overlap it.
   double cell_ = 1.0;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;

@@ -177,7 +177,7 @@ double Space::injectivity_radius() const {
 }
 
 Foot nearest_on_motion(const Space& space, View a, View b, View q) {
-  // Seen from the motion's middle the short way to q is the right one for both halves.
+  // Relative to the motion's midpoint, the shorter direction to q on a periodic axis is correct for both halves.
   double along = 0.0;
   double squared = 0.0;
   double to_middle = 0.0;

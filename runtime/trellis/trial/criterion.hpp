@@ -11,19 +11,20 @@
 
 namespace trellis::trial {
 
-/// What a run spends.
+/// A cost that a run counts.
 enum class Quantity : std::uint8_t { none, validity_checks, motion_checks, proposals, nodes };
 /// "validity checks".
 std::string_view to_string(Quantity quantity);
 
-/// What a figure is held against: a number or another trial, with what confidence, and of what the figure is.
+/// A criterion for a statistic of a trial: the number or the other trial to compare with, the confidence, and the
+/// quantity.
 class Criterion {
  public:
   enum class Kind : std::uint8_t { at_least, at_most, below, above, exactly };
 
-  /// Throws Error for a number that is not finite.
+  /// \throws Error for a number that is not finite.
   Criterion(Kind kind, double value);
-  /// Below or above what the other trial has, seed by seed; no other kind.
+  /// Requires less or more than the other trial, paired by seed; `kind` must be such a comparison.
   Criterion(Kind kind, Trial other);
 
   [[nodiscard]] Kind kind() const { return kind_; }
@@ -31,26 +32,26 @@ class Criterion {
   [[nodiscard]] const std::optional<Trial>& other() const { return other_; }
   [[nodiscard]] double margin() const { return margin_; }
   [[nodiscard]] Quantity quantity() const { return quantity_; }
-  [[nodiscard]] const std::string& level() const { return level_; }  ///< "": all of them together
-  /// As it was asked for; none where nobody did.
+  [[nodiscard]] const std::string& level() const { return level_; }  ///< "": all levels together
+  /// Returns the requested confidence; none where the test sets no confidence.
   [[nodiscard]] const std::optional<double>& asked_confidence() const { return confidence_; }
   [[nodiscard]] double confidence() const { return confidence_.value_or(default_confidence); }
 
-  /// Of a comparison: by so much at the least. A share of the other's spending, or nats.
+  /// Of a comparison: requires at least this margin, a share of the other's cost, or nats.
   [[nodiscard]] Criterion by(double margin) const;
-  /// In (0.5, 1): how sure a statement about all seeds is to be.
+  /// Sets the confidence, in (0.5, 1), of a statement about all seeds.
   [[nodiscard]] Criterion with_confidence(double confidence) const;
   [[nodiscard]] Criterion of(Quantity quantity) const;
   [[nodiscard]] Criterion validity_checks() const { return of(Quantity::validity_checks); }
   [[nodiscard]] Criterion motion_checks() const { return of(Quantity::motion_checks); }
   [[nodiscard]] Criterion proposals() const { return of(Quantity::proposals); }
   [[nodiscard]] Criterion nodes() const { return of(Quantity::nodes); }
-  /// What one level spends.
+  /// Restricts the cost to one level.
   [[nodiscard]] Criterion in_level(std::string level) const;
 
-  /// Whether an upper end can satisfy it (less is better), and whether a lower end can.
+  /// Whether an upper confidence bound can satisfy it (less is better), and whether a lower one can.
   [[nodiscard]] bool from_above() const { return kind_ == Kind::at_most || kind_ == Kind::below; }
-  /// Whether a figure satisfies it; of numbers only.
+  /// Whether a value satisfies it; for criteria with a number only.
   [[nodiscard]] bool met_by(double figure) const;
   /// "at least 0.95", "less than planner", "more than planner".
   [[nodiscard]] std::string text() const;

@@ -43,7 +43,8 @@ class HasEfficiency final : public Matcher {
     if (nats_.kind() == Criterion::Kind::exactly) {
       throw Error("has_efficiency: an estimate is nothing exactly; give a bound, as above(0.5)");
     }
-    // It took divergences once, of which less is better: a script of that time must not hold for the wrong reason.
+    // Earlier versions took divergences here, of which less is better: reject such a script instead of giving a wrong
+    // verdict.
     if (nats_.from_above()) {
       throw Error(
           "has_efficiency: the efficiency is in nats above uniform, of which more is better; give the least of it, as "
@@ -67,7 +68,7 @@ class HasEfficiency final : public Matcher {
   [[nodiscard]] Verdict judge(const Trial& trial) const override {
     const auto& runs = trial.scored_runs();
     const FigureOf figure = figure_of(runs);
-    // What is claimed on one side takes the whole doubt on that side.
+    // A one-sided claim assigns the whole error probability to that side.
     const double two_sided = 2.0 * nats_.confidence() - 1.0;
     Verdict verdict;
     if (nats_.other()) {
@@ -112,7 +113,7 @@ class HasEfficiency final : public Matcher {
   [[nodiscard]] FigureOf figure_of(const std::vector<RunResult>& runs) const {
     return [this, key = find_level(runs, level_.name())](const RunResult& run) {
       const Efficiency* found = find(run, key);
-      // No claim is helped by an estimate beyond what is possible.
+      // An estimate beyond the possible range supports no claim.
       return found != nullptr ? shown(*found).gain : nan;
     };
   }
@@ -124,7 +125,7 @@ class HasEfficiency final : public Matcher {
     return values;
   }
 
-  /// Why no run has a figure, as far as one says.
+  /// Returns why no run has a value, if a run gives a reason.
   [[nodiscard]] std::string reason(const std::vector<RunResult>& runs) const {
     const std::string key = find_level(runs, level_.name());
     for (const RunResult& run : runs) {

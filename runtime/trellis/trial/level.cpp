@@ -23,7 +23,7 @@ std::string without_spaces(std::string_view text) {
   return kept;
 }
 
-/// "lazy" of "lazy(margin=0.2)", "rrt" of "rrt{step=0.5}".
+/// Returns "lazy" of "lazy(margin=0.2)", "rrt" of "rrt{step=0.5}".
 std::string component_of(const std::string& text) { return text.substr(0, text.find_first_of("({")); }
 
 std::vector<std::string> segments_of(std::string_view path) {
@@ -40,11 +40,11 @@ std::vector<std::string> segments_of(std::string_view path) {
 bool is_called(const LevelSummary& level, const std::string& segment) {
   const std::string name = without_spaces(level.name);
   if (segment == name || segment == component_of(name)) return true;
-  // The root may be called by its planner, as at the end of a strategy.
+  // The planner's name also denotes the root, as at the end of a strategy.
   return level.parent < 0 && component_of(segment) == level.planner;
 }
 
-/// Whether the segments name the level, what it guides, and so on towards the root.
+/// Whether the segments name the level, the level that it guides, and so on towards the root.
 bool is_way(const std::vector<LevelSummary>& levels, std::size_t level, const std::vector<std::string>& segments) {
   auto at = static_cast<int>(level);
   for (const std::string& segment : segments) {

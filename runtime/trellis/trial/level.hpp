@@ -9,10 +9,11 @@
 
 namespace trellis::trial {
 
-/// A level of a strategy as a test names it, and which of its samples are meant, in which space.
+/// Selects a level of a strategy, which of its samples to measure, and in which space.
 class Level {
  public:
-  /// "root", a guide's name as "lazy" or "shrink(0.5)", the way from it to the root as "skeleton >> lazy", or a number.
+  /// \param name  "root", a guide's name as "lazy" or "shrink(0.5)", the levels from it to the root as "skeleton >>
+  ///     lazy", or a number
   Level(std::string name) : name_(std::move(name)) {}   // NOLINT(google-explicit-constructor): a name is a level
   Level(const char* name) : name_(name) {}              // NOLINT(google-explicit-constructor)
   Level(int number) : name_(std::to_string(number)) {}  // NOLINT(google-explicit-constructor)
@@ -21,13 +22,13 @@ class Level {
   [[nodiscard]] bool is_expansion() const { return expansion_; }
   [[nodiscard]] bool is_lifted() const { return lifted_; }
 
-  /// What its h proposed, instead of its tree.
+  /// Selects the proposals of its h, instead of its tree.
   [[nodiscard]] Level expansion() const {
     Level changed = *this;
     changed.expansion_ = true;
     return changed;
   }
-  /// Its samples lifted to the root's space, on the root's path, instead of its own space and path.
+  /// Selects its samples lifted to the root's space, relative to the root's path, instead of its own space and path.
   [[nodiscard]] Level lifted() const {
     Level changed = *this;
     changed.lifted_ = true;
@@ -40,7 +41,8 @@ class Level {
   bool lifted_ = false;
 };
 
-/// The key of the level that a test means. Throws Error with the levels that there are, or that share the name.
+/// Returns the key of the level that a test names.
+/// \throws Error that lists the levels, or those that share the name.
 std::string find_level(const std::vector<RunResult>& runs, const std::string& name);
 
 }  // namespace trellis::trial

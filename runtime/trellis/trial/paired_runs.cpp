@@ -21,7 +21,7 @@ std::string number_text(double x, int decimals) {
   return x > 0.0 ? "more than can be told" : "less than can be told";
 }
 
-/// Why no run can be pointed at: however they come out, so few show nothing.
+/// Returns why the check names no run: so few runs are not significant, whatever their results.
 std::string too_few(std::size_t n, double confidence) {
   const std::size_t least = least_for_median(confidence);
   if (n >= least) return "";
@@ -70,7 +70,7 @@ Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& r
   double most = 0.0;
   for (const RunResult& run : runs) {
     const double spent = figure(run);
-    // Where more is claimed, what an unsolved run spent is the least that it would have.
+    // Where the claim is "more", the cost of an unsolved run is a lower bound of its cost to a path.
     const CensoredCost cost{spent, run.run.solved};
     const double value = from_above ? cost.cost() : cost.spent;
     if (std::isnan(value)) continue;
@@ -105,7 +105,7 @@ Verdict judge_median(const Criterion& criterion, const std::vector<RunResult>& r
 Verdict judge_ratio(const Criterion& criterion, const std::vector<Pair>& pairs, const FigureOf& figure,
                     const FigureOf& others, const MedianWords& words) {
   const bool less = criterion.from_above();
-  std::vector<double> ratios;     // on the side of caution: what is claimed is bounded by these
+  std::vector<double> ratios;     // conservative: they bound the claim
   std::vector<double> unclaimed;  // as reports count
   std::vector<const RunResult*> mine;
   std::vector<const RunResult*> theirs;

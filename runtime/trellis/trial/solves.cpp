@@ -42,7 +42,7 @@ class Solves final : public Matcher {
           std::count_if(all.begin(), all.end(), [=](const RunResult& run) { return run.run.solved == solved; }));
     };
     const std::size_t solved = count(runs, true);
-    // What is claimed on one side takes the whole doubt on that side.
+    // A one-sided claim assigns the whole error probability to that side.
     const Interval share = wilson_interval(solved, runs.size(), 2.0 * share_.confidence() - 1.0);
     Verdict verdict;
     verdict.finding = fmt::format("{} of {} ({} %)", solved, runs.size(), percent(share.value));
@@ -56,7 +56,7 @@ class Solves final : public Matcher {
       verdict.holds = share_.met_by(share.value);
     }
     if (verdict.holds) return verdict;
-    // The first run that is one too many of its kind.
+    // The first run that exceeds the claim.
     const bool too_few = share.value < share_.value() || (!share_.from_above() && solved < runs.size());
     for (const RunResult& run : runs) {
       if (run.run.solved == too_few || verdict.worst) continue;

@@ -25,7 +25,8 @@ double spent(const LevelRecord& level, Quantity quantity) {
   throw Fault("spends: no quantity");
 }
 
-/// What a run spent in the level of a key, or, "", in all. A level that a run never came to spent nothing.
+/// Returns the cost of a run in the level of a key, or, with "", of all levels. A level that the run never reached
+/// costs 0.
 double spent(const RunResult& run, Quantity quantity, const std::string& key) {
   if (key.empty() && quantity == Quantity::validity_checks) return static_cast<double>(run.run.validity_checks);
   if (key.empty() && quantity == Quantity::motion_checks) return static_cast<double>(run.run.motion_checks);

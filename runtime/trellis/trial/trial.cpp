@@ -23,7 +23,7 @@ namespace trellis::trial {
 
 namespace {
 
-/// A word of a shell, in quotes where it needs them.
+/// Quotes a word for a shell where necessary.
 std::string shell_word(const std::string& word) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./=@:,%";
   if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
@@ -68,7 +68,7 @@ struct Trial::State {
   [[nodiscard]] std::vector<RunResult> make(unsigned jobs) const {
     check(experiment());
     std::vector<RunResult> made_now(setup.seeds.size());
-    std::atomic<bool> stop{false};  // what ends one run ends the others
+    std::atomic<bool> stop{false};  // an exception in one run stops the others
     const std::function<bool()> interrupted = [&] {
       return stop.load(std::memory_order_relaxed) || (making.interrupted && making.interrupted());
     };

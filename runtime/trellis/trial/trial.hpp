@@ -17,41 +17,41 @@ struct RunResult;
 
 namespace trellis::trial {
 
-/// How many seeds a trial has unless somebody says otherwise.
+/// The default number of seeds of a trial.
 inline constexpr std::uint64_t default_seeds = 30;
 
-/// The largest number of seeds that anybody may ask for: more is a slip of the pen.
+/// The largest number of seeds of a trial: a larger number is a typing error.
 inline constexpr std::uint64_t most_seeds = 1'000'000;
 
-/// `count` consecutive seeds from `first`. Throws Error for none, too many, or seeds that a script cannot write (over
-/// 2^63 - 1).
+/// Returns `count` consecutive seeds from `first`.
+/// \throws Error for none, too many, or seeds that a script cannot write (over 2^63 - 1).
 std::vector<std::uint64_t> seeds(std::uint64_t count, std::uint64_t first = 1);
 
-/// What a trial is made from.
+/// The strategy, problem, seeds and options of a trial.
 struct Setup {
   std::string name;  ///< of the strategy; "": its text
   StrategySpec strategy;
   Problem problem;
   std::vector<std::uint64_t> seeds = trial::seeds(default_seeds);
-  /// How samples are scored, each run on its own path; none: against tube {}.
+  /// The measure of the samples, relative to each run's own path; none: tube {}.
   std::shared_ptr<const Measure> measure = {};
   std::int64_t shortcut = 0;  ///< rounds of shortcutting on each found path
-  /// The script whose experiment has the strategy and the problem under their names, "" where they were built in code.
+  /// The script whose experiment defines the strategy and the problem under their names; "" where code builds them.
   std::string script = {};
 };
 
-/// How the runs of a trial are made. Their results do not depend on it.
+/// How to execute the runs of a trial. Results do not depend on it.
 struct Making {
-  unsigned jobs = 0;  ///< runs at the same time; 0: as many as the machine has cores
-  /// Asked between proposals, from all threads; true ends the trial (Interrupted).
+  unsigned jobs = 0;  ///< concurrent runs; 0: as many as the machine has cores
+  /// Called between proposals, from all threads; true stops the trial (Interrupted).
   std::function<bool()> interrupted = {};
 };
 
-/// A strategy on a problem over a range of seeds. Nothing runs before somebody asks, and then once, however many copies
-/// of the trial there are: they share the runs. One thread at a time.
+/// A strategy on a problem over a range of seeds. Runs start on the first request for results and execute once: all
+/// copies of the trial share them. Only one thread may use it at a time.
 class Trial {
  public:
-  /// Throws Error for seeds that repeat or are missing.
+  /// \throws Error for seeds that repeat or are missing.
   explicit Trial(Setup setup, Making making = {});
 
   [[nodiscard]] const Setup& setup() const;
@@ -59,18 +59,18 @@ class Trial {
   /// "guided on doorway, 30 seeds (1–30)".
   [[nodiscard]] std::string text() const;
 
-  /// The runs in the order of the seeds, made where they are not yet. Throws Error for a problem that cannot be
-  /// planned, and Interrupted.
+  /// Returns the runs in the order of the seeds; executes them first where necessary.
+  /// \throws Error for an invalid problem, and Interrupted.
   [[nodiscard]] const std::vector<RunResult>& runs() const;
-  /// The same, scored too.
+  /// As runs(), and scores their samples.
   [[nodiscard]] const std::vector<RunResult>& scored_runs() const;
-  /// Made anew, on so many threads; kept by nobody.
+  /// Executes the runs again on `jobs` threads; does not store them.
   [[nodiscard]] std::vector<RunResult> runs_again(unsigned jobs) const;
 
-  /// Lets go of the runs, which may take much; who asks again has them made again.
+  /// Releases the memory of the runs; the next request executes them again.
   void forget() const;
 
-  /// How to see one of its runs again: a command where the script is known, else what to type in a session.
+  /// Returns how to reproduce one of its runs: a command where the script is available, else statements for a session.
   [[nodiscard]] std::string replay(std::uint64_t seed) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A scenario test as a user writes it, of a script beside it.
+// A user's scenario test of a script beside it.
 #define CATCH_CONFIG_MAIN
 #include <trellis/testing.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page's own script: shows one run at a time, as its records hold it. No network, no storage; names that come from
-// users only ever become text. What is shown can be read from the attributes of #viewer.
+// The page's script: shows one run at a time, from its records. No network, no storage; names that come from
+// users only ever become text. The attributes of #viewer contain the current state.
 (() => {
 'use strict';
 
@@ -32,7 +32,7 @@ const numbers = text => {
   }
   return out;
 };
-/// 0, 1, 2, 3, ... stand for 0, -1, 1, -2, ...
+/// Maps 0, 1, 2, 3, ... to 0, -1, 1, -2, ...
 const signed = n => n % 2 ? -(n + 1) / 2 : n / 2;
 
 /// Rows of 16-bit shares of the axes' extents.
@@ -131,7 +131,7 @@ function order(run) {
   run.total = time;
   for (const level of run.levels) {
     level.nodeTime = level.nodeTime.map(t => Math.min(t, time));
-    // A node that was left out of every turn comes at once.
+    // A node without a turn appears at once.
     level.nodeOrder = level.nodeTime;
     level.edgeTime = level.edges.map(([a, b]) => Math.max(level.nodeTime[a], level.nodeTime[b]));
     const roots = [];
@@ -177,7 +177,7 @@ let run = null, other = null, hover = null, playing = false, zoom = { k: 1, x: 0
 const roles = ['tree', 'expansion', 'path'];
 
 const cell = () => data.cells[state.scene][state.method];
-/// By default what the root did in full, and of the levels that guide it trees and paths.
+/// By default all layers of the root, and the trees and paths of the levels that guide it.
 const defaultLayers = () => {
   const on = new Set();
   for (const level of run ? run.levels : []) {
@@ -255,7 +255,7 @@ function parseSelect(text) {
   const [level, role, index] = text.split(':');
   return { level: Number(level), role, index: Number(index) };
 }
-/// Selects a sample, or none where there is no such one; shows its layer, and the replay goes on to it.
+/// Selects a sample, or none where there is no such one; shows its layer, and the replay continues to it.
 function setSelect(s, draw = true) {
   const level = s && run && run.levels[s.level];
   const list = level && (s.role === 'tree' ? level.nodes : s.role === 'expansion' ? level.proposals : null);
@@ -272,7 +272,7 @@ function setSelect(s, draw = true) {
 // Drawing -------------------------------------------------------------------------------------------------------------
 
 const firstCanvas = $('canvas');
-/// What is drawn into: the canvas of the run, or that of the run beside it.
+/// The drawing target: the canvas of the run, or that of the run beside it.
 let canvas = firstCanvas, pen = canvas.getContext('2d'), plot = $('plot');
 let colours = {}, frame = null;
 
@@ -290,7 +290,7 @@ const levelColour = level => colours.levels[level.number % 4];
 const levelDash = level => [[], [5, 3], [1.5, 2.5]][Math.floor(level.number / 4) % 3];
 const sourceColour = i => colours.sources[i % colours.sources.length];
 
-/// The part of the plane that is shown: the world, or where there is none the bounds of the root's positions.
+/// The visible part of the plane: the world, or without a world the bounds of the root's positions.
 function bounds() {
   const problem = data.problems[state.scene];
   if (problem.bounds) return problem.bounds;
@@ -335,7 +335,7 @@ function shapePath(shape, place) {
   pen.closePath();
 }
 
-/// Where the bodies of a robot are, as Robot::place has it.
+/// The poses of a robot's bodies, as computed by Robot::place.
 function poses(robot, q) {
   const out = [];
   const [rx, ry] = robot.translates ? [q[0], q[1]] : robot.base;
@@ -392,7 +392,7 @@ function polyline(path, level) {
 function drawTree(level, n) {
   const X = i => frame.X(level.nodes.values[i * level.nodes.d + level.x]);
   const Y = i => frame.Y(level.nodes.values[i * level.nodes.d + level.y]);
-  // Trees that were given up for new ones stand back.
+  // Abandoned trees are fainter.
   const plant = level.plants.filter(r => r < n).pop() || 0;
   const colour = levelColour(level);
   const many = n > 4000, dense = level.edges.length > 2 * level.nodes.size;
@@ -406,7 +406,7 @@ function drawTree(level, n) {
     if (level.parents) {
       for (let i = from; i < to; i++) {
         const up = level.parents[i];
-        // A node that was hung anew may have a parent that is yet to come.
+        // A rewired node may have a parent that the replay has not reached.
         if (up !== i && up < n) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
       }
     }
@@ -414,7 +414,7 @@ function drawTree(level, n) {
     pen.setLineDash([]);
     pen.globalAlpha = alpha;
     pen.beginPath();
-    // The points along a graph's edges are no news.
+    // The points along a graph's edges are no new nodes.
     const r = level.edges.length && !dense ? 0.6 : many || dense ? 1.1 : 1.7;
     for (let i = from; i < to; i++) { const x = X(i), y = Y(i); pen.moveTo(x + r, y); pen.arc(x, y, r, 0, 7); }
     pen.fill();
@@ -612,7 +612,7 @@ function drawRun() {
     const deepest = [...run.levels].reverse();
     const drawTrees = () => { for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n); };
     const drawAllProposals = () => { for (const level of deepest) if (shown(level, 'expansion')) drawProposals(level, now[level.number].p); };
-    // Samples stand on the trees that they made; a density lies under them.
+    // Draw samples above the trees that they created, and a density below them.
     if (state.show === 'density') { drawAllProposals(); drawTrees(); } else { drawTrees(); drawAllProposals(); }
     for (const level of deepest) {
       const path = shown(level, 'path') && pathNow(level);
@@ -665,7 +665,7 @@ function drawDriven(robot) {
   pen.stroke();
 }
 
-/// b - a, the short way round on a periodic axis.
+/// b - a, within half a period on a periodic axis.
 const difference = (axis, a, b) => {
   const period = axis.hi - axis.lo;
   return axis.periodic ? b - a - period * Math.round((b - a) / period) : b - a;
@@ -710,7 +710,7 @@ function draw() {
 const sampleRow = s => (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).row(s.index);
 const count = (n, word) => n + ' ' + word + (n === 1 ? '' : 's');
 
-/// As many decimals as the 16 bits of a coordinate hold.
+/// The number of decimals that the 16 bits of a coordinate represent.
 function coordinate(axis, value) {
   const digits = Math.max(0, Math.min(6, Math.floor(-Math.log10((axis.hi - axis.lo) / 65535))));
   const text = value.toFixed(digits).replace(/^-(0(\.0+)?)$/, '$1').replace('-', '−');
@@ -791,7 +791,7 @@ function showSample() {
 
 // The panels -------------------------------------------------------------------------------------------------------------
 
-/// How much of a long search this file holds.
+/// The share of a long search that this file contains.
 function heldText(level) {
   const [proposals, nodes] = level.raw.all, held = [];
   if (level.proposals.size < proposals) held.push(level.proposals.size + ' of ' + count(proposals, 'proposal'));
@@ -984,7 +984,7 @@ function showWorth() {
   $('comparison').hidden = !showFigures($('compared'), 'comparison-' + state.scene);
 }
 
-/// Appends the figures of a record, and says how many.
+/// Appends the figures of a record, and returns their number.
 function showFigures(to, id) {
   const all = read(id) || [];
   for (const text of all) {
@@ -1050,7 +1050,7 @@ function makeSortable(table) {
 // Replay ------------------------------------------------------------------------------------------------------------------
 
 let clock = null, driving = false;
-/// Seconds that the robot takes for its path, whatever the length of that.
+/// Seconds that the robot takes for its path, for every length of the path.
 const secondsAlong = 6;
 function driveOn(time) {
   if (!driving) return;
@@ -1186,7 +1186,7 @@ document.addEventListener('keydown', e => {
     '[': () => s && s.index > 0 && setSelect({ ...s, index: s.index - 1 }),
     ']': () => s && s.index + 1 < (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).size && setSelect({ ...s, index: s.index + 1 }),
   };
-  // Home and End belong to the page unless the picture is in hand.
+  // Home and End scroll the page unless the picture has the focus.
   if ((e.key === 'Home' || e.key === 'End') && document.activeElement !== firstCanvas && !ranging) return;
   const action = keys[e.key];
   if (!action) return;
