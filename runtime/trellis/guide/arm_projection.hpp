@@ -33,7 +33,7 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance);
 
 /// f: the position of the tip. `lift` draws the angles of the links from the base outwards, each uniformly among those
 /// from which the remaining links can reach the position. The last two links have two solutions of equal probability.
-/// .
+///
 /// S is a box and also contains positions that the arm cannot reach. `lift` reflects them, along the line through the
 /// base, at the boundary of the reachable set. Joint limits may leave a position without a configuration; `lift`
 /// detects this only by sampling, and then draws a uniform configuration.

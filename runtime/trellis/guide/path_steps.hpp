@@ -85,9 +85,9 @@ std::vector<char> known_edges(const Instance& instance, const Configurations& pa
 /// h along a path in C, in steps of the planner: picks a point of the path slightly ahead of the connected node that is
 /// farthest along it, then draws uniformly from the ball about the point. The balls grow while no node is added, and
 /// the interval of points extends backwards. With two trees there are two such nodes.
-/// .
+///
 /// If the next edge of the path is verified, h proposes the edge's end itself, for a node on the edge.
-/// .
+///
 /// Consecutive guided proposals that are blocked at one place are the evidence that refutes the path.
 class StepHeuristic final : public PathFollower {
  public:

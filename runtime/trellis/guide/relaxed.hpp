@@ -12,7 +12,7 @@
 namespace trellis {
 
 /// Validity in a space S that relaxes C and has its coordinates: a motion that is valid in C is valid in S.
-/// .
+///
 /// A motion towards a guided proposal is likely to become part of the path. Its validity is checked in C first: if
 /// valid there, one check serves both spaces, and C need not check the path again. If too many of the last motions were
 /// invalid in C, only some are checked in C first.
