@@ -349,7 +349,7 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
   }
   const Vec2 to = s - p;
   const Arc elbow = arc(n - 2, norm(to));
-  // If the tip is at the joint of the last two links, all directions are equally likely.
+  // If the tip is at the joint of the second-last link, all directions of that link are equally likely.
   const double bend = norm(to) > 0.0 ? elbow.most : stream.uniform(0.0, pi);
   const double first = stream.below(2) == 0 ? 1.0 : -1.0;
   const std::array sides = {first, -first};

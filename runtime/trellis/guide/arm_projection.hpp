@@ -91,7 +91,7 @@ class ArmProjection final : public Projection {
   Space parent_;
   std::shared_ptr<const Scene> scene_;
   ArmChain chain_;
-  std::vector<Reach> rest_;  ///< of each link
+  std::vector<Reach> rest_;  ///< for each link
   World world_;
   Space space_;
   bool limited_ = false;

@@ -169,7 +169,7 @@ class Drop final : public PathGuide {
   Instance* parent_ = nullptr;
   Instance* sub_ = nullptr;
   Configurations path_;                      ///< found in S
-  std::shared_ptr<ChangingWorld> validity_;  ///< of S
+  std::shared_ptr<ChangingWorld> validity_;  ///< validity in S
   std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among only the dropped obstacles
 };
 

@@ -25,7 +25,7 @@ class ExcludedBalls {
   void add(View centre);
   void clear();
   [[nodiscard]] bool contains(View q) const;
-  /// Distance from q to the surface of the ball with the nearest centre if q is inside, in metres of the metric; else
+  /// Distance from q to the surface of the ball with the nearest centre if q is inside, in metres in the metric; else
   /// 0.
   [[nodiscard]] double depth(View q) const;
   /// The position on the motion from a to b, in [0, 1], at which it is nearest to the centre of the first-added ball
@@ -48,7 +48,7 @@ class ExcludedBalls {
 class Places {
  public:
   /// \param position_axes  axes of the reference point's position; empty: places are balls of configurations
-  /// \param radius  of a place, in metres of the metric
+  /// \param radius  of a place, in metres in the metric
   Places(const Space& space, std::vector<std::size_t> position_axes, double radius);
 
   void add(View q);
@@ -79,9 +79,9 @@ class Places {
 /// places.
 class ExcludingValidity final : public EvaluatedValidity {
  public:
-  /// \param radius  of the balls about a path, in metres of the metric
+  /// \param radius  of the balls about a path, in metres in the metric
   /// \param position_axes  axes of the reference point's position; empty: places are balls of configurations
-  /// \param place_radius  of a place, in metres of the metric
+  /// \param place_radius  of a place, in metres in the metric
   ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
                     std::vector<std::size_t> position_axes = {}, double place_radius = 0.0);
 

@@ -74,7 +74,7 @@ class RepairedPath final : public PathFollower {
  public:
   /// \param gaps  indices of the first points of the motions to repair
   /// \param ends  share of a gap's proposals that are its far end
-  /// \param reach  distance within which a node counts as at an end of a gap, in metres of the metric
+  /// \param reach  distance within which a node counts as at an end of a gap, in metres in the metric
   /// \param evidence  number of blocked proposals at one gap that refutes the path
   RepairedPath(const Instance& instance, std::unique_ptr<PathFollower> path, const std::vector<std::size_t>& gaps,
                double ends, double reach, std::int64_t evidence, const std::array<const NearestIndex*, 2>& reached)
@@ -522,7 +522,7 @@ class Experience final : public PathGuide {
   std::shared_ptr<Graph> graph_;
   Instance* sub_ = nullptr;
   PathFollower* current_ = nullptr;  ///< active h; its caller owns it
-  double touch_ = 0.0;  ///< distance from an edge within which a configuration counts as on it, in metres of the metric
+  double touch_ = 0.0;  ///< distance from an edge within which a configuration counts as on it, in metres in the metric
   std::vector<EdgeState> edges_;
   std::vector<std::vector<std::uint32_t>> incident_;  ///< edges of each vertex
   std::vector<Seen> valid_;                           ///< per vertex

@@ -21,7 +21,7 @@ namespace {
 
 /// Share of angles drawn uniformly, so that the support is complete.
 constexpr double uniform_share = 0.1;
-/// Scale of the distances from the medial axis, as a share of a body's length.
+/// Standard deviation of the likelihood in the distance from the medial axis, as a share of a body's length.
 constexpr double scale_of_length = 0.125;
 /// Maximum number of iterations of the closest-point iteration.
 constexpr int most_iterations = 20;

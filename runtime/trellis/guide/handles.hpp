@@ -68,7 +68,7 @@ class HandleLift final : public Projection {
     std::size_t axis = 0;
     double lo = 0.0;
     double width = 0.0;  ///< of a bin, radians
-    double scale = 0.0;  ///< distance from the medial axis by which likelihood decays, metres
+    double scale = 0.0;  ///< standard deviation of the likelihood in the distance from the medial axis, metres
     std::vector<Vec2> handles;
   };
 
@@ -78,9 +78,9 @@ class HandleLift final : public Projection {
   std::shared_ptr<const PositionProjection> position_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Field> field_;
-  Space space_;                             ///< C
-  std::vector<std::size_t> position_axes_;  ///< of C
-  std::vector<Handle> handles_;             ///< of all bodies
+  Space space_;                             ///< of C
+  std::vector<std::size_t> position_axes_;  ///< of the reference point's position in C
+  std::vector<Handle> handles_;             ///< handles of all bodies
   std::vector<Turn> turns_;                 ///< parents before their children
 };
 

@@ -149,8 +149,8 @@ class Holonomic final : public PathGuide {
   [[nodiscard]] const Instance& followed_in(const Instance&, const Instance& sub) const override { return sub; }
   /// S lacks only velocity limits: its paths are free of collision in C too, so blocked proposals do not refute them.
   [[nodiscard]] bool relaxes() const override { return false; }
-  /// Rotates the path into the direction of travel: each edge has the heading of its direction; start and goal keep
-  /// theirs. Trailers are aligned with the heading.
+  /// Rotates the path into the direction of travel: on each edge, all bodies have the heading of its direction; start
+  /// and goal keep theirs.
   Configurations followed(Configurations path) const override {
     if (!turns_ || path.size() < 2) return path;
     Configurations turned(path.dimension());

@@ -88,7 +88,7 @@ class InformedSet final : public Density {
 
  private:
   struct Part {
-    std::vector<double> focus;  ///< an image of the goal
+    std::vector<double> focus;  ///< image of the goal
     std::vector<double> centre;
     std::vector<double> mirror;  ///< normal of the plane whose mirror maps the first axis to the axis through the foci
     std::vector<double> extent;  ///< half width along each axis

@@ -204,7 +204,7 @@ class Joints final : public Guide {
   std::shared_ptr<JointRanges> ranges_;        ///< set if the option requests them
   std::shared_ptr<RangedValidity> ranged_;     ///< of S, if there are ranges
   std::optional<NearestIndex> reached_;        ///< the planner's nodes, in S
-  Configuration start_;                        ///< in S
+  Configuration start_;                        ///< f of the start
   Configuration added_;
 };
 

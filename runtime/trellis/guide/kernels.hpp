@@ -25,7 +25,7 @@ double fitting_radius(const Space& space, double wanted);
 /// Uniform on the metric ball about a centre.
 class BallKernel {
  public:
-  /// \param radius  metres of the metric, > 0; fitting_radius reduces it if necessary
+  /// \param radius  metres in the metric, > 0; fitting_radius reduces it if necessary
   BallKernel(Space space, double radius);
   void sample(View centre, Stream& stream, MutableView out) const;
   [[nodiscard]] double density(View centre, View q) const;
@@ -43,13 +43,13 @@ class BallKernel {
 class Tube {
  public:
   /// \param path  at least one configuration of the space
-  /// \param radius  metres of the metric, > 0; fitting_radius reduces it if necessary
+  /// \param radius  metres in the metric, > 0; fitting_radius reduces it if necessary
   Tube(const Space& space, Configurations path, double radius);
 
   [[nodiscard]] double length() const { return at_.back(); }
   [[nodiscard]] const BallKernel& ball() const { return ball_; }
   [[nodiscard]] const Configurations& path() const { return path_; }
-  /// Arc length up to each point of the path, in metres of the metric.
+  /// Arc length up to each point of the path, in metres in the metric.
   [[nodiscard]] const std::vector<double>& at() const { return at_; }
   /// The point of the path at arc length s.
   void point(double s, MutableView out) const;

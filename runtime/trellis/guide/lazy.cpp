@@ -80,7 +80,7 @@ class PresumedValidity final : public EvaluatedValidity {
   }
 
   /// Excludes a ball from the space.
-  /// \param radius  about q, in metres of the metric; every configuration within it is known to be invalid
+  /// \param radius  about q, in metres in the metric; every configuration within it is known to be invalid
   void forbid(View q, double radius) {
     std::size_t size = 0;
     while (size + 1 < sizes && sizes_[size + 1].radius() <= radius) ++size;
@@ -375,7 +375,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   bool refuted_ = false;                        ///< part of a candidate path was found invalid
   std::uint64_t evaluations_ = 0;               ///< since the last start of the evaluation
   std::uint64_t checks_begun_ = 0;              ///< checks of C at that time
-  std::shared_ptr<Validity> checked_;           ///< of C
+  std::shared_ptr<Validity> checked_;           ///< validity in C
   std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of C's planner
   std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
   Configurations found_invalid_;                ///< not yet passed to the guide of S

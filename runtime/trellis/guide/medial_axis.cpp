@@ -93,7 +93,7 @@ class MedialAxis final : public Heuristic {
     return ray_.at(from_, distance, probe_) ? parent_.clearance(probe_) : 0.0;
   }
 
-  /// Clearance after a step along the axis from q, in metres of the metric.
+  /// Clearance after a step along the axis from q, in metres in the metric.
   [[nodiscard]] double clearance_beside(View q, std::size_t axis, double step) {
     std::copy(q.begin(), q.end(), probe_.begin());
     probe_[axis] += step / parent_.space.axes()[axis].weight;

@@ -115,15 +115,15 @@ Settings<S> with_several_paths(Settings<S> settings) {
 /// The claims shared by guides of this kind: h, its density and feedback, and the fallback without a path.
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
 
-/// A distance in metres of the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
+/// A distance in metres in the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
 /// diameter for a point; 10 % for a robot that is fixed to its base, because its radius does not relate to its angles.
 double natural_distance(const Instance& instance);
 
-/// Default distance between the points of a path that an instance validates, in metres of the metric: the natural
+/// Default distance between the points of a path that an instance validates, in metres in the metric: the natural
 /// distance, or 0.8 of the planner's step if that is larger.
 double sparse_spacing(const Instance& instance);
 
-/// The tube's radius in an instance, in metres of the metric: the option `radius` or its default.
+/// The tube's radius in an instance, in metres in the metric: the option `radius` or its default.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 
 /// h that follows a path in C.
@@ -134,7 +134,7 @@ class PathFollower : public Heuristic {
   void refute() { stale_ = true; }
   /// The point of the path at which evidence refuted it, if any.
   [[nodiscard]] virtual std::optional<Configuration> refuted_place() const { return std::nullopt; }
-  /// Radius of the tube about the path, in metres of the metric.
+  /// Radius of the tube about the path, in metres in the metric.
   [[nodiscard]] virtual double radius() const = 0;
 
  private:
@@ -145,7 +145,7 @@ class PathFollower : public Heuristic {
 class PathHeuristic final : public PathFollower {
  public:
   /// \param reached  the planner's nodes so far, which cover parts of the path; nullptr: none
-  /// \param window  metres of the metric
+  /// \param window  metres in the metric
   /// \param evidence  number of blocked proposals that refutes the path
   PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
                 std::int64_t evidence, const NearestIndex* reached);
@@ -176,8 +176,8 @@ class PathHeuristic final : public PathFollower {
   double progress_ = 0.0;
   std::uint64_t epoch_ = 0;    ///< number of changes of the intervals
   double bin_ = 0.0;           ///< arc length of one bin
-  Configurations centres_;     ///< of the bins
-  std::vector<char> covered_;  ///< by the planner's nodes
+  Configurations centres_;     ///< centres of the bins
+  std::vector<char> covered_;  ///< for each bin, whether a node of the planner covers it
   std::size_t uncovered_ = 0;
 };
 
@@ -234,7 +234,7 @@ class WaypointHeuristic final : public PathFollower {
   Draw draw_ = Draw::near;
   bool drew_itself_ = false;
   bool exact_ = false;           ///< the path was verified: a node reaches a waypoint only at the waypoint itself
-  std::uint32_t row_ = no_node;  ///< of the node that reached the last waypoint
+  std::uint32_t row_ = no_node;  ///< node that reached the last waypoint
   bool backwards_ = false;       ///< the next proposal is for the tree from the goal
   std::size_t back_ = 0;         ///< the tree from the goal has reached the waypoints from this one to the last
   std::uint32_t back_row_ = no_node;
@@ -305,7 +305,7 @@ class UniformHeuristic final : public Heuristic {
   UniformGuidance uniform_;
 };
 
-/// The nodes of a planner's trees.
+/// The nodes of a planner's trees, or of its roadmap.
 class ReachedNodes {
  public:
   /// \param space  of the nodes
@@ -324,7 +324,7 @@ class ReachedNodes {
   Space space_;
   Configuration start_;
   Configuration goal_;
-  std::vector<NearestIndex> trees_;  ///< from the start and from the goal
+  std::vector<NearestIndex> trees_;  ///< from the start, and from the goal
 };
 
 /// A guide with S = C as metric spaces: f is the identity on configurations.
@@ -373,7 +373,7 @@ class PathGuide : public Guide {
   [[nodiscard]] bool only_path() const { return only_path_; }
   /// Returns and clears the refuted point of the path in S, if any.
   [[nodiscard]] std::optional<Configuration> take_refuted();
-  /// Whether a node of the planner lies within a distance of q, in metres of the metric.
+  /// Whether a node of the planner lies within a distance of q, in metres in the metric.
   [[nodiscard]] bool reached(View q, double within) const {
     return reached_.begun() && reached_.from_start().nearest(q).squared_distance <= within * within;
   }
@@ -408,7 +408,7 @@ class PathGuide : public Guide {
   std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
   std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, if S relaxes C
   std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, if it excludes paths or places
-  std::shared_ptr<Validity> parents_;             ///< of C
+  std::shared_ptr<Validity> parents_;             ///< validity in C
   Configurations lost_;                           ///< places of S, excluded since the last take_lost_places
   std::optional<Places> found_invalid_;           ///< configurations of C found invalid since the last path
   // For guides that search for several paths:

@@ -33,7 +33,7 @@ struct SparsePath {
 /// lift. C counts the validity checks.
 class SparseValidation {
  public:
-  /// \param spacing  distance in S between checked points, in metres of the metric, > 0
+  /// \param spacing  distance in S between checked points, in metres in the metric, > 0
   /// \param even  interpolates the configurations from which lifts start between both ends, so that the two parts meet
   SparseValidation(const Space& s, double spacing, bool even = false)
       : s_(s), spacing_(spacing), even_(even), known_(s), waypoints_(0) {}
@@ -92,8 +92,8 @@ std::vector<char> known_edges(const Instance& instance, const Configurations& pa
 class StepHeuristic final : public PathFollower {
  public:
   struct Settings {
-    double radius = 0.1;         ///< of the balls, in metres of the metric
-    double step = 0.5;           ///< longest extension of the planner, in metres of the metric
+    double radius = 0.1;         ///< of the balls, in metres in the metric
+    double step = 0.5;           ///< longest extension of the planner, in metres in the metric
     std::int64_t evidence = 60;  ///< number of blocked proposals that refutes the path; 0: never
   };
   /// \param reached  the existing nodes of the tree from the start, and of the tree from the goal
@@ -134,7 +134,7 @@ class StepHeuristic final : public PathFollower {
   static constexpr double most_ahead = 1.0;
   /// The end of the connected part of the path, from the side of one tree.
   struct Front {
-    double at = 0.0;                    ///< arc length from that tree's end of the path, in metres of the metric
+    double at = 0.0;                    ///< arc length from that tree's end of the path, in metres in the metric
     std::uint32_t row = no_node;        ///< node at the front
     double ahead = 0.0;                 ///< distance of proposals ahead of it
     std::int64_t failures = 0;          ///< consecutive guided proposals without progress
@@ -184,7 +184,7 @@ class StepHeuristic final : public PathFollower {
   std::vector<double> lengths_;
   Settings settings_;
   std::vector<char> verified_;  ///< per edge of the path; empty: none
-  double bin_ = 0.0;            ///< length of a bin of the path, metres
+  double bin_ = 0.0;            ///< length of a bin of the path, metres in the metric
   std::size_t last_bin_ = 0;
   mutable Configurations centres_;               ///< centres of the bins, made when first needed
   mutable std::unique_ptr<NearestIndex> index_;  ///< index of the centres, made when first needed

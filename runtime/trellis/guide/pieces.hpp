@@ -31,7 +31,7 @@ const Settings<PathGuideSettings>& along_settings();
 /// A distribution along a path; uniform if the path has fewer than two points.
 /// \param path  configurations of equal dimension
 std::shared_ptr<const Piece> along(Configurations path, const Options& options);
-/// Uniform distribution on the ball about a configuration; radius in metres of the metric.
+/// Uniform distribution on the ball about a configuration; radius in metres in the metric.
 std::shared_ptr<const Piece> ball(Configuration centre, double radius);
 
 /// A weighted sum of heuristics. It is stale if one of them is.

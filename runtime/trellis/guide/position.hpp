@@ -47,7 +47,7 @@ class PositionProjection final : public Projection {
   [[nodiscard]] PointLift point_lift(const Instance& parent, int variation = 0) const;
   /// How often the path of a tip is lifted to other configurations before a place that C blocks is refuted.
   static constexpr int most_variations = 3;
-  /// Default distance in S between the points of a path that the parent validates, in metres of the metric.
+  /// Default distance in S between the points of a path that the parent validates, in metres in the metric.
   /// \param point  the instance in S
   [[nodiscard]] double spacing(const Instance& parent, const Instance& point) const;
 

@@ -20,14 +20,14 @@ class WayOut {
   void set_direction(double angle);
   /// Finds the first valid configuration on the ray from q, within the instance's resolution of the surface.
   /// \param out  receives the configuration
-  /// \return its distance from q in metres of the metric; infinity if the ray leaves the space first
+  /// \return its distance from q in metres in the metric; infinity if the ray leaves the space first
   double walk(View q, MutableView out);
   /// Computes the configuration at a distance along the ray. Returns whether it lies in the space.
   bool at(View q, double distance, MutableView out) const;
 
  private:
   Instance& instance_;
-  std::vector<double> direction_;  ///< raw coordinates per metre
+  std::vector<double> direction_;  ///< coordinates per metre in the metric
 };
 
 }  // namespace trellis

@@ -12,7 +12,7 @@ namespace trellis {
 /// Selects the nodes of a tree or roadmap that a planner tries to connect a new node to.
 class Connection {
  public:
-  /// The nearest `neighbours` nodes within the distance `radius`, in metres of the metric.
+  /// The nearest `neighbours` nodes within the distance `radius`, in metres in the metric.
   Connection(std::int64_t neighbours, double radius)
       : rule_(Rule::fixed), neighbours_(static_cast<double>(neighbours)), radius_(radius) {}
 

@@ -28,7 +28,7 @@ class EvaluatedGraph {
   /// Whether an edge is valid. Evaluates each edge once per epoch and reports an invalid one to the guidance.
   /// \param to  the vertex that the edge leads to
   bool valid(std::uint32_t edge, std::uint32_t to);
-  /// The first invalid configuration on an edge found invalid.
+  /// The first invalid configuration on an invalid edge.
   [[nodiscard]] View invalid_at(std::uint32_t edge) const { return blocked_.at(edge); }
 
   /// Adds a vertex to the level's nodes when the search first reaches it.

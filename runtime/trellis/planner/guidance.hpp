@@ -84,9 +84,9 @@ class Guidance {
     static_cast<void>(to);
     return true;
   }
-  /// Length along the guiding paths by which connected nodes advanced during the whole run, in metres of the metric.
+  /// Length along the guiding paths by which connected nodes advanced during the whole run, in metres in the metric.
   [[nodiscard]] virtual double progress() const { return 0.0; }
-  /// Length along the guiding paths that connected nodes cover now, in metres of the metric. Removal of nodes reduces
+  /// Length along the guiding paths that connected nodes cover now, in metres in the metric. Removal of nodes reduces
   /// it.
   [[nodiscard]] virtual double connected() const { return 0.0; }
   /// Factor >= 1 on the cost of an edge in a roadmap search. It is larger for an edge that leaves the guiding paths.
@@ -98,7 +98,7 @@ class Guidance {
   /// Called after the planner removed nodes. The planner then reports each remaining node again, without a proposal.
   virtual void restart() {}
   /// Called when the planner finds a first or a shorter path from start to goal.
-  /// \param length  of the path, in metres of the metric
+  /// \param length  of the path, in metres in the metric
   virtual void found(double length) { static_cast<void>(length); }
   /// A counter that increases when `sample` or `observe` may have changed the density.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }

@@ -149,8 +149,8 @@ class BlockedMotions {
 };
 
 /// Computes the end of an extension from `from` towards q.
-/// \param distance  from `from` to q, in metres of the metric
-/// \param step  longest extension, in metres of the metric
+/// \param distance  from `from` to q, in metres in the metric
+/// \param step  longest extension, in metres in the metric
 /// \param target  receives the end
 /// \return whether the end is q
 inline bool steer(const Space& space, View from, View q, double distance, double step, Configuration& target) {

@@ -31,9 +31,9 @@ std::string_view to_string(Status status);
 /// The budget of a level. Prefer limits on counts: only they are reproducible.
 struct Budget {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
-  double proposals = 50000;    ///< over all solves of the level
-  double checks = unlimited;   ///< validity checks, over all solves of the level
-  double seconds = unlimited;  ///< wall clock, over all solves of the level
+  double proposals = 50000;    ///< number of proposals, over all solves of the level
+  double checks = unlimited;   ///< number of validity checks, over all solves of the level
+  double seconds = unlimited;  ///< wall-clock seconds, over all solves of the level
 };
 
 /// The record of a level's search over all its solves: the source of all reports and measures.
@@ -41,7 +41,7 @@ struct Search {
   Configurations nodes;                ///< nodes of the tree or roadmap in order of insertion, the start first
   std::vector<std::uint32_t> parents;  ///< parent of each node; a root's parent is itself; no_node without a tree
   Configurations proposals;            ///< all proposals that h drew, including those that failed
-  std::vector<Fate> fates;             ///< of each proposal
+  std::vector<Fate> fates;             ///< result of each proposal
   std::vector<std::uint32_t> near;     ///< for each proposal, the node that was extended; no_node if none
   std::vector<std::uint32_t> added;    ///< for each proposal, the node that was added; no_node if none
   std::vector<Guidance::Source> proposal_sources;  ///< for each proposal, the part of h that drew it
@@ -126,7 +126,7 @@ struct PlannerCommon {
   Budget budget;
   double uniform = 0.05;    ///< share of uniform proposals of a guided level
   double goal_bias = 0.05;  ///< share of proposals that are the goal
-  double step = 0.0;        ///< longest extension of a tree, in metres of the metric; 0: the planner has none
+  double step = 0.0;        ///< longest extension of a tree, in metres in the metric; 0: the planner has none
   /// Limit of the work of guided proposals and of the levels below, per work of unguided proposals, beyond an initial
   /// grant and the work that progress earns; 0: no limit.
   double bound = 0.8;

@@ -39,7 +39,7 @@ class LifelongSearch {
   void remove_edges(std::span<const std::uint32_t> ids);
   /// Removes all edges of a vertex.
   void isolate(std::uint32_t vertex) { isolate({&vertex, 1}); }
-  /// Removes all edges of some vertices.
+  /// Removes all edges of several vertices.
   void isolate(std::span<const std::uint32_t> vertices);
 
   /// Updates the search. If it finds no path, further calls cost nothing until a new edge may connect the two parts of
@@ -169,7 +169,7 @@ class LifelongSearch {
   double cost_ = infinity;
   bool apart_ = false;  ///< the last search found no path, and no later edge connects the parts
   std::uint64_t expanded_ = 0;
-  std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< scratch
+  std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< tree and vertex, for `raise_changed`
 };
 
 template <class Triggered>

@@ -28,7 +28,7 @@ class RoadmapPlanner final : public Planner {
     /// Limit of the planner's proposals. A lazy roadmap that has spent it reconnects its nodes before it ends.
     double proposals = std::numeric_limits<double>::infinity();
     double improve = 0.0;  ///< proposals spent on a shorter path after the first path
-    /// Maximum distance of a new node from the nearest one, in metres of the metric. If finite, the planner steers
+    /// Maximum distance of a new node from the nearest one, in metres in the metric. If finite, the planner steers
     /// towards proposals instead of inserting them.
     double step = std::numeric_limits<double>::infinity();
     bool remove_first = false;
@@ -82,7 +82,7 @@ class RoadmapPlanner final : public Planner {
   std::uint32_t next_candidate();
   /// Whether the evaluator's event occurs at a vertex that the search has reached.
   [[nodiscard]] bool is_event(std::uint32_t vertex);
-  /// Mean length of a motion up to its first invalid configuration, in metres of the metric: the maximum likelihood
+  /// Mean length of a motion up to its first invalid configuration, in metres in the metric: the maximum likelihood
   /// estimate from the evaluated edges, with one invalid motion from start to goal as the prior.
   [[nodiscard]] double mean_valid_length() const;
   /// Validates the shortest path to a vertex: first its nodes, then its edges, each from both ends inwards. Removes the
@@ -175,7 +175,7 @@ class RoadmapPlanner final : public Planner {
   std::uint64_t evaluation_epoch_ = 0;
   double nearest_evaluated_ = std::numeric_limits<double>::infinity();  ///< distance from the goal to the nearest end
                                                                         ///< of a valid evaluated subpath
-  double evaluated_length_ = 0.0;   ///< of edges found valid, in metres of the metric
+  double evaluated_length_ = 0.0;   ///< of edges found valid, in metres in the metric
   double evaluated_invalid_ = 0.0;  ///< number of edges found invalid
   double best_cost_ = std::numeric_limits<double>::infinity();
   Configuration sample_;

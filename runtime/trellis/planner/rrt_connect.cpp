@@ -158,7 +158,7 @@ class RrtConnect final : public Planner {
     Fate fate = Fate::rejected;
     std::uint32_t near = 0;
     std::uint32_t added = 0;
-    bool blocked = false;  ///< at blocked_
+    bool blocked = false;  ///< its motion is invalid at blocked_
     bool there = false;    ///< the tree already contains q
   };
   Step extend(std::size_t side, NearestIndex::Neighbour near, View q) {

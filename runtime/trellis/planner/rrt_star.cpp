@@ -352,7 +352,7 @@ class RrtStar final : public Planner {
   Configuration target_;
   Configuration blocked_;
   BlockedMotions blocked_motions_;
-  std::uint32_t nearest_ = 0;  ///< to the goal
+  std::uint32_t nearest_ = 0;  ///< node nearest to a goal
   double nearest_distance_ = std::numeric_limits<double>::infinity();
   std::uint64_t epoch_ = 0;
   bool ends_checked_ = false;

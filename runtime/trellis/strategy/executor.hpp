@@ -34,7 +34,7 @@ struct Resolves {
 struct Improvement {
   std::uint64_t validity_checks = 0;  ///< of all levels so far
   double cpu_seconds = 0.0;
-  double length = 0.0;  ///< in metres of the metric
+  double length = 0.0;  ///< in metres in the metric
 };
 
 /// The record of one level of a hierarchy in one run. Level 0 is the root: the configuration space of the actual robot.
@@ -52,7 +52,7 @@ struct LevelRecord {
   bool presumed = false;                   ///< its validity was presumed instead of checked
   std::string planner;                     ///< name of the planner in scripts
   std::uint64_t solves = 0;                ///< number of solves, including further ones
-  Resolves resolves;                       ///< why it was solved again
+  Resolves resolves;                       ///< number of further solves, by reason
   int solved_as = -1;  ///< number of levels whose first solve ended before that of this one; -1: never solved
   /// Whether a guide, or a path from another guide, drew proposals for it.
   bool guided = false;
@@ -99,7 +99,7 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
 /// difference between the counts at its end and those at the end of the level's previous turn.
 struct Turn {
   int level = 0;
-  std::uint32_t proposals = 0;  ///< length of the level's Search::proposals when the turn ended
+  std::uint32_t proposals = 0;  ///< number of the level's proposals at the end of the turn
   std::uint32_t nodes = 0;
   bool solve_ended = false;  ///< false: it waits for a level below
   Configurations path;       ///< path of the solve that ended; empty if none ended or no path was found
@@ -111,7 +111,7 @@ struct RunRecord {
   double seconds = 0.0;      ///< wall-clock time to set up and plan, all levels, without completion of the record
   double cpu_seconds = 0.0;  ///< CPU time of the thread for the same
   Configurations path;       ///< from start to goal; empty if unsolved
-  double length = 0.0;       ///< of `path`, in metres of the metric
+  double length = 0.0;       ///< of `path`, in metres in the metric
   Trajectory trajectory;     ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;

@@ -25,7 +25,7 @@ struct GuideExplanation {
   GuideSpec spec;
   std::string summary;                   ///< one line; "" for a custom guide
   const Component* component = nullptr;  ///< describes the options of `spec`; nullptr if it has none
-  const GuideClaims* claims = nullptr;   ///< f, h, density and feedback
+  const GuideClaims* claims = nullptr;   ///< f, h, density and feedback of the guide
   std::int64_t resolves = 0;          ///< maximum number of further solves of its space; 0 for combinators and S = {0}
   double effort = Budget::unlimited;  ///< maximum number of proposals of the first search of its space
   double effort_again = Budget::unlimited;  ///< maximum number of proposals of each further search
