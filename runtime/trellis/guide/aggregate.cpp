@@ -50,7 +50,7 @@ class Aggregate final : public PathGuide {
     error_ = settings_.error > 0.0 ? settings_.error : plain;
     validity_ = std::make_shared<ChangingWorld>(parent, aggregated(world_, error_));
     instance->validity = validity_;
-    // A hull may hold the start or the goal. Where C does too, no refinement helps.
+    // A hull may contain the start or the goal. If an obstacle of C does too, no refinement helps.
     while (!(instance->valid(instance->start) && instance->valid(instance->goal)) && refine()) {
     }
     instance->scene = validity_->scene();
@@ -63,18 +63,18 @@ class Aggregate final : public PathGuide {
   }
   [[nodiscard]] double effort() const override { return static_cast<double>(settings_.effort); }
 
-  /// Where S has no path its hulls become finer.
+  /// Refines the hulls if S has no path.
   std::int64_t another(const Solution* found) override {
     if (found != nullptr || !refine()) return 0;
     return settings_.effort;
   }
 
  protected:
-  /// A path among hulls is valid among the obstacles.
+  /// A path that avoids the hulls is valid in C.
   [[nodiscard]] bool relaxes() const override { return false; }
 
  private:
-  /// To the half of the error, at the end to none; whether it was not none before.
+  /// Halves the error; sets it to 0 after the last refinement. Returns whether it was greater than 0 before.
   bool refine() {
     if (error_ == 0.0) return false;
     error_ = left_ > 0 ? 0.5 * error_ : 0.0;
@@ -85,10 +85,10 @@ class Aggregate final : public PathGuide {
   }
 
   AggregateSettings settings_;
-  World world_;  ///< of the parent
+  World world_;  ///< the parent's world
   Instance* sub_ = nullptr;
   double error_ = 0.0;
-  std::int64_t left_;  ///< refinements
+  std::int64_t left_;  ///< remaining refinements
   std::shared_ptr<ChangingWorld> validity_;
 };
 

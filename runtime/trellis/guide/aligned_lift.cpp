@@ -17,7 +17,7 @@ AlignedLift::AlignedLift(std::shared_ptr<const Projection> position, std::shared
       model_(std::move(model)),
       directions_(std::move(directions)),
       alignment_(alignment),
-      // The heading is uniform and turns the velocity, so the velocity's direction is uniform too.
+      // The heading is uniform and rotates the velocity, so the direction of the velocity is uniform too.
       share_(std::acos(alignment) / std::numbers::pi) {
   for (const ControlAxis& control : model_->controls()) fastest_.push_back(control.hi);
 }

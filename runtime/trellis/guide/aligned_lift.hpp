@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// States whose velocity points where an edge of the workspace's skeleton leads.
+// States whose velocity is aligned with an edge of the workspace's skeleton.
 #pragma once
 
 #include <memory>
@@ -11,18 +11,18 @@
 
 namespace trellis {
 
-/// Lifts positions to states of a motion model that move along a direction: the cosine of the angle between it and the
-/// velocity of the position is at least `alignment`. Of several directions each draw takes one. The velocity of a model
-/// whose state has none is the one at its greatest speed.
+/// Lifts positions to states of a motion model that move along a direction: the cosine of the angle between the
+/// direction and the position's velocity is at least `alignment`. Each draw picks one of the directions. If the state
+/// of the model has no velocity, the velocity at full speed counts.
 class AlignedLift final : public Projection {
  public:
-  /// \param position    uniform over headings and velocities; its fibres have a closed density
-  /// \param directions  of length 1, at least one
-  /// \param alignment   in (-1, 1)
+  /// \param position  lift that is uniform over headings and velocities; its fibres have a closed density
+  /// \param directions  unit vectors, at least one
+  /// \param alignment  in (-1, 1)
   AlignedLift(std::shared_ptr<const Projection> position, std::shared_ptr<const MotionModel> model,
               std::vector<Vec2> directions, double alignment);
 
-  /// Whether an instance has states that can be aligned.
+  /// Whether the states of an instance have a velocity or heading to align.
   static bool applies(const Instance& instance);
 
   void project(View q, MutableView s) const override { position_->project(q, s); }
@@ -32,7 +32,7 @@ class AlignedLift final : public Projection {
   [[nodiscard]] bool contracts() const override { return position_->contracts(); }
 
  private:
-  /// The direction in which the position moves at q; {0, 0} where it stands still.
+  /// The direction of the position's velocity at q; {0, 0} if it is 0.
   [[nodiscard]] Vec2 heading(View q) const;
   [[nodiscard]] bool aligned(Vec2 heading, Vec2 direction) const;
 
@@ -40,7 +40,7 @@ class AlignedLift final : public Projection {
   std::shared_ptr<const MotionModel> model_;
   std::vector<Vec2> directions_;
   double alignment_;
-  double share_;  ///< of a fibre that is aligned with one direction
+  double share_;  ///< share of a fibre that is aligned with one direction
   Configuration fastest_;
 };
 

@@ -26,7 +26,7 @@ Vec2 direction_of(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * pi); }
 
-/// Vertices of a part in its body's frame; of a disc, its centre with the radius.
+/// A vertex of a part in its body's frame; for a disc, the centre and the radius.
 struct Extent {
   Vec2 point;
   double radius = 0.0;
@@ -44,8 +44,8 @@ std::vector<Extent> extents_of(const Body& body) {
   return extents;
 }
 
-/// The end of a body that is farthest from its joint: on the line from there through the middle of its parts. None
-/// where the middle is at the joint.
+/// The end of a body that is farthest from its joint, on the line from the joint through the centre of its parts'
+/// bounding box. None if the centre is at the joint.
 std::optional<Vec2> end_of(const std::vector<Extent>& extents) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec2 lo{infinity, infinity};
@@ -65,17 +65,18 @@ std::optional<Vec2> end_of(const std::vector<Extent>& extents) {
   return end * along;
 }
 
-/// The world as far as an arm reaches.
+/// The part of the world that an arm reaches.
 World reachable_world(const World& world, Vec2 base, double least, double most) {
   constexpr int wedges = 48;
-  constexpr double about = 1.02;  // so that the reach and the boundary have no side in common
+  constexpr double about = 1.02;  // so that the reachable set and the bounds have no side in common
   const Box2& whole = world.bounds();
   const double wide = about * most;
   const Box2 box{{std::max(whole.lo.x, base.x - wide), std::max(whole.lo.y, base.y - wide)},
                  {std::min(whole.hi.x, base.x + wide), std::min(whole.hi.y, base.y + wide)}};
   if (!(box.lo.x < box.hi.x) || !(box.lo.y < box.hi.y)) return world;
   auto obstacles = world.obstacles();
-  // The border of the reach may be reached itself, so the obstacles keep off it by more than rounding.
+  // The arm may reach the boundary of the reachable set, so the obstacles keep a distance from it that exceeds
+  // rounding.
   if (least > 0.0) obstacles.push_back({"what is too near to the arm's base", Disc{base, (1.0 - 1e-9) * least}});
   const double step = 2.0 * pi / wedges;
   const double inner = most * (1.0 + 1e-9) / std::cos(0.5 * step);
@@ -93,11 +94,12 @@ World reachable_world(const World& world, Vec2 base, double least, double most) 
   return {box, std::move(obstacles)};
 }
 
-/// The same, remembered for the world and its copies while one of them lives, so that what is worked out about it is.
+/// Caches `reachable_world` for a world and its copies while one of them lives, so that data computed for the result
+/// are reused.
 World cached_reachable_world(const World& world, Vec2 base, double least, double most) {
   using Key = std::tuple<const void*, double, double, double, double>;
   struct Slot {
-    std::weak_ptr<const void> world;  // an expired one tells that the address now means another world
+    std::weak_ptr<const void> world;  // if expired, the address belongs to another world
     World reachable;
   };
   static std::mutex mutex;
@@ -119,10 +121,10 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance) {
   }
   if (robot.translates()) return fmt::format("this space ({}) has no position", instance.space.name());
   const auto& bodies = robot.bodies();
-  // Bodies that nothing turns against each other are one link.
+  // Bodies without a joint between them form one link.
   struct Group {
-    int body = -1;  // whose axis turns it; -1: the base
-    Vec2 offset;    // of a body's origin in that body's frame
+    int body = -1;  // body whose axis rotates the group; -1: the base
+    Vec2 offset;    // of a body's origin in the frame of `body`
   };
   std::vector<Group> groups;
   groups.reserve(bodies.size());
@@ -153,7 +155,7 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance) {
       groups.push_back({last, {}});
       extents.clear();
     }
-    if (groups.back().body != last) continue;  // part of the base, or of a link before
+    if (groups.back().body != last) continue;  // part of the base, or of an earlier link
     for (const auto& [point, radius] : extents_of(body)) extents.push_back({groups.back().offset + point, radius});
   }
   if (chain.links.size() < 2) {
@@ -250,7 +252,7 @@ double ArmProjection::folded(View s, const std::function<double(View)>& density)
     add(turn - beyond);
     if (k > 0) add(turn + beyond);
   }
-  // Nearer to the base than the arm reaches there may be more than one reflection too.
+  // Positions nearer to the base than the arm reaches may also have several reflections.
   for (int k = -1; least + 2.0 * k * width + width >= 0.0; --k) {
     const double turn = least + 2.0 * k * width;
     add(turn - beyond);
@@ -281,7 +283,7 @@ bool ArmProjection::turn(std::size_t link, double direction, double before, Muta
   double angle = this->angle(link, direction, before);
   const double turns = std::floor((angle - axis.lo) / (2.0 * pi));
   angle -= 2.0 * pi * turns;
-  // Rounding must not exclude the limits themselves.
+  // Rounding must not exclude a limit itself.
   if (!axis.periodic && angle > axis.hi) {
     if (angle - axis.hi < 1e-12) {
       angle = axis.hi;
@@ -347,7 +349,7 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
   }
   const Vec2 to = s - p;
   const Arc elbow = arc(n - 2, norm(to));
-  // Where the last joint may lie at any place about the tip, one is as good as another.
+  // If the tip is at the joint of the second-last link, all directions of that link are equally likely.
   const double bend = norm(to) > 0.0 ? elbow.most : stream.uniform(0.0, pi);
   const double first = stream.below(2) == 0 ? 1.0 : -1.0;
   const std::array sides = {first, -first};
@@ -397,7 +399,7 @@ double ArmProjection::log_fibre_density(View q) const {
     }
     p = p + link.length * direction_of(direction);
   }
-  // The Jacobian of the tip in the last two angles.
+  // The Jacobian determinant of the tip's position with respect to the last two angles.
   const double jacobian =
       chain_.links[n - 2].length * chain_.links[n - 1].length * std::abs(std::sin(direction - last));
   return density + std::log(jacobian);
@@ -416,7 +418,7 @@ Configurations ArmProjection::lifted(const Configurations& path, View start, Vie
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (i > 0) at += space_.distance(path[i - 1], path[i]);
     parent_.interpolate(start, goal, length > 0.0 ? at / length : 0.0, q);
-    // A position that it cannot follow to is left out.
+    // Omits a position that the arm cannot follow to.
     if (follow(path[i], q)) result.push(q);
   }
   return result;

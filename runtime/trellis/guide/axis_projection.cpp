@@ -20,7 +20,7 @@ std::vector<Axis> axes_of(const Space& parent, const std::vector<std::size_t>& k
   return axes;
 }
 
-/// Of each axis of S that of the parent which has its name.
+/// For each axis of S, the parent's axis of the same name.
 std::vector<std::size_t> named_alike(const Space& parent, const Space& s) {
   std::vector<std::string> names;
   names.reserve(parent.dimension());

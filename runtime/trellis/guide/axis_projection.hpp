@@ -11,15 +11,16 @@
 
 namespace trellis {
 
-/// f that keeps some axes of a space. The fibre is everything else, uniform.
+/// f that keeps some axes of a space. The fibre consists of the other axes; its distribution is uniform.
 class AxisProjection : public Projection {
  public:
-  /// The axes of S are those of the parent, with their weights.
+  /// The axes of S are axes of the parent, with the same weights.
   /// \param kept  axes of the parent, in the order of S
   /// \param name  of S
   AxisProjection(Space parent, std::vector<std::size_t> kept, std::string name);
-  /// The axes of S are told by their names. Throws Error where S has an axis that the parent lacks, or one that goes
-  /// beyond the parent's or wraps around otherwise.
+  /// Matches the axes of S to those of the parent by name.
+  /// \throws Error if S has an axis that the parent lacks, that exceeds the parent's range, or that differs in
+  ///     periodicity
   AxisProjection(Space parent, Space s);
 
   void project(View q, MutableView s) const override {
@@ -36,13 +37,14 @@ class AxisProjection : public Projection {
   [[nodiscard]] bool contracts() const override;
   [[nodiscard]] const Space& space() const { return space_; }
   [[nodiscard]] const Space& parent() const { return parent_; }
-  /// Of each axis of S the axis of the parent.
+  /// For each axis of S, the parent's axis.
   [[nodiscard]] const std::vector<std::size_t>& kept() const { return kept_; }
-  /// Whether S has all axes of the parent in their order.
+  /// Whether S has all axes of the parent in the same order.
   [[nodiscard]] bool identity() const;
-  /// Per volume in metric coordinates of C and S: where S weighs an axis otherwise it holds the Jacobian too.
+  /// log volume of the fibre, per volume in the metric coordinates of C and S. It includes the Jacobian if S has other
+  /// weights than C.
   [[nodiscard]] double log_fibre_volume() const { return log_fibre_volume_; }
-  /// A path in S with the other coordinates turned evenly from those of `start` to those of `goal`.
+  /// A path in S; the other coordinates are interpolated from `start` to `goal`.
   [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
 
  private:

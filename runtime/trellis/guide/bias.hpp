@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What guides with S = {0} have in common: a function from the parent's instance to h, and no space.
+// Shared by guides with S = {0}: h is a function of the parent's instance.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// A guide that is a function from the parent instance to h.
+/// A guide with S = {0} whose h is a function of the parent's instance.
 template <class Make, class Check>
 class Bias final : public Guide {
  public:
@@ -32,7 +32,8 @@ class Bias final : public Guide {
   Check check_;
 };
 
-/// \param check  throws Error for an instance that it cannot be made for
+/// \param make  returns h for an instance
+/// \param check  throws Error if the guide does not apply to an instance
 template <class Make, class Check>
 std::unique_ptr<Guide> bias(Make make, Check check) {
   return std::make_unique<Bias<Make, Check>>(std::move(make), std::move(check));
@@ -42,7 +43,8 @@ std::unique_ptr<Guide> bias(Make make) {
   return bias(std::move(make), [](const Instance&) {});
 }
 
-/// A kind of such guides. \param feedback  what observe does
+/// A kind of guide with S = {0}.
+/// \param feedback  description of what h does in `observe`
 GuideKind sampling_kind(const Component& component, std::unique_ptr<Guide> (*make)(const Options&), std::string h,
                         std::string density, bool closed_form, std::string feedback = "none");
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Guides with S = {0}: a sampling bias and no space behind it.
+// Guides with S = {0}: sampling biases.
 #include <cmath>
 #include <limits>
 
@@ -85,7 +85,7 @@ class GoalBias final : public Heuristic {
   double share_;
 };
 
-/// Gaussian sampling and the bridge test: pairs of configurations whose validity is looked at, on the parent's account.
+/// Gaussian sampling and the bridge test. They check pairs of configurations; the parent's instance counts the checks.
 class NearObstacle final : public Heuristic {
  public:
   enum class Test : std::uint8_t { gaussian, bridge };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Validity in spaces whose world is not C's, and need not stay what it is.
+// Validity in spaces whose world differs from C's and may change.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// The instance's robot in a world that can be exchanged. Checked for real, whatever the parent presumes.
+/// The instance's robot in a replaceable world. Makes collision checks even if the parent presumes validity.
 class ChangingWorld final : public Validity {
  public:
   ChangingWorld(Instance parent, World world) : parent_(std::move(parent)) { set(std::move(world)); }
@@ -26,7 +26,7 @@ class ChangingWorld final : public Validity {
   [[nodiscard]] bool state(View q) override { return validity_->state(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return validity_->motion(a, b); }
   [[nodiscard]] double clearance(View q) override { return validity_->clearance(q); }
-  /// What the robot touches in this world.
+  /// The contact of the robot with this world.
   [[nodiscard]] std::optional<Contact> contact(View q) override { return validity_->contact(q); }
   [[nodiscard]] double invalid_radius(View q) override { return validity_->invalid_radius(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }

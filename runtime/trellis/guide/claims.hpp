@@ -7,43 +7,43 @@
 
 namespace trellis {
 
-/// What a guiding space claims of itself: told by help and the catalogue, and held to by the laws in the tests.
+/// The documented properties of a guiding space. Help and catalogue print them; tests verify them.
 struct GuideClaims {
-  /// The families of the paper.
+  /// The families of guiding spaces in the paper.
   enum class Category : std::uint8_t { trivial, robot, environment, experience, sampling, combinator };
-  /// What h goes by where S holds no path.
+  /// How h guides if S has no path.
   enum class Fallback : std::uint8_t {
-    none,     ///< S = {0}: there is nothing to search
-    nearest,  ///< the way to what came nearest to the goal
-    own,      ///< as the text says
+    none,     ///< S = {0}: there is no search
+    nearest,  ///< along the path to the node nearest to the goal
+    own,      ///< as described in `no_path`
   };
 
-  /// What a guide asks of the space that it guides in; it refuses any other.
+  /// What a guide requires of the space that it guides in. It rejects other spaces.
   enum class Needs : std::uint8_t {
     nothing,
     position,       ///< a reference point of the robot that moves in the plane, or the tip of an arm
-    position_axes,  ///< a reference point that two axes of the space move
-    robot_axes,     ///< axes that are the robot's own
+    position_axes,  ///< a reference point whose position is two axes of the space
+    robot_axes,     ///< axes that are axes of the robot
   };
 
   Category category = Category::sampling;
-  std::string f;             ///< in a line
-  std::string h;             ///< in a line
-  bool closed_form = false;  ///< of the density
-  std::string density;       ///< of what
-  std::string feedback;      ///< what observe and learn do
-  bool relaxes = true;       ///< f maps what is valid in C to what is valid in S
-  std::string invalid_ends;  ///< what becomes of a start or goal that f maps to what is invalid in S
+  std::string f;             ///< description, one line
+  std::string h;             ///< description, one line
+  bool closed_form = false;  ///< whether h has a closed density
+  std::string density;       ///< description of h's density
+  std::string feedback;      ///< description of `observe` and `learn`
+  bool relaxes = true;       ///< whether f maps every valid configuration of C to a valid one of S
+  std::string invalid_ends;  ///< description: a start or goal that f maps to an invalid configuration of S
   Fallback fallback = Fallback::none;
-  std::string no_path;  ///< what happens where S has no path
+  std::string no_path;  ///< description: S has no path
   std::string example;  ///< a script: "examples/nested.lua"
   Needs needs = Needs::nothing;
-  bool relaxes_arms = true;  ///< where it relaxes: also for a robot that is fixed to its base
+  bool relaxes_arms = true;  ///< `relaxes` also applies to a robot that is fixed to its base
 };
 
-/// "robot modification".
+/// The name of the category, as "robot modification".
 std::string_view to_string(GuideClaims::Category category);
-/// "a robot whose reference point moves in the plane"; "" for nothing.
+/// The requirement, as "a robot whose reference point moves in the plane"; "" for `nothing`.
 std::string_view to_string(GuideClaims::Needs needs);
 
 }  // namespace trellis

@@ -12,16 +12,17 @@
 
 namespace trellis {
 
-/// An Error whose message already says where in a run it arose.
+/// An Error whose message already contains its location in the run.
 class PlacedError : public Error {
  public:
   using Error::Error;
 };
 
-/// What guides of one run have in common: made by the first that asks for it.
+/// Objects that the guides of one run share. The first guide that needs an object creates it.
 class RunShared {
  public:
-  /// \param key   tells what is asked for from what others ask for
+  /// The object of a key; creates it at the first call.
+  /// \param key  identifies the object
   /// \param make  returns a std::shared_ptr<T>
   template <class T, class Make>
   std::shared_ptr<T> get(const void* key, const Make& make) {
@@ -34,24 +35,24 @@ class RunShared {
   std::map<const void*, std::shared_ptr<void>> held_;
 };
 
-/// Where in a run a guide is at work.
+/// The location of a guide in a run.
 struct GuideSite {
   std::uint64_t seed = 0;
-  std::string key;    ///< its place in the hierarchy, that random streams are keyed by
-  std::string place;  ///< the same for messages: "script.lua:7: in half >> rrt, level 1 (problem 'trap', seed 3)"
+  std::string key;    ///< location in the hierarchy, the key of random streams
+  std::string place;  ///< the location for messages: "script.lua:7: in half >> rrt, level 1 (problem 'trap', seed 3)"
   RunShared& shared;
 };
 
-/// A guide that is no component of the registry: somebody made it, and it stands in specs beside those. Immutable, and
-/// shared by the runs of all threads.
+/// A guide that is not in the registry: a script or another caller defines it. Specs contain it beside registered
+/// guides. Immutable; the runs of all threads share it.
 class CustomGuide {
  public:
   struct Description {
-    std::string name;             ///< how specs, reports and messages call it
-    std::string identity;         ///< equal for equal guides and for no others, on every machine
-    std::string default_planner;  ///< of its own search, "" where S = {0}
-    std::int64_t resolves = 0;    ///< how often its space may be solved again
-    GuideClaims claims = {};      ///< what it says of its f and h
+    std::string name;             ///< in specs, reports and messages
+    std::string identity;         ///< equal for equal guides only, on every machine
+    std::string default_planner;  ///< planner of the search of S; "" if S = {0}
+    std::int64_t resolves = 0;    ///< maximum number of further solves of S
+    GuideClaims claims = {};      ///< the properties of f and h
   };
 
   explicit CustomGuide(Description description) : description_(std::move(description)) {}
@@ -60,7 +61,7 @@ class CustomGuide {
   virtual ~CustomGuide() = default;
 
   [[nodiscard]] const Description& description() const { return description_; }
-  /// The guide at work in one place of one run.
+  /// Makes the guide for one location of one run.
   [[nodiscard]] virtual std::unique_ptr<Guide> make(const GuideSite& site) const = 0;
 
  private:

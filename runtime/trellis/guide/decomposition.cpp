@@ -61,11 +61,11 @@ const Settings<DecompositionSettings>& decomposition_settings() {
   return settings;
 }
 
-/// Triangles, and the position in the plane of what lies in them, in a space.
+/// Triangles of the plane of the position, and the projection to that plane.
 struct Decomposition {
   Triangulation triangulation;
   PositionProjection projection;
-  /// Of positions: metric coordinates per square metre.
+  /// Metric coordinates of S per square metre.
   double scale;
 
   [[nodiscard]] std::optional<std::uint32_t> find(View q) const {
@@ -73,8 +73,9 @@ struct Decomposition {
     projection.project(q, s);
     return triangulation.find({s[0], s[1]});
   }
-  /// The density over C, at q, of positions that are uniform in triangles. NaN where that of a lift is not known.
-  /// \param mass  probability of a triangle
+  /// The density over C, at q, of lifted positions that are uniform in triangles. NaN if the fibres have no closed
+  /// density.
+  /// \param mass  returns the probability of a triangle
   template <class Mass>
   [[nodiscard]] double density(View q, const Mass& mass) const {
     if (!projection.closed_form()) return std::numeric_limits<double>::quiet_NaN();
@@ -88,12 +89,12 @@ struct Decomposition {
   }
 };
 
-/// Uniform within each triangle; triangles have masses.
+/// A mixture of uniform distributions on triangles.
 class TriangleDensity final : public Density {
  public:
   using Mass = std::pair<std::uint32_t, double>;
 
-  /// \param masses  in the order of triangles, each once
+  /// \param masses  in ascending order of triangles, without duplicates
   TriangleDensity(std::shared_ptr<const Decomposition> decomposition, std::vector<Mass> masses)
       : decomposition_(std::move(decomposition)), masses_(std::move(masses)) {}
 
@@ -127,7 +128,7 @@ class TriangleDensity final : public Density {
   std::vector<Mass> masses_;
 };
 
-/// The densities that h of every lead is a mixture of, each made once.
+/// The components of the mixtures of all leads. Each is made once.
 class TriangleDensities {
  public:
   explicit TriangleDensities(std::shared_ptr<const Decomposition> decomposition)
@@ -142,7 +143,7 @@ class TriangleDensities {
 
   /// Uniform over all triangles.
   [[nodiscard]] const std::shared_ptr<const Density>& everywhere() const { return everywhere_; }
-  /// Uniform in one.
+  /// Uniform in one triangle.
   [[nodiscard]] const std::shared_ptr<const Density>& in(std::uint32_t triangle) {
     auto& density = alone_[triangle];
     if (!density) {
@@ -157,11 +158,11 @@ class TriangleDensities {
   std::vector<std::shared_ptr<const Density>> alone_;
 };
 
-/// What the tree explored, over all leads: the estimates that SyCLoP keeps of regions, here triangles, and of the
-/// connections between neighbours.
+/// Statistics of the tree over all leads: SyCLoP's estimates for regions (here: triangles) and for connections between
+/// neighbours.
 class Exploration {
  public:
-  /// \param cell  side length in metres of the grid cells that coverage is counted in
+  /// \param cell  side length of the grid cells that measure coverage, metres
   Exploration(std::shared_ptr<const Decomposition> decomposition, double cell)
       : decomposition_(std::move(decomposition)), cell_(cell) {
     const auto& triangles = decomposition_->triangulation.triangles();
@@ -177,7 +178,7 @@ class Exploration {
     }
   }
 
-  /// The node that a tree starts from.
+  /// Adds the root of a tree.
   void plant(View start) {
     const auto region = decomposition_->find(start);
     if (!region) return;
@@ -186,7 +187,7 @@ class Exploration {
     cover(*region, regions_[*region].covered, start);
   }
 
-  /// Whether the outcome improved the coverage of a triangle or of a connection.
+  /// Adds an outcome. Returns whether it improved the coverage of a triangle or of a connection.
   bool note(const Outcome& outcome) {
     if (!outcome.blocked_at.empty()) {
       if (const auto region = decomposition_->find(outcome.blocked_at)) regions_[*region].invalid += 1.0;
@@ -198,7 +199,7 @@ class Exploration {
     to.valid += 1.0;
     if (!outcome.connected) return false;
     to.reached = true;
-    // The rows of a tree that grows from the goal are not expanded along a lead from the start.
+    // A lead starts at the start, so nodes of the tree from the goal are not expanded.
     if (outcome.added_row != no_node && !outcome.from_goal) to.nodes.push_back({outcome.added_row, 0.0});
     bool improved = cover(*region, to.covered, outcome.added);
     if (!outcome.near.empty()) {
@@ -213,7 +214,7 @@ class Exploration {
     return improved;
   }
 
-  /// Counts that a lead leads through these triangles.
+  /// Counts a lead through these triangles.
   void include(const std::vector<std::uint32_t>& lead) {
     for (std::size_t i = 1; i < lead.size(); ++i) {
       const auto found = connections_.find(key(lead[i - 1], lead[i]));
@@ -223,7 +224,8 @@ class Exploration {
 
   [[nodiscard]] bool reached(std::uint32_t region) const { return regions_[region].reached; }
 
-  /// How likely a triangle of the lead is expanded: those with much free volume, little covered, seldom selected.
+  /// The weight of a triangle of the lead in the selection: high for large free volume, low coverage and few
+  /// selections.
   [[nodiscard]] double weight(std::uint32_t region) const {
     const Region& r = regions_[region];
     return fourth(free_volume(r)) / ((1.0 + r.covered) * (1.0 + r.selections * r.selections));
@@ -236,7 +238,7 @@ class Exploration {
     return (1.0 + selections * selections) / (1.0 + c.covered * c.covered) * alpha(regions_[a]) * alpha(regions_[b]);
   }
 
-  /// A node of the triangle, as a place in it, those seldom selected more likely; none where no row is known.
+  /// Picks a node of the triangle, as an index; rarely selected nodes are more likely. None if no row is known.
   [[nodiscard]] std::optional<std::size_t> pick_node(std::uint32_t region, Stream& stream) const {
     const auto& nodes = regions_[region].nodes;
     if (nodes.empty()) return std::nullopt;
@@ -255,7 +257,7 @@ class Exploration {
     regions_[region].selections += 1.0;
     if (node) regions_[region].nodes[*node].selections += 1.0;
   }
-  /// Forgets the rows of nodes, as those of another tree.
+  /// Removes all nodes: their rows belong to another tree.
   void forget_rows() {
     for (Region& r : regions_) r.nodes.clear();
   }
@@ -266,19 +268,19 @@ class Exploration {
     double selections;
   };
   struct Region {
-    double volume = 1.0;  ///< of the mean triangle's
-    double valid = 0.0;   ///< configurations found valid
+    double volume = 1.0;  ///< relative to the mean triangle
+    double valid = 0.0;   ///< number of configurations found valid
     double invalid = 0.0;
-    double covered = 0.0;     ///< cells with a node
-    double selections = 0.0;  ///< how often one of its nodes was to be expanded
-    bool reached = false;     ///< a node lies in it
+    double covered = 0.0;     ///< number of cells with a node
+    double selections = 0.0;  ///< number of selections of its nodes
+    bool reached = false;     ///< it contains a node
     std::vector<Node> nodes;
   };
   struct Connection {
-    std::uint32_t owner = 0;  ///< of its cells
-    double crossed = 0.0;     ///< extensions from the one triangle to the other
-    double leads = 0.0;       ///< leads through it before it was crossed
-    double covered = 0.0;     ///< cells in which extensions across it ended
+    std::uint32_t owner = 0;  ///< key of its cells
+    double crossed = 0.0;     ///< number of extensions from one triangle to the other
+    double leads = 0.0;       ///< number of leads through it before the first extension across it
+    double covered = 0.0;     ///< number of cells that contain the end of an extension across it
   };
 
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
@@ -289,7 +291,7 @@ class Exploration {
     return (1.0 + r.valid) / (1.0 + r.valid + r.invalid) * r.volume;
   }
 
-  /// Counts the cell of q for `owner`; whether it is new to it.
+  /// Counts the cell of q for `owner`. Returns whether the cell is new to it.
   bool cover(std::uint32_t owner, double& covered, View q) {
     std::array<double, 2> s{};
     decomposition_->projection.project(q, s);
@@ -304,14 +306,14 @@ class Exploration {
   std::vector<Region> regions_;
   std::unordered_map<std::uint64_t, Connection> connections_;
   std::set<std::tuple<std::uint32_t, std::int64_t, std::int64_t>>
-      cells_;  ///< with a node, of triangles and connections
+      cells_;  ///< covered cells of triangles and connections
 };
 
-/// h along a lead: a triangle that the tree has reached is selected, then one of its nodes, and the proposal is drawn
-/// from it or the next triangles of the lead.
+/// h along a lead: selects a triangle that the tree has reached, then one of its nodes, and draws the proposal from
+/// this triangle or the next ones of the lead.
 class LeadHeuristic final : public Heuristic {
  public:
-  /// \param stream  decides which of the triangles reached are expanded
+  /// \param stream  random stream that selects the available triangles
   LeadHeuristic(std::shared_ptr<const Decomposition> decomposition, const DecompositionSettings& settings,
                 std::shared_ptr<Exploration> exploration, Instance& parent,
                 std::shared_ptr<TriangleDensities> densities, std::vector<std::uint32_t> lead, Configurations lifted,
@@ -326,7 +328,8 @@ class LeadHeuristic final : public Heuristic {
         next_luck_(luck),
         parent_epoch_(parent.epoch()),
         position_(2) {
-    // From the end of the lead: the farthest that the tree has reached, then each further one with this probability.
+    // From the end of the lead: the last triangle that the tree has reached, then each further one with this
+    // probability.
     constexpr double keep_adding = 0.5;
     available_.assign(lead_.size(), 0);
     for (std::size_t i = lead_.size(); i-- > 0;) {
@@ -386,7 +389,7 @@ class LeadHeuristic final : public Heuristic {
 
   void observe(const Outcome& outcome, bool mine) override {
     if (parent_.epoch() != parent_epoch_) {
-      // The planner grows another tree, or less of this one.
+      // The planner has a new tree, or removed nodes.
       exploration_->forget_rows();
       parent_epoch_ = parent_.epoch();
       node_.reset();
@@ -413,7 +416,7 @@ class LeadHeuristic final : public Heuristic {
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
  private:
-  /// Of each triangle of the lead: how likely it is selected, and how likely a proposal on the lead lies in it.
+  /// Computes for each triangle of the lead the weight of its selection and the mass of proposals in it.
   void weigh() {
     weights_.assign(lead_.size(), 0.0);
     masses_.assign(lead_.size(), 0.0);
@@ -458,17 +461,17 @@ class LeadHeuristic final : public Heuristic {
   std::shared_ptr<TriangleDensities> densities_;
   std::vector<std::uint32_t> lead_;
   Configurations lifted_;
-  std::uint64_t& next_luck_;  ///< what the next lead's chances are drawn with
+  std::uint64_t& next_luck_;  ///< seed of the next lead's random stream
   std::uint64_t parent_epoch_;
-  std::vector<char> available_;  ///< of each: its nodes may be expanded
+  std::vector<char> available_;  ///< for each triangle of the lead: the planner may expand its nodes
   std::vector<double> weights_;
   std::vector<double> masses_;
   std::int64_t expansions_ = 0;
   std::uint64_t epoch_ = 0;
   TreeSide side_ = TreeSide::start;
   // Of the last proposal:
-  std::size_t region_ = 0;           ///< whose node is expanded, a place on the lead
-  std::optional<std::size_t> node_;  ///< of that triangle
+  std::size_t region_ = 0;           ///< triangle whose node is expanded, as an index into the lead
+  std::optional<std::size_t> node_;  ///< index of the node in that triangle
   double luck_ = 1.0;
   bool on_lead_ = false;
   bool stale_ = false;
@@ -488,7 +491,7 @@ class DecompositionGuide final : public Guide {
         Triangulation(instance->scene->world, side), std::move(projection), axes[0].weight * axes[1].weight});
     const auto& triangles = decomposition_->triangulation.triangles();
     if (triangles.empty()) throw Error("decomposition: the world leaves no free space");
-    constexpr double cells = 4.0;  // of the coverage grid, along a triangle's side
+    constexpr double cells = 4.0;  // cells of the coverage grid along a triangle's side
     exploration_ = std::make_shared<Exploration>(decomposition_, side / cells);
     exploration_->plant(parent.start);
     densities_ = std::make_shared<TriangleDensities>(decomposition_);
@@ -509,7 +512,7 @@ class DecompositionGuide final : public Guide {
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
     Stream stream(luck_, "decomposition", "lead");
     std::vector<std::uint32_t> lead;
-    // Before anything was drawn the first lead is a shortest path.
+    // The first lead, before any proposal, is a shortest path.
     if (luck_ != 0 && stream.uniform() < settings_.random_leads) lead = random_lead(stream);
     Configurations path(2);
     if (!lead.empty()) {
@@ -533,13 +536,13 @@ class DecompositionGuide final : public Guide {
   void before_resolve() override {
     for (std::size_t e = 0; e < graph_->edges.size(); ++e) {
       const auto& [a, b] = sides_[e];
-      // Those of start and goal are on every lead.
+      // Each lead contains the edges of start and goal, so their costs do not matter.
       if (a != b) graph_->edges[e].cost = exploration_->cost(a, b);
     }
   }
 
  private:
-  /// \param tip  of an arm, which has no size
+  /// \param tip  the position is that of an arm's tip, which has no size
   [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
     if (settings_.size > 0.0) return settings_.size;
     const double robot = tip ? 0.0 : parent.scene->robot.bounding_radius();
@@ -547,8 +550,8 @@ class DecompositionGuide final : public Guide {
     return robot > 0.0 ? 2.0 * robot : (tip ? 0.05 : 0.02) * norm(bounds.hi - bounds.lo);
   }
 
-  /// Triangles as vertices at their centroids, joined through the middles of the sides that they share; start and goal
-  /// are joined to the triangles that they lie in.
+  /// Makes the graph: triangles are vertices at their centroids, with edges through the midpoints of shared sides.
+  /// Start and goal are connected to the triangles that contain them.
   void make_graph(const Instance& instance) {
     graph_ = std::make_shared<Graph>();
     sides_.clear();
@@ -572,7 +575,7 @@ class DecompositionGuide final : public Guide {
     graph_->goal = join(instance.goal, instance.space);
   }
 
-  /// The triangles of a random depth-first search from start to goal; empty where it finds none.
+  /// The triangles of a random depth-first search from start to goal; empty if it finds no path.
   [[nodiscard]] std::vector<std::uint32_t> random_lead(Stream& stream) const {
     const auto at = [&](std::uint32_t vertex) {
       const View p = std::as_const(graph_->vertices)[vertex];
@@ -622,10 +625,10 @@ class DecompositionGuide final : public Guide {
   DecompositionSettings settings_;
   std::shared_ptr<const Decomposition> decomposition_;
   std::shared_ptr<Graph> graph_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;  ///< of each edge: the triangles that it joins
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;  ///< for each edge: the triangles that it connects
   std::shared_ptr<TriangleDensities> densities_;
   std::shared_ptr<Exploration> exploration_;
-  std::uint64_t luck_ = 0;  ///< the last number drawn by h, which the chances of the next lead are drawn with
+  std::uint64_t luck_ = 0;  ///< last number drawn by h; seeds the random stream of the next lead
 };
 
 }  // namespace

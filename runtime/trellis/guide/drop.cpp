@@ -61,8 +61,8 @@ class Drop final : public PathGuide {
     return h;
   }
 
-  /// What C found invalid beside the path found in S may be due to an obstacle that was left out. It comes back before
-  /// S is solved again; at once where the path runs into it there. What is in the way elsewhere stays out.
+  /// A configuration beside the path that C found invalid may be due to a dropped obstacle. S restores the obstacle
+  /// before its next solve; immediately if the path collides with it there. Obstacles elsewhere remain dropped.
   void learn(const Outcome& outcome) override {
     PathGuide::learn(outcome);
     if (outcome.blocked_at.empty() || dropped_.empty() || path_heuristic() == nullptr) return;
@@ -76,7 +76,7 @@ class Drop final : public PathGuide {
     if (back_.empty()) return;
     back_.clear();
     validity_->set(world(*parent_, kept(*parent_)));
-    // What guides the search of S sees the obstacle too.
+    // The guide of the search of S uses the same obstacles.
     sub_->scene = validity_->scene();
   }
   void attach(Instance& sub) override {
@@ -88,7 +88,8 @@ class Drop final : public PathGuide {
   [[nodiscard]] bool excludes() const override { return false; }
 
  private:
-  /// The dropped obstacles at q come back, one after another; whether there was one. Each look is a check in C.
+  /// Restores the dropped obstacles at q, one after another. Returns whether there was one. Each test is a validity
+  /// check in C.
   bool bring_back(View q) {
     bool found = false;
     while (!dropped_.empty()) {
@@ -103,7 +104,7 @@ class Drop final : public PathGuide {
     return found;
   }
 
-  /// "left door" of "obstacle 3 (left door)": what it was called where the world was made.
+  /// The name that the script gave the obstacle: "left door" of "obstacle 3 (left door)".
   static std::string given_name(const Obstacle& obstacle) {
     const std::size_t open = obstacle.name.find(" (");
     if (open == std::string::npos || !obstacle.name.ends_with(')')) return obstacle.name;
@@ -124,7 +125,7 @@ class Drop final : public PathGuide {
                             fmt::join(known, ", ")));
   }
 
-  /// The obstacles of S, as it will be when it is solved next.
+  /// The obstacles of S at its next solve.
   [[nodiscard]] std::vector<std::size_t> kept(const Instance& parent) const {
     std::vector<std::size_t> rest;
     for (std::size_t i = 0; i < parent.scene->world.obstacles().size(); ++i) {
@@ -140,7 +141,7 @@ class Drop final : public PathGuide {
     return {parent.scene->world.bounds(), std::move(obstacles)};
   }
 
-  /// Of the path, those within two of its tube's radii of q.
+  /// The edges of the path within twice its tube's radius of q.
   [[nodiscard]] std::vector<std::size_t> legs_beside(View q) const {
     const double reach = 2.0 * path_heuristic()->radius();
     std::vector<std::size_t> legs;
@@ -163,13 +164,13 @@ class Drop final : public PathGuide {
   }
 
   std::vector<std::string> names_;
-  std::vector<std::size_t> dropped_;  ///< obstacles of the parent's world that S is without, or soon will not be
-  std::vector<std::size_t> back_;     ///< found in the way since S was solved last
+  std::vector<std::size_t> dropped_;  ///< obstacles of the parent's world that S lacks, or will lack at its next solve
+  std::vector<std::size_t> back_;     ///< obstacles restored since the last solve of S
   Instance* parent_ = nullptr;
   Instance* sub_ = nullptr;
   Configurations path_;                      ///< found in S
-  std::shared_ptr<ChangingWorld> validity_;  ///< of S
-  std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among the dropped obstacles alone
+  std::shared_ptr<ChangingWorld> validity_;  ///< validity in S
+  std::unique_ptr<ChangingWorld> left_out_;  ///< the robot among only the dropped obstacles
 };
 
 }  // namespace

@@ -129,7 +129,7 @@ Configurations ExcludingValidity::points_along(const Configurations& path,
   const View start = path.front();
   const View goal = path.back();
   Configurations points(space_.dimension());
-  // Centres half the radius apart leave a tube of 0.97 of it without gaps.
+  // Balls at distances of half their radius cover a tube of 0.97 of it without gaps.
   Configuration centre(space_.dimension());
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double length = space_.distance(path[i - 1], path[i]);

@@ -16,7 +16,7 @@
 
 namespace trellis {
 
-/// Balls of one radius that a space is without.
+/// A union of balls of equal radius that a space excludes.
 class ExcludedBalls {
  public:
   /// \param radius  metres in the metric, >= 0
@@ -25,12 +25,13 @@ class ExcludedBalls {
   void add(View centre);
   void clear();
   [[nodiscard]] bool contains(View q) const;
-  /// How far q lies inside the ball whose centre is nearest to it; 0 outside of all balls.
+  /// Distance from q to the surface of the ball with the nearest centre if q is inside, in metres in the metric; else
+  /// 0.
   [[nodiscard]] double depth(View q) const;
-  /// Where on the motion from a to b, in [0, 1], it comes nearest to the first ball that it enters; none where it
-  /// enters none.
+  /// The position on the motion from a to b, in [0, 1], at which it is nearest to the centre of the first-added ball
+  /// that it enters; none if it enters no ball.
   [[nodiscard]] std::optional<double> entered(View a, View b);
-  /// How many centres are within the radius of q.
+  /// The number of centres within the radius of q.
   [[nodiscard]] std::size_t count(View q);
   [[nodiscard]] double radius() const { return radius_; }
 
@@ -42,71 +43,72 @@ class ExcludedBalls {
   std::vector<NearestIndex::Neighbour> found_;
 };
 
-/// Places: each holds every configuration whose position is near that of one given, or, without a position, what is
-/// near the configuration.
+/// A set of excluded places. A place contains all configurations whose position is near that of a given configuration;
+/// in a space without position axes, all configurations near the given one.
 class Places {
  public:
-  /// \param position_axes  the axes of the reference point's position; none: places are configurations
-  /// \param radius         metres in the metric, of a place
+  /// \param position_axes  axes of the reference point's position; empty: places are balls of configurations
+  /// \param radius  of a place, in metres in the metric
   Places(const Space& space, std::vector<std::size_t> position_axes, double radius);
 
   void add(View q);
   void clear();
   [[nodiscard]] bool contains(View q);
-  /// How many of the configurations given are near q.
+  /// The number of added configurations near q.
   [[nodiscard]] std::size_t count(View q);
-  /// Where on the motion from a to b, in [0, 1], it comes nearest to the first place that it enters; none where it
-  /// enters none.
+  /// The position on the motion from a to b, in [0, 1], at which it is nearest to the first-added place that it enters;
+  /// none if it enters no place.
   [[nodiscard]] std::optional<double> entered(View a, View b);
-  /// Whether the place about one of them would hold the other.
+  /// Whether the place about either configuration would contain the other.
   [[nodiscard]] bool near(View a, View b);
-  /// The configurations, as they were given.
+  /// The added configurations.
   [[nodiscard]] const Configurations& given() const { return given_; }
 
  private:
   void project(View q, Configuration& position) const;
 
   std::vector<std::size_t> axes_;
-  Space space_;  ///< of positions
+  Space space_;  ///< the space of positions
   ExcludedBalls balls_;
   Configurations given_;
   Configuration a_;  ///< scratch
   Configuration b_;
 };
 
-/// A validity without some balls: paths that a search for another one is kept out of for a while, and places that were
-/// refuted.
+/// A validity that excludes balls: about earlier paths, while a search looks for a distinct one, and about refuted
+/// places.
 class ExcludingValidity final : public EvaluatedValidity {
  public:
-  /// \param radius          metres in the metric, of the balls about a path
-  /// \param position_axes   the axes of the reference point's position; none: places are configurations
-  /// \param place_radius    metres in the metric, of the balls about a place's position, or about the place
+  /// \param radius  of the balls about a path, in metres in the metric
+  /// \param position_axes  axes of the reference point's position; empty: places are balls of configurations
+  /// \param place_radius  of a place, in metres in the metric
   ExcludingValidity(std::shared_ptr<Validity> inner, const Space& space, double radius,
                     std::vector<std::size_t> position_axes = {}, double place_radius = 0.0);
 
-  /// Excludes what is within the radius of the path, but for what is within twice the radius of its ends.
+  /// Excludes the configurations within the radius of the path, except those within twice the radius of its ends.
   void exclude(const Configurations& path);
-  /// Points of a path half the radius apart, without those within twice the radius of its ends, that are chosen.
+  /// Points of a path at distances of half the radius for which `chosen` returns true, without those within twice the
+  /// radius of its ends.
   [[nodiscard]] Configurations points_along(const Configurations& path, const std::function<bool(View)>& chosen) const;
-  /// Excludes what is within the radius of any of the points, until `include_paths`.
+  /// Excludes the configurations within the radius of any of the points, until `include_paths`.
   void exclude_points(const Configurations& points);
-  /// Ends the exclusion of all paths.
+  /// Ends the exclusion of all paths and points.
   void include_paths();
-  /// Excludes a place: every configuration whose position is near that of q, or without a position what is near q.
-  /// \return false, and nothing is excluded, where it would hold one of the configurations to keep
+  /// Excludes a place: all configurations whose position is near that of q; without position axes, those near q.
+  /// \return false, without exclusion, if the place contains a configuration of `keep`
   bool exclude_place(View q, const std::vector<Configuration>& keep);
-  /// Takes the place of another one, of a world that has changed since: excludes the places that it excludes, and
-  /// checks motions that were valid there anew.
+  /// Replaces the validity of a world that has changed since: excludes the same places, and rechecks motions that were
+  /// valid in that world.
   void replace(const ExcludingValidity& other);
-  /// Whether a place excluded holds q.
+  /// Whether an excluded place contains q.
   [[nodiscard]] bool in_place(View q) { return places_.contains(q); }
-  /// The places, as they were given.
+  /// The configurations of the excluded places.
   [[nodiscard]] const Configurations& excluded_places() const { return places_.given(); }
 
   [[nodiscard]] bool state(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->state(q); }
   [[nodiscard]] bool needed(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
-  /// Only what was excluded can have become invalid, unless the validity inside changes too.
+  /// Only exclusions can have made the motion invalid, unless the inner validity changed too.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
@@ -131,8 +133,8 @@ class ExcludingValidity final : public EvaluatedValidity {
   Space space_;
   ExcludedBalls balls_;
   Places places_;
-  std::uint64_t inner_epoch_;  ///< when this was made
-  bool replaces_ = false;      ///< motions that were valid may have been so in another world
+  std::uint64_t inner_epoch_;  ///< at construction
+  bool replaces_ = false;      ///< motions may have been valid in another world
   std::uint64_t epoch_ = 0;
 };
 

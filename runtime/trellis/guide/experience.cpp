@@ -59,23 +59,23 @@ const Settings<ExperienceSettings>& experience_settings() {
   return settings;
 }
 
-/// How much dearer an edge becomes that a way before runs along, or on which the planner is stuck.
+/// Factor on the cost of an edge that an earlier path contains, or on which the planner is stuck.
 constexpr double avoided = 4.0;
 
-/// How far a path's ends are from a start and a goal.
+/// The sum of the distances of a path's ends from start and goal.
 double apart(const Space& space, View start, View goal, const Configurations& path) {
   return space.distance(start, path.front()) + space.distance(goal, path.back());
 }
 
-/// h along a retrieved path whose valid motions are verified in C. Those that are not are gaps: where a tree has come
-/// to one, half of the proposals that follow the path repair it, a local search towards its other end. They come from
-/// balls about the gap, which grow while the gap stays open.
+/// h along a retrieved path whose valid motions are verified in C. Its other motions are gaps. If a tree has reached
+/// one end of a gap, half of the proposals repair the gap by a local search towards its other end. They come from balls
+/// about the gap, which grow until the gap is closed.
 class RepairedPath final : public PathFollower {
  public:
-  /// \param gaps      the first points of the motions that have to be repaired
-  /// \param ends      share of the proposals for a gap that are its far end
-  /// \param reach     metres in the metric, of a node from the end of a gap that it is at
-  /// \param evidence  blocked proposals at one gap that refute the path
+  /// \param gaps  indices of the first points of the motions to repair
+  /// \param ends  share of a gap's proposals that are its far end
+  /// \param reach  distance within which a node counts as at an end of a gap, in metres in the metric
+  /// \param evidence  number of blocked proposals at one gap that refutes the path
   RepairedPath(const Instance& instance, std::unique_ptr<PathFollower> path, const std::vector<std::size_t>& gaps,
                double ends, double reach, std::int64_t evidence, const std::array<const NearestIndex*, 2>& reached)
       : space_(instance.space), path_(std::move(path)), ends_(ends), reach_(reach), evidence_(evidence) {
@@ -158,8 +158,8 @@ class RepairedPath final : public PathFollower {
   struct Gap {
     explicit Gap(Configurations of) : ends(std::move(of)) {}
     Configurations ends;
-    std::vector<TubeKernel> kernels;           ///< of radii that grow
-    std::array<std::array<bool, 2>, 2> has{};  ///< of each tree, whether it has come to the one end and to the other
+    std::vector<TubeKernel> kernels;           ///< in order of increasing radius
+    std::array<std::array<bool, 2>, 2> has{};  ///< for each tree, whether it has reached the first and the second end
     std::int64_t tries = 0;                    ///< guided proposals
     std::int64_t blocked = 0;
   };
@@ -177,7 +177,8 @@ class RepairedPath final : public PathFollower {
       }
     }
   }
-  /// Chooses the gap that the tree in turn has come to: the last one at its near end and not at its far one.
+  /// Chooses the gap for the current tree: the farthest along its path with a reached near end and an unreached far
+  /// end.
   void choose() {
     std::optional<std::size_t> chosen;
     for (std::size_t k = 0; k < gaps_.size(); ++k) {
@@ -194,13 +195,13 @@ class RepairedPath final : public PathFollower {
   double reach_;
   std::int64_t evidence_;
   std::vector<Gap> gaps_;
-  std::optional<std::size_t> gap_;  ///< that the tree in turn repairs
+  std::optional<std::size_t> gap_;  ///< gap that the current tree repairs
   std::size_t side_ = 0;
   bool repairs_ = false;  ///< the last proposal was drawn for the gap
   std::uint64_t epoch_ = 0;
 };
 
-/// The retrieved paths as a graph, with start and goal. Vertices in one place are one vertex.
+/// The graph of the retrieved paths, with start and goal. Equal configurations share one vertex.
 class ExperienceGraph {
  public:
   ExperienceGraph(const Instance& instance, double join) : space_(instance.space), join_(join), places_(space_) {
@@ -210,7 +211,7 @@ class ExperienceGraph {
   }
 
   void add(const Configurations& path) {
-    // However small `join` is, a path is divided into so many pieces at most.
+    // Limits the number of pieces of a path, however small `join` is.
     constexpr double most_pieces = 1000.0;
     const double piece = std::max(join_, path_length(space_, path) / most_pieces);
     NearestIndex& own = indices_.emplace_back(space_);
@@ -256,7 +257,8 @@ class ExperienceGraph {
     return graph_.vertices.push(q);
   }
 
-  /// Joins start or goal to a point of a path; never the one to the other, which nobody experienced.
+  /// Connects start or goal to a point of a path. Never connects start and goal directly, because no stored path
+  /// contains that motion.
   void join(std::uint32_t end, std::uint32_t point) {
     if (point != graph_.start && point != graph_.goal) edge(end, point);
   }
@@ -274,8 +276,8 @@ class ExperienceGraph {
   double join_;
   NearestIndex places_;
   Graph graph_;
-  std::vector<NearestIndex> indices_;            ///< of each path's points
-  std::vector<std::vector<std::uint32_t>> ids_;  ///< their vertices
+  std::vector<NearestIndex> indices_;            ///< points of each path
+  std::vector<std::vector<std::uint32_t>> ids_;  ///< vertices of each path's points
   std::set<std::pair<std::uint32_t, std::uint32_t>> known_;
 };
 
@@ -313,17 +315,17 @@ class Experience final : public PathGuide {
     sub_ = &sub;
   }
 
-  /// An invalid configuration that C reports on an edge not yet validated invalidates that edge.
+  /// An invalid configuration that C reports on an unvalidated edge makes the edge invalid.
   void learn(const Outcome& outcome) override {
     PathGuide::learn(outcome);
     if (!outcome.blocked_at.empty()) refute_edges_at(outcome.blocked_at);
   }
 
-  /// The cheapest way by what is known so far is checked; where that made it dearer, the graph is searched again. So
-  /// the way that is left is the cheapest of all, and only what could have been it was checked. A way that was refuted
-  /// is no candidate any more, until all are.
+  /// Validates the currently shortest path. If that increases its cost, the graph is searched again. So the final path
+  /// is the shortest one by validated costs, and only edges of candidates are checked. A refuted path is no candidate
+  /// as long as there are others.
   std::int64_t another(const Solution* found) override {
-    constexpr std::int64_t again = 200;  // proposals, where a guide weighs the edges
+    constexpr std::int64_t again = 200;  // proposals of a further search, if a guide weights the edges
     if (found != nullptr) {
       Way way = edges_along(found->path);
       if (!check(way)) return again;
@@ -352,7 +354,7 @@ class Experience final : public PathGuide {
     current_ = nullptr;
     followed_ = std::exchange(ways_, {});
     if (paths_.empty()) return PathGuide::heuristic(parent, sub, found);
-    // S is C: what was found valid in the one need not be checked in the other.
+    // S is C, so edges found valid in S are verified in C.
     if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
     parent.verified->hold_at(parent.epoch());
     for (const auto& way : followed_) {
@@ -370,7 +372,7 @@ class Experience final : public PathGuide {
     return h;
   }
 
-  /// The first place of each way that the planner did not reach is avoided from now on.
+  /// Increases the cost of the first part of each path that the planner did not reach.
   void before_resolve() override {
     if (current_ == nullptr) return;
     for (const auto& way : followed_) {
@@ -387,7 +389,7 @@ class Experience final : public PathGuide {
   using Way = std::vector<std::uint32_t>;  ///< edges from start to goal
   static constexpr int most_passed_over = 4;
 
-  /// What is known of an edge of the graph.
+  /// The state of an edge of the graph.
   struct EdgeState {
     double length = 0.0;
     double stuck = 1.0;
@@ -399,7 +401,7 @@ class Experience final : public PathGuide {
     return settings;
   }
 
-  /// h along a path, whose gaps are repaired on the way.
+  /// h along a path that repairs its gaps.
   [[nodiscard]] std::unique_ptr<PathFollower> along(Instance& parent, const Configurations& path) const {
     auto h = follow_path("experience", settings_, parent, path, reached_nodes().both());
     if (settings_.follow == "tube") return h;
@@ -408,14 +410,14 @@ class Experience final : public PathGuide {
       if (!parent.is_verified(path[i], path[i + 1])) gaps.push_back(i);
     }
     if (gaps.empty()) return h;
-    // Who follows the points in turn proposes the far end of a gap, too.
+    // The heuristic that follows the waypoints proposes the far end of a gap itself.
     const bool in_turn = settings_.follow == "waypoints";
     const double reach = in_turn ? parent.goal_tolerance : h->radius();
     return std::make_unique<RepairedPath>(parent, std::move(h), gaps, in_turn ? 0.0 : 0.5, reach, settings_.evidence,
                                           reached_nodes().both());
   }
 
-  /// The first edge of a way whose end the planner did not reach costs more from now on.
+  /// Increases the cost of the first edge of a path whose end the planner did not reach.
   void avoid(const Way& way) {
     const double within = tube_radius(settings_, *sub_);
     std::uint32_t at = graph_->start;
@@ -441,7 +443,7 @@ class Experience final : public PathGuide {
     }
   }
 
-  /// The stored paths of this space, those first whose ends are nearest to start and goal.
+  /// The stored paths of this space, by increasing distance of their ends from start and goal.
   [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
     const std::uint64_t space = identity(parent.space);
     const std::uint64_t robot = identity(parent.scene->robot);
@@ -461,7 +463,7 @@ class Experience final : public PathGuide {
     return paths;
   }
 
-  /// The edges that a path found in the graph runs along.
+  /// The edges of a path found in the graph.
   [[nodiscard]] Way edges_along(const Configurations& path) const {
     Way way;
     way.reserve(path.size());
@@ -474,7 +476,7 @@ class Experience final : public PathGuide {
     return way;
   }
 
-  /// Checks what was not yet looked at along a way; whether all of it costs what it was thought to.
+  /// Validates the unchecked edges of a path. Returns whether no cost increased.
   bool check(const Way& way) {
     bool as_thought = true;
     std::uint32_t at = graph_->start;
@@ -497,7 +499,7 @@ class Experience final : public PathGuide {
     return as_thought;
   }
 
-  /// The points of a way without those that are invalid: where it has to be repaired, its next valid point is the aim.
+  /// The waypoints of a path without the invalid ones. A gap is repaired up to its next valid waypoint.
   [[nodiscard]] Configurations kept(const Way& way) const {
     const auto& vertices = std::as_const(graph_->vertices);
     Configurations points(vertices.dimension());
@@ -519,18 +521,18 @@ class Experience final : public PathGuide {
   std::shared_ptr<const std::vector<StoredPath>> library_;
   std::shared_ptr<Graph> graph_;
   Instance* sub_ = nullptr;
-  PathFollower* current_ = nullptr;  ///< h in use, owned by whoever asked for it
-  double touch_ = 0.0;               ///< metres in the metric, of an invalid configuration from an edge that it is on
+  PathFollower* current_ = nullptr;  ///< active h; its caller owns it
+  double touch_ = 0.0;  ///< distance from an edge within which a configuration counts as on it, in metres in the metric
   std::vector<EdgeState> edges_;
-  std::vector<std::vector<std::uint32_t>> incident_;  ///< of each vertex its edges
-  std::vector<Seen> valid_;                           ///< vertices
+  std::vector<std::vector<std::uint32_t>> incident_;  ///< edges of each vertex
+  std::vector<Seen> valid_;                           ///< per vertex
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> by_ends_;
-  std::optional<NearestIndex> places_;  ///< of the vertices
-  std::vector<Configurations> paths_;   ///< found since h was made last
-  std::vector<Way> ways_;               ///< theirs
+  std::optional<NearestIndex> places_;  ///< index of the vertices
+  std::vector<Configurations> paths_;   ///< found since h was last made
+  std::vector<Way> ways_;               ///< edges of `paths_`
   std::vector<Way> followed_;
-  std::set<Way> refuted_ways_;  ///< by evidence
-  int passed_over_ = 0;         ///< refuted ways, in the present search
+  std::set<Way> refuted_ways_;  ///< refuted by evidence
+  int passed_over_ = 0;         ///< refuted paths rejected in the current search
 };
 
 }  // namespace

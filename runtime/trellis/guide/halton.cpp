@@ -19,7 +19,7 @@ const Settings<HaltonSettings>& halton_settings() {
   return settings;
 }
 
-/// The first primes, one for each axis.
+/// The first `count` primes, one per axis.
 std::vector<std::uint64_t> primes(std::size_t count) {
   std::vector<std::uint64_t> found;
   found.reserve(count);
@@ -31,7 +31,7 @@ std::vector<std::uint64_t> primes(std::size_t count) {
   return found;
 }
 
-/// The digits of i to the base, mirrored at the point.
+/// The digits of i to the base, mirrored at the radix point.
 double radical_inverse(std::uint64_t i, std::uint64_t base) {
   const double share = 1.0 / static_cast<double>(base);
   double value = 0.0;
@@ -62,7 +62,7 @@ class Halton final : public Heuristic {
     space_.normalise(out);
     return 0;
   }
-  /// Over the shifts: each of its samples alone is uniform.
+  /// Averaged over the random shifts, each single sample is uniform.
   [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"halton"}; }

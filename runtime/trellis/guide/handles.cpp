@@ -19,11 +19,11 @@ namespace trellis {
 
 namespace {
 
-/// Share of angles that are uniform, so that none is left out.
+/// Share of angles drawn uniformly, so that the support is complete.
 constexpr double uniform_share = 0.1;
-/// Distances from the medial axis count by this share of a body's length.
+/// Standard deviation of the likelihood in the distance from the medial axis, as a share of a body's length.
 constexpr double scale_of_length = 0.125;
-/// Of closest points, at most.
+/// Maximum number of iterations of the closest-point iteration.
 constexpr int most_iterations = 20;
 
 void append_vertices(const ConvexShape& shape, std::vector<Vec2>& out) {
@@ -37,7 +37,8 @@ void append_vertices(const ConvexShape& shape, std::vector<Vec2>& out) {
   }
 }
 
-/// The ends of a body in the direction in which its vertices spread most, and none where they spread alike in all.
+/// The ends of a body along the direction in which its vertices spread most; none if they spread equally in all
+/// directions.
 std::vector<Vec2> ends_of(const Body& body) {
   std::vector<Vec2> vertices;
   for (const ConvexShape& part : body.parts) append_vertices(part, vertices);
@@ -76,7 +77,8 @@ double extent_of(const std::vector<Vec2>& points) {
   return extent;
 }
 
-/// A number at the beginning of a text, which loses it and the spaces around it; none where there is none.
+/// Removes a number and the spaces around it from the beginning of a text; none if the text does not begin with a
+/// number.
 template <class Number>
 std::optional<Number> take_number(std::string_view& text) {
   const auto skip_spaces = [&] { text.remove_prefix(std::min(text.find_first_not_of(' '), text.size())); };
@@ -101,7 +103,7 @@ Space plane(const Box2& box) {
 
 }  // namespace
 
-/// Distances from the medial axis, looked up in a grid over the world.
+/// Distances from the medial axis, tabulated on a grid over the world.
 class HandleLift::Field {
  public:
   explicit Field(const World& world)
@@ -129,7 +131,7 @@ class HandleLift::Field {
     }
   }
 
-  /// Of the nearest point of the grid.
+  /// At the nearest grid point.
   [[nodiscard]] double squared_distance(Vec2 p) const {
     const auto cell = [this](double at, double lo, std::size_t count) {
       const double place = std::round((at - lo) * per_metre_);
@@ -190,7 +192,7 @@ HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const
       space_(parent.space),
       position_axes_(parent.position_axes),
       handles_(given) {
-  // In a space of other axes than the robot's nothing is known of what turns.
+  // If the space has other axes than the robot, the axes that rotate bodies are unknown.
   if (parent.validity_of) return;
   const auto& bodies = scene_->robot.bodies();
   std::vector<char> turned(parent.space.dimension(), 0);
@@ -207,7 +209,7 @@ HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const
       for (const Vec2 point : points) handles_.push_back({b, point});
     }
     if (points.empty()) continue;
-    // Of one point, its distance from the origin that it turns about.
+    // For a single handle: its distance from the origin that it rotates about.
     const double length = points.size() > 1 ? extent_of(points) : norm(points.front());
     if (!(length > 0.0)) continue;
     turned[axis] = 1;
@@ -293,8 +295,8 @@ void HandleLift::draw_near(MutableView q) const {
   Configuration best(q.begin(), q.end());
   double least = distance(q);
   for (int i = 0; i < most_iterations; ++i) {
-    // Of each turn the angle that lays its handles nearest to the points of the axis that are nearest to them now, the
-    // body's origin as it is.
+    // For each joint: the angle that moves its handles nearest to their closest points on the axis, with the body's
+    // origin fixed.
     for (const Turn& turn : turns_) {
       scene_->robot.place(q, poses);
       const Pose2& pose = poses[turn.body];
@@ -311,7 +313,7 @@ void HandleLift::draw_near(MutableView q) const {
         mean = mean + (1.0 / n) * p;
         mean_target = mean_target + (1.0 / n) * target;
       }
-      // A body that moves freely turns about the middle of its handles, another about its joint.
+      // A free body rotates about the mean of its handles, another body about its joint.
       const bool free = scene_->robot.bodies()[turn.body].parent < 0 && pairs.size() > 1;
       const Vec2 origin{pose.x, pose.y};
       for (const auto& [p, target] : pairs) {
@@ -323,7 +325,7 @@ void HandleLift::draw_near(MutableView q) const {
       if (std::hypot(dot, cross) > 0.0) q[turn.axis] += std::atan2(cross, dot);
       space_.normalise(q);
     }
-    // Then the mean of what is left moves the whole robot.
+    // Then translates the whole robot by the mean of the remaining offsets.
     scene_->robot.place(q, poses);
     Vec2 move;
     for (const Handle& handle : handles_) {

@@ -14,19 +14,20 @@
 
 namespace trellis {
 
-/// A handle point: the body that it is fixed to, and where in the body's frame.
+/// A handle point: a point fixed to a body.
 struct Handle {
   std::size_t body = 0;
   Vec2 point;
 };
 
-/// Handles as scripts write them: "x, y" on the first body, "n: x, y" on the n-th. Throws Error, for the guide named,
-/// for what is none, and for a body that the robot lacks.
+/// Parses handles of a script: "x, y" on the first body, "n: x, y" on the n-th.
+/// \param guide  name of the guide, for messages
+/// \throws Error if a text is not a handle, or names a body that the robot lacks
 std::vector<Handle> parse_handles(const std::string& guide, const std::vector<std::string>& texts, const Robot& robot);
 
-/// Lifts positions by handle points: those given, and on each other body that turns two, at the ends of its longest
-/// direction. The angle of a body is the likelier the nearer to the medial axis its handles come to lie; everything
-/// else is uniform.
+/// Lifts positions by handle points: the given ones, and two on each other rotating body, at the ends of its longest
+/// extent. The nearer its handles are to the medial axis, the more likely is the angle of a body; all other coordinates
+/// are uniform.
 class HandleLift final : public Projection {
  public:
   HandleLift(std::shared_ptr<const PositionProjection> position, const Instance& parent,
@@ -43,18 +44,19 @@ class HandleLift final : public Projection {
   [[nodiscard]] double log_fibre_density(View q) const override;
   [[nodiscard]] bool contracts() const override { return position_->contracts(); }
 
-  /// Sets the angles of q, whose position is set, to the likeliest.
+  /// Sets the angles of q to the most likely ones, given its position.
   void settle(MutableView q) const;
-  /// Moves and turns the robot at q until its handles come no nearer to the medial axis, by iterative closest points.
+  /// Moves and rotates the robot at q by iterative closest points, until its handles come no nearer to the medial axis.
   void draw_near(MutableView q) const;
-  /// The root mean square of the handles' distances from the medial axis.
+  /// The root mean square distance of the handles from the medial axis, metres.
   [[nodiscard]] double distance(View q) const;
-  /// Lifts points of a path in S one after another: the robot is placed there with the angles before, then with the
-  /// likeliest, then with drawn ones, and drawn near to the medial axis; at last positions near it are lifted too.
-  /// \param parent  outlives the result, as does this
+  /// Lifts the points of a path in S one after another. The attempts place the robot at the point with the angles of
+  /// the previous waypoint, then with the most likely angles, then with drawn angles, each moved towards the medial
+  /// axis. The last attempts also lift nearby positions.
+  /// \param parent  outlives the result, as does this object
   [[nodiscard]] PointLift point_lift(const Instance& parent) const;
-  /// A path of positions, moved to the medial axis: each point to the nearest of the axis where the way there is free.
-  /// \param point  the free point's instance, whose motions look at the ways
+  /// Moves the points of a path of positions to the nearest points of the medial axis, where the motion to it is valid.
+  /// \param point  the instance of a free point; it checks these motions
   [[nodiscard]] Configurations on_axis(const Configurations& path, Instance& point) const;
 
  private:
@@ -66,20 +68,20 @@ class HandleLift final : public Projection {
     std::size_t axis = 0;
     double lo = 0.0;
     double width = 0.0;  ///< of a bin, radians
-    double scale = 0.0;  ///< distance from the medial axis that counts, metres
+    double scale = 0.0;  ///< standard deviation of the likelihood in the distance from the medial axis, metres
     std::vector<Vec2> handles;
   };
 
-  /// The chance of each bin of a turn's angle, given the position and the angles of the bodies before it.
+  /// The probabilities of the bins of a joint's angle, given the position and the angles of the previous bodies.
   void chances(const Turn& turn, MutableView q, Chances& out) const;
 
   std::shared_ptr<const PositionProjection> position_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Field> field_;
-  Space space_;                             ///< C
-  std::vector<std::size_t> position_axes_;  ///< of C
-  std::vector<Handle> handles_;             ///< of all bodies
-  std::vector<Turn> turns_;                 ///< parents before what hangs on them
+  Space space_;                             ///< of C
+  std::vector<std::size_t> position_axes_;  ///< of the reference point's position in C
+  std::vector<Handle> handles_;             ///< handles of all bodies
+  std::vector<Turn> turns_;                 ///< parents before their children
 };
 
 }  // namespace trellis

@@ -42,7 +42,7 @@ const Settings<HolonomicSettings>& holonomic_settings() {
   return settings;
 }
 
-/// h over configurations with the velocities drawn from the fibre.
+/// h over configurations; velocities are drawn from the fibre.
 class FibredHeuristic final : public ProjectedHeuristic {
  public:
   FibredHeuristic(std::shared_ptr<const AxisProjection> projection, std::unique_ptr<Heuristic> h, Configuration start,
@@ -65,7 +65,7 @@ class FibredHeuristic final : public ProjectedHeuristic {
   [[nodiscard]] Heuristic& inner() const override { return *h_; }
 
  private:
-  /// The same object for the same density, as long as it was among the last few.
+  /// Returns the same object for equal densities, as long as it is among the last 64.
   [[nodiscard]] std::shared_ptr<const Density> fibred(const std::shared_ptr<const Density>& density) const {
     constexpr std::size_t few = 64;
     for (const auto& [base, made] : made_) {
@@ -108,7 +108,8 @@ class Holonomic final : public PathGuide {
     instance->motion_model = nullptr;
     instance->start.resize(kept);
     instance->goal.resize(kept);
-    // The limits of the model do not bind here. What presumes validity does so of states: its space is another.
+    // S ignores the limits of the motion model. A presumption of C applies to its states, not to this space, so S makes
+    // its own checks.
     if (parent.motion_model) {
       instance->validity = make_validity(parent.collision, parent.scene, instance->space, parent.resolution, nullptr);
     }
@@ -146,10 +147,10 @@ class Holonomic final : public PathGuide {
 
  protected:
   [[nodiscard]] const Instance& followed_in(const Instance&, const Instance& sub) const override { return sub; }
-  /// What S lacks bounds velocities: its paths are free of collision in C too, and nothing found blocked refutes them.
+  /// S lacks only velocity limits: its paths are free of collision in C too, so blocked proposals do not refute them.
   [[nodiscard]] bool relaxes() const override { return false; }
-  /// Turns the path into the direction of travel: each leg is passed with the heading of its direction, the ends keep
-  /// theirs. A trailer follows behind.
+  /// Rotates the path into the direction of travel: on each edge, all bodies have the heading of its direction; start
+  /// and goal keep theirs.
   Configurations followed(Configurations path) const override {
     if (!turns_ || path.size() < 2) return path;
     Configurations turned(path.dimension());
@@ -173,9 +174,9 @@ class Holonomic final : public PathGuide {
  private:
   bool along_;
   bool forwards_;
-  bool turns_ = false;  ///< there is a motion model, whose robot has a heading
+  bool turns_ = false;  ///< there is a motion model, and its robot has a heading
   std::shared_ptr<const AxisProjection> projection_;
-  std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h draws from
+  std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h samples
   Instance* sub_ = nullptr;                      ///< owned by the level
 };
 

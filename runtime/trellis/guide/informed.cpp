@@ -17,7 +17,7 @@ namespace trellis {
 
 namespace {
 
-/// By how much the hyperspheroids may be larger than the space.
+/// Limit of the hyperspheroids' volume, as a multiple of the space's.
 constexpr double most_reflections = 64.0;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -37,9 +37,10 @@ const Settings<InformedSettings>& informed_settings() {
   return settings;
 }
 
-/// Where the sum of distances to start and goal is at most a cost, uniform. In metric coordinates this is a prolate
-/// hyperspheroid; round periodic axes there is one for each way round that is short enough. What of it lies beyond a
-/// wall is reflected, which brings it nearer to both foci: it stays inside.
+/// Uniform distribution on the configurations with a sum of distances to start and goal of at most a cost. In metric
+/// coordinates the set is a prolate hyperspheroid; with periodic axes, there is one for each image of the goal that is
+/// near enough. Samples beyond a bound of the space are reflected; this brings them nearer to both foci, so they stay
+/// inside.
 class InformedSet final : public Density {
  public:
   InformedSet(const Space& space, View start, View goal, double cost)
@@ -51,7 +52,7 @@ class InformedSet final : public Density {
     add_images(0, focus);
   }
 
-  /// In metric coordinates; the ways round overlap, and what lies in two of them counts twice.
+  /// In metric coordinates. Overlaps of hyperspheroids count repeatedly.
   [[nodiscard]] double volume() const { return volume_; }
 
   void sample(Stream& stream, MutableView out) const {
@@ -60,7 +61,7 @@ class InformedSet final : public Density {
     while (i + 1 < parts_.size() && u >= parts_[i].volume) u -= parts_[i++].volume;
     const Part& part = parts_[i];
     const std::size_t d = out.size();
-    // Uniform on the unit ball, stretched, and the first axis mirrored on to that between the foci.
+    // Uniform on the unit ball, stretched; the first axis is mirrored onto the axis through the foci.
     std::vector<double> y(d);
     double squares = 0.0;
     for (double& x : y) {
@@ -87,11 +88,11 @@ class InformedSet final : public Density {
 
  private:
   struct Part {
-    std::vector<double> focus;  ///< an image of the goal
+    std::vector<double> focus;  ///< image of the goal
     std::vector<double> centre;
-    std::vector<double> mirror;  ///< normal of the plane that mirrors the first axis on to that of the foci
-    std::vector<double> extent;  ///< half its width along each axis
-    double along = 0.0;          ///< semi-axis
+    std::vector<double> mirror;  ///< normal of the plane whose mirror maps the first axis to the axis through the foci
+    std::vector<double> extent;  ///< half width along each axis
+    double along = 0.0;          ///< major semi-axis
     double across = 0.0;
     double volume = 0.0;
   };
@@ -102,7 +103,7 @@ class InformedSet final : public Density {
     return y;
   }
 
-  /// The goal's images round the periodic axes from j on, as far as a path may go round.
+  /// Adds the goal's images along the periodic axes from j on, as far as a path may wrap around.
   void add_images(std::size_t j, std::vector<double>& focus) {
     if (j == focus.size()) {
       add(focus);
@@ -152,8 +153,8 @@ class InformedSet final : public Density {
     parts_.push_back(std::move(part));
   }
 
-  /// How many of the points that come to lie on q, wrapped or reflected, are in the part. Coordinates before j of one
-  /// such point are in y.
+  /// The number of points of the part that wrapping and reflection map to q. y contains the coordinates before j of one
+  /// such point.
   [[nodiscard]] double images(const Part& part, View q, std::size_t j, std::vector<double>& y) const {
     if (j == q.size()) {
       double to_start = 0.0;
@@ -200,7 +201,7 @@ class Informed final : public Heuristic {
   }
 
   Source sample(Stream& stream, MutableView out) override {
-    // What was a path may be none any more.
+    // After a change of validity, the path that gave the bound may be invalid.
     if (found_at_ && *found_at_ != parent_.validity->epoch()) {
       found_at_.reset();
       bound(given_);
@@ -230,7 +231,7 @@ class Informed final : public Heuristic {
   [[nodiscard]] std::vector<std::string> sources() const override { return {"informed", "informed: uniform"}; }
 
  private:
-  /// Below this the set would be thinner than what validity is looked at with.
+  /// Lower limit of the cost: below it, the set would be thinner than the resolution of validity checks.
   static double least_bound(const Instance& parent) {
     return std::hypot(parent.space.distance(parent.start, parent.goal), 2.0 * parent.resolution);
   }
@@ -241,16 +242,16 @@ class Informed final : public Heuristic {
     set_.reset();
     if (cost >= 2.0 * parent_.space.diameter() || parent_.goals() > 1) return;
     auto set = std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal, std::max(cost, least_));
-    // One that is far larger than the space would be reflected many times, and leave nothing out.
+    // A hyperspheroid far larger than the space would require many reflections and exclude nothing.
     if (set->volume() < most_reflections * std::exp(parent_.space.log_volume())) set_ = std::move(set);
   }
 
   const Instance& parent_;
   UniformGuidance uniform_;
-  double given_;  ///< bound, before a path is known
+  double given_;  ///< bound before a path is found
   double least_;
   double bound_ = infinity;
-  std::optional<std::uint64_t> found_at_;  ///< the validity's epoch at which the path was found that gave the bound
+  std::optional<std::uint64_t> found_at_;  ///< epoch of validity at which the path of the current bound was found
   std::shared_ptr<const InformedSet> set_;
   std::uint64_t epoch_ = 0;
 };

@@ -13,7 +13,7 @@ namespace trellis {
 
 namespace {
 
-/// Share of the values that are uniform, so that the support is all of the fibre.
+/// Share of values drawn uniformly, so that the support is the whole fibre.
 constexpr double uniform_share = 0.1;
 
 }  // namespace
@@ -30,7 +30,7 @@ JointRanges::JointRanges(const Instance& parent, std::shared_ptr<const AxisProje
     before.push_back(axis);
     stage.placed = before;
     std::sort(stage.placed.begin(), stage.placed.end());
-    // Velocities place nothing.
+    // Velocities do not place any body.
     const bool places = axis < parent.scene->robot.dimension();
     if (auto robot = places ? reduced_robot(parent.scene->robot, stage.placed) : std::nullopt) {
       const auto scene = std::make_shared<Scene>(Scene{parent.scene->world, std::move(*robot)});
@@ -89,7 +89,7 @@ bool JointRanges::draw(std::size_t stage_index, Stream& stream, MutableView q) {
   Stage& stage = stages_[stage_index];
   const Key at = key(stage, q);
   Range& of = range(stage, at);
-  // Rejection among the slices that are not known to be blocked is uniform over the free ones, and checks few others.
+  // Rejection sampling among slices not known to be blocked: uniform over the free slices, with few checks of others.
   while (of.blocked < slices_) {
     std::size_t nth = stream.below(slices_ - of.blocked);
     std::size_t slice = 0;
@@ -124,7 +124,7 @@ bool JointRanges::open(View s) {
   const Key at = key(stage, q);
   Range& of = range(stage, at);
   if (std::find(of.slices.begin(), of.slices.end(), State::free) != of.slices.end()) return true;
-  // Halves first, then quarters and so on: a free range is found after about its inverse share of checks.
+  // Checks halves first, then quarters and so on: finds a free range after about the inverse of its share of checks.
   std::size_t stride = 1;
   while (2 * stride < slices_) stride *= 2;
   for (; stride > 0; stride /= 2) {
@@ -179,7 +179,7 @@ MotionReport RangedValidity::motion(View a, View b) {
   if (!report.valid) return report;
   const Space& space = ranges_->kept().space();
   Configuration at(a.size());
-  // Points at most half a slice apart along every axis.
+  // Checks points at most half a slice apart along every axis.
   Configuration change(a.size());
   space.difference(a, b, change);
   double pieces = 1.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Free ranges of joints, for slices of the ranges of the joints before them.
+// Free ranges of joints, per slice of the previous joints' ranges.
 #pragma once
 
 #include <cstddef>
@@ -14,34 +14,34 @@
 
 namespace trellis {
 
-/// The ranges of the axes that a projection leaves out, after Lozano-Perez 1987. Each axis is divided into slices. An
-/// axis that is left out is free in a slice of the axes before it (those kept, then those left out, in their order)
-/// where what these axes place of the robot is valid at the middle of the slices. A slice is checked when it is asked
-/// for first. May be shared by threads.
+/// Free ranges of the axes that a projection drops, after Lozano-Perez 1987. Each axis is divided into slices. A slice
+/// of a dropped axis, given slices of the axes before it (the kept axes, then the dropped axes in order), is free if
+/// the part of the robot that these axes place is valid at the middle of the slices. A slice is checked when it is
+/// first needed. Thread-safe.
 class JointRanges {
  public:
-  /// \param slices  of each axis, at least 1
+  /// \param slices  per axis, at least 1
   JointRanges(const Instance& parent, std::shared_ptr<const AxisProjection> kept, std::size_t slices);
 
   [[nodiscard]] const AxisProjection& kept() const { return *kept_; }
   [[nodiscard]] std::size_t slices() const { return slices_; }
-  /// The axes of C that are left out, in their order.
+  /// The number of dropped axes.
   [[nodiscard]] std::size_t size() const { return stages_.size(); }
   [[nodiscard]] std::size_t axis(std::size_t stage) const { return stages_[stage].axis; }
-  /// The slice of an axis of C that a configuration lies in.
+  /// The slice of an axis of C that contains q.
   [[nodiscard]] std::size_t slice(View q, std::size_t axis) const;
 
-  /// Draws the value of an axis left out uniformly from its free slices, given those before it in q.
-  /// \return false, and q keeps its value, where none is free
+  /// Draws the value of a dropped axis uniformly from its free slices, given the earlier axes of q.
+  /// \return false if no slice is free; q then keeps its value
   bool draw(std::size_t stage, Stream& stream, MutableView q);
-  /// The density of `draw` at q, as a factor on that of a uniform value; -1 where no slice is free. Counts no checks.
+  /// The density of `draw` at q, as a factor on the uniform density; -1 if no slice is free. Counts no checks.
   [[nodiscard]] double density_factor(std::size_t stage, View q);
-  /// Whether the slice of the kept axes at s, a configuration of S, leaves the first axis left out a free slice.
+  /// Whether the first dropped axis has a free slice, given the slice of the kept axes at s, a configuration of S.
   [[nodiscard]] bool open(View s);
-  /// Declares the slices that q, a valid configuration, lies in free.
+  /// Marks the slices that contain q, a valid configuration, as free.
   void declare_free(View q);
 
-  /// Validity checks of `draw` and `open` since this was asked last.
+  /// Returns and resets the number of validity checks made by `draw` and `open`.
   std::uint64_t take_checks();
 
  private:
@@ -53,26 +53,27 @@ class JointRanges {
   };
   struct Stage {
     std::size_t axis = 0;                ///< of C
-    std::vector<std::size_t> before;     ///< axes of C that its slices depend on: those kept, then those left out
+    std::vector<std::size_t> before;     ///< axes of C that its slices depend on: kept axes, then dropped ones
     std::vector<std::size_t> placed;     ///< `before` and `axis`, ascending
-    std::shared_ptr<Validity> validity;  ///< of what `placed` places; nullptr: of nothing
+    std::shared_ptr<Validity> validity;  ///< of the part of the robot that `placed` determines; nullptr: no part
     std::map<Key, Range> ranges;
   };
 
   [[nodiscard]] double width(std::size_t axis) const;
   [[nodiscard]] Key key(const Stage& stage, View q) const;
   Range& range(Stage& stage, const Key& key) const;
-  /// Checks a slice where that was not done. \param checks  counts it
+  /// Whether a slice is free. Checks it if its state is unknown.
+  /// \param checks  counter of validity checks, incremented
   bool is_free(Stage& stage, const Key& key, Range& range, std::size_t slice, std::uint64_t& checks);
 
   std::shared_ptr<const AxisProjection> kept_;
   std::size_t slices_;
   std::vector<Stage> stages_;
-  std::mutex mutex_;  ///< of the ranges and of the scratch of what checks them
+  std::mutex mutex_;  ///< guards the ranges and the scratch memory of their checks
   std::uint64_t checks_ = 0;
 };
 
-/// Keeps axes of C, and draws those left out from their free ranges, with a share that is uniform.
+/// Keeps some axes of C. Draws the dropped ones from their free ranges, and a share of them uniformly.
 class RangedProjection final : public Projection {
  public:
   explicit RangedProjection(std::shared_ptr<JointRanges> ranges) : ranges_(std::move(ranges)) {}
@@ -90,13 +91,13 @@ class RangedProjection final : public Projection {
   std::shared_ptr<JointRanges> ranges_;
 };
 
-/// Validity in S that also asks for a free range of the next joint: at every slice that a motion passes through.
+/// Validity in S that also requires a free range of the first dropped joint, in every slice that a motion crosses.
 class RangedValidity final : public Validity {
  public:
   RangedValidity(std::shared_ptr<Validity> own, std::shared_ptr<JointRanges> ranges)
       : own_(std::move(own)), ranges_(std::move(ranges)) {}
 
-  /// Where the checks of single configurations are counted.
+  /// Sets the counter for checks of single configurations.
   void count_in(Checks& checks) { counted_ = &checks; }
 
   [[nodiscard]] bool state(View s) override;

@@ -48,7 +48,8 @@ const Settings<JointsSettings>& joints_settings() {
   return settings;
 }
 
-/// The axes that are kept, ascending. Throws Error for one that C does not have.
+/// The kept axes, ascending.
+/// \throws Error for an axis that C lacks
 std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& settings) {
   const std::size_t d = space.dimension();
   if (settings.axes.empty()) {
@@ -78,10 +79,10 @@ std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& set
   return {kept.begin(), kept.end()};
 }
 
-/// h along a path in S: a tube about it, with values of the axes that were dropped as the projection lifts them.
+/// h along a path in S: a tube about the path; the projection lifts the dropped axes.
 class JointsHeuristic final : public ProjectedHeuristic {
  public:
-  /// \param ranges  of the projection; nullptr: it has none
+  /// \param ranges  of the projection; nullptr: none
   JointsHeuristic(const std::shared_ptr<const Projection>& projection, std::unique_ptr<PathHeuristic> below,
                   Instance& parent, std::size_t dimension, std::shared_ptr<JointRanges> ranges)
       : ProjectedHeuristic(projection, dimension, parent.start, parent.goal),
@@ -145,7 +146,7 @@ class Joints final : public Guide {
     lifting_ = projection_;
     if (settings_.slices > 0 && axes.size() < parent.space.dimension()) {
       ranges_ = std::make_shared<JointRanges>(parent, projection_, static_cast<std::size_t>(settings_.slices));
-      // Start and goal are valid, whatever the middles of their slices are.
+      // Start and goal are valid even if the middles of their slices are not.
       ranges_->declare_free(parent.start);
       for (std::size_t i = 0; i < parent.goals(); ++i) ranges_->declare_free(parent.goal_at(i));
       lifting_ = std::make_shared<RangedProjection>(ranges_);
@@ -199,11 +200,11 @@ class Joints final : public Guide {
  private:
   JointsSettings settings_;
   std::shared_ptr<const AxisProjection> projection_;
-  std::shared_ptr<const Projection> lifting_;  ///< of what h draws
-  std::shared_ptr<JointRanges> ranges_;        ///< where they are asked for
-  std::shared_ptr<RangedValidity> ranged_;     ///< of S, then
-  std::optional<NearestIndex> reached_;        ///< by the planner's nodes, in S
-  Configuration start_;                        ///< in S
+  std::shared_ptr<const Projection> lifting_;  ///< lift of the samples of h
+  std::shared_ptr<JointRanges> ranges_;        ///< set if the option requests them
+  std::shared_ptr<RangedValidity> ranged_;     ///< of S, if there are ranges
+  std::optional<NearestIndex> reached_;        ///< the planner's nodes, in S
+  Configuration start_;                        ///< f of the start
   Configuration added_;
 };
 

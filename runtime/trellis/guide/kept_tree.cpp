@@ -22,7 +22,7 @@ void KeptTree::update(const Search& search) {
       if (space_.squared_distance(rows[row], std::as_const(places_)[0]) == 0.0) node_of_row_[row] = 0;
       continue;
     }
-    // Of a roadmap no node has a parent; a tree's came before it, unless it was rewired.
+    // Nodes of a roadmap have no parent. A parent has a smaller row, unless the node was rewired.
     if (parent == no_node || parent > row || node_of_row_[parent] == no_node) continue;
     const std::uint32_t id = places_.push(rows[row]);
     node_of_row_[row] = id;
@@ -104,7 +104,7 @@ void TreeAndPath::observe(const Outcome& outcome, bool mine) {
 }
 
 void TreeAndPath::look() {
-  // Its nodes grew from the start.
+  // The nodes in S belong to the tree from the start.
   const bool open = blocked_ && side_ == TreeSide::start && tree_->any();
   if (open != open_) ++epoch_;
   open_ = open;

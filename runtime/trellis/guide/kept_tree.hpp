@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a search in C keeps of the tree that was grown in S.
+// Reuse of the tree grown in S by the search in C.
 #pragma once
 
 #include <cstddef>
@@ -17,52 +17,54 @@
 
 namespace trellis {
 
-/// The tree of S that grew from its start, and which of its nodes C has. S has the coordinates of C.
+/// The tree in S from the start, with a mark at each node that C's tree contains. S has the coordinates of C.
 class KeptTree {
  public:
   KeptTree(Space space, Configuration start);
 
-  /// Takes in the nodes that the search of S has added.
+  /// Adds the nodes that the search of S has added.
   void update(const Search& search);
-  /// A node of C's tree from the start. \param row  of Search::nodes
+  /// Marks the node of S that a node of C's tree from the start corresponds to.
+  /// \param row  of the node in Search::nodes
   void add(View q, std::uint32_t row);
-  /// C has no nodes but its start; those that are left are added again.
+  /// Removes all marks except that of the start. The caller then adds the remaining nodes again.
   void clear();
 
   struct Branch {
-    View node;                     ///< of S
-    std::uint32_t from = no_node;  ///< the node of C where its parent is; no_node: the start
+    View node;                     ///< node of S
+    std::uint32_t from = no_node;  ///< node of C at its parent; no_node: the start
   };
-  /// The next node of S, in the order in which they came, that C has not, but has its parent. Each is given once; none
-  /// where there is no more.
+  /// The next node of S, in order of insertion, that C lacks but whose parent C contains. Returns each node once; none
+  /// if there is no more.
   std::optional<Branch> next();
-  /// Whether `next` would give a node.
+  /// Whether `next` would return a node.
   [[nodiscard]] bool any();
 
  private:
   struct Node {
-    std::uint32_t parent = no_node;  ///< of the tree; the start has none
-    std::uint32_t child = no_node;   ///< the last one
+    std::uint32_t parent = no_node;  ///< in the tree of S; none for the start
+    std::uint32_t child = no_node;   ///< the last child
     std::uint32_t sibling = no_node;
-    std::uint32_t row = no_node;  ///< in C
+    std::uint32_t row = no_node;  ///< node in C
     bool in_c = false;
     bool tried = false;
   };
 
-  /// C has the node: its children are next.
+  /// Marks a node as contained in C; its children become candidates.
   void reach(std::uint32_t id);
 
   Space space_;
   Configurations places_;
   std::vector<Node> nodes_;
   NearestIndex index_;
-  std::vector<std::uint32_t> node_of_row_;  ///< of S's rows; no_node: not of the tree from the start
-  std::priority_queue<std::uint32_t, std::vector<std::uint32_t>, std::greater<>> ready_;  ///< C has their parents
+  std::vector<std::uint32_t> node_of_row_;  ///< for each row of S; no_node: not in the tree from the start
+  std::priority_queue<std::uint32_t, std::vector<std::uint32_t>, std::greater<>>
+      ready_;  ///< nodes whose parents C contains
 };
 
-/// h of a path. Where a proposal of its was blocked, until the path is advanced along, half of them are nodes of the
-/// tree in S, as long as there are such that C has the parent of: extended from there, they bring the branches into C's
-/// tree that are valid there.
+/// h of a path, combined with the tree in S. After one of its proposals was blocked, and until the next progress along
+/// the path, half of the proposals are nodes of the tree in S whose parents C contains. Extended from these parents,
+/// they add the branches that are valid in C to its tree.
 class TreeAndPath final : public PathFollower {
  public:
   TreeAndPath(std::shared_ptr<KeptTree> tree, std::unique_ptr<PathFollower> path);
@@ -91,14 +93,14 @@ class TreeAndPath final : public PathFollower {
  private:
   static constexpr double share_of_tree = 0.5;
   [[nodiscard]] double share() const { return open_ ? share_of_tree : 0.0; }
-  /// Notices where the tree's share has come or gone.
+  /// Updates whether the tree has a share of the proposals.
   void look();
 
   std::shared_ptr<KeptTree> tree_;
   std::unique_ptr<PathFollower> path_;
-  std::optional<KeptTree::Branch> branch_;  ///< that was proposed last
+  std::optional<KeptTree::Branch> branch_;  ///< the last proposal, if from the tree
   TreeSide side_ = TreeSide::start;
-  bool blocked_ = false;  ///< since the last progress
+  bool blocked_ = false;  ///< a proposal was blocked since the last progress
   double progress_ = 0.0;
   bool open_ = false;  ///< the tree has a share
   std::uint64_t epoch_ = 0;

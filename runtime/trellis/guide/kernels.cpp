@@ -16,7 +16,7 @@ namespace trellis {
 namespace {
 
 /// Calls f(y) for every image y of x in metric coordinates that may lie within r of the box [lo, hi]: x itself, its
-/// mirror images at the walls, and its copies round periodic axes.
+/// mirror images at the bounds, and its copies along periodic axes.
 template <class F>
 void for_each_image(const Space& space, View x, const double* lo, const double* hi, double r, F&& f) {
   struct Candidates {
@@ -59,8 +59,8 @@ void for_each_image(const Space& space, View x, const double* lo, const double* 
   }
 }
 
-/// Stretches that may overlap as ones that do not: the rates of those that cover an interval are added up, so that what
-/// none covers stays exactly without mass.
+/// Converts intervals that may overlap into disjoint ones: adds the rates of the intervals that cover the same part.
+/// Parts that no interval covers have a mass of exactly 0.
 std::vector<TubeDensity::Stretch> added_up(const std::vector<TubeDensity::Stretch>& stretches) {
   std::vector<double> cuts;
   std::map<double, double> points;
@@ -164,7 +164,7 @@ void TubeDensity::index() const {
   std::vector<std::uint32_t> order(legs_.size());
   std::iota(order.begin(), order.end(), 0U);
   build(order, 0, static_cast<std::uint32_t>(order.size()));
-  // The legs in the order of the tree's leaves.
+  // Sorts the legs into the order of the tree's leaves.
   const std::size_t width = 2 * space_.dimension();
   std::vector<Leg> legs;
   std::vector<double> numbers;
@@ -268,7 +268,7 @@ double TubeDensity::mass_near(const double* y) const {
   const std::size_t width = 2 * d;
   double mass = 0.0;
   std::uint32_t at = 0;
-  std::array<std::uint32_t, 32> waiting{};  // the tree is balanced: fewer than 2^32 legs, no deeper
+  std::array<std::uint32_t, 32> waiting{};  // the tree is balanced: fewer than 2^32 legs give a depth of at most 32
   std::size_t height = 0;
   for (;;) {
     const double* box = &boxes_[at * width];

@@ -15,16 +15,17 @@
 namespace trellis {
 
 // Distributions with closed densities, from which heuristics are made. Densities are with respect to volume in metric
-// coordinates. What falls beyond a wall is reflected back into the space, so every density integrates to 1 over it.
+// coordinates. Samples beyond a bound of the space are reflected into it, so every density integrates to 1 over the
+// space.
 
-/// The largest radius not above `wanted` at which balls of the space meet neither themselves round a periodic axis nor
-/// two opposite walls at once.
+/// The largest radius not above `wanted` at which a ball overlaps neither itself across a period nor two opposite
+/// bounds of the space.
 double fitting_radius(const Space& space, double wanted);
 
 /// Uniform on the metric ball about a centre.
 class BallKernel {
  public:
-  /// \param radius  metres, > 0; shortened by fitting_radius
+  /// \param radius  metres in the metric, > 0; fitting_radius reduces it if necessary
   BallKernel(Space space, double radius);
   void sample(View centre, Stream& stream, MutableView out) const;
   [[nodiscard]] double density(View centre, View q) const;
@@ -38,17 +39,17 @@ class BallKernel {
   double log_volume_;
 };
 
-/// A path and the balls about its points. Shared by all densities that were ever drawn from it.
+/// A path and the balls about its points. All densities of the same path share it.
 class Tube {
  public:
-  /// \param path    at least one configuration of the space
-  /// \param radius  metres, > 0; shortened by fitting_radius
+  /// \param path  at least one configuration of the space
+  /// \param radius  metres in the metric, > 0; fitting_radius reduces it if necessary
   Tube(const Space& space, Configurations path, double radius);
 
   [[nodiscard]] double length() const { return at_.back(); }
   [[nodiscard]] const BallKernel& ball() const { return ball_; }
   [[nodiscard]] const Configurations& path() const { return path_; }
-  /// Arc length up to each point of the path.
+  /// Arc length up to each point of the path, in metres in the metric.
   [[nodiscard]] const std::vector<double>& at() const { return at_; }
   /// The point of the path at arc length s.
   void point(double s, MutableView out) const;
@@ -59,42 +60,43 @@ class Tube {
   std::vector<double> at_;
 };
 
-/// A mixture of balls of one radius about points of tubes, uniform in arc length over stretches of them. Whatever the
-/// number of tubes and stretches, it is evaluated at the few legs near a configuration, found in a tree of boxes.
+/// A mixture of balls of equal radius about points of tubes; the centres are uniform in arc length over intervals of
+/// the paths. `at` finds the few legs near a configuration in a tree of bounding boxes, whatever the number of tubes
+/// and intervals.
 class TubeDensity final : public Density {
  public:
   struct Stretch {
     double from = 0.0;  ///< arc length
-    double to = 0.0;    ///< not below `from`; equal: the point itself
+    double to = 0.0;    ///< >= `from`; equal: a single point
     double mass = 0.0;
   };
   struct Part {
     std::shared_ptr<const Tube> tube;
-    std::vector<Stretch> stretches;  ///< no two share more than a point
+    std::vector<Stretch> stretches;  ///< disjoint except for end points
   };
 
-  /// \param parts  at least one; all of one space and radius
+  /// \param parts  at least one; all with the same space and radius
   explicit TubeDensity(std::vector<Part> parts);
 
   [[nodiscard]] double at(View q) const override;
-  /// Balls of one radius in one space.
+  /// True for another tube density with the same space and radius.
   [[nodiscard]] bool akin(const Density& other) const override;
-  /// The weights of what was drawn from the same tube are added up, stretch by stretch.
+  /// Adds the weights of equal tubes, interval by interval.
   [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override;
 
  private:
-  /// A straight piece from p to p + v in metric coordinates, unwrapped. Its numbers lie in `numbers_`: p, v.
+  /// A segment from p to p + v in metric coordinates, unwrapped. `numbers_` stores p and v.
   struct Leg {
     double length = 0.0;
-    double rate = 0.0;  ///< mass per metre; the mass itself where the length is 0
+    double rate = 0.0;  ///< mass per metre; the mass itself if the length is 0
   };
   struct Node {
-    std::uint32_t begin = 0;  ///< legs
+    std::uint32_t begin = 0;  ///< first leg
     std::uint32_t end = 0;
-    std::uint32_t right = 0;  ///< the second child, the first comes next; 0: a leaf
+    std::uint32_t right = 0;  ///< index of the second child, the first child is the next node; 0: a leaf
   };
 
-  /// Makes what `at` looks up. Most densities of a run are never evaluated, only summed.
+  /// Builds the data that `at` reads. Not done at construction, because most densities of a run are only summed.
   void index() const;
   void add_legs(const Part& part) const;
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) const;
@@ -105,25 +107,26 @@ class TubeDensity final : public Density {
   std::vector<Part> parts_;
   const Space& space_;
   double radius_;
-  double height_;  ///< of the density of one ball
+  double height_;  ///< density of one ball
   mutable std::once_flag indexed_;
   mutable std::vector<Leg> legs_;
   mutable std::vector<double> numbers_;
   mutable std::vector<Node> nodes_;
-  mutable std::vector<double> boxes_;  ///< per node: the lower corner, then the upper
+  mutable std::vector<double> boxes_;  ///< per node: lower corner, then upper corner
 };
 
-/// The tube about a path: a point of the path uniform in arc length over the active stretches, then uniform on the ball
-/// about it.
+/// The tube about a path: draws a point of the path uniformly in arc length over the active intervals, then a
+/// configuration uniformly from the ball about it.
 class TubeKernel {
  public:
   TubeKernel(const Space& space, Configurations path, double radius);
 
-  /// The stretches [from, to] of arc length to draw from, disjoint and in order; the whole path at first.
+  /// Sets the intervals [from, to] of arc length to draw from; disjoint and in order. Initially the whole path is
+  /// active.
   void activate(std::vector<std::pair<double, double>> stretches);
   void sample(Stream& stream, MutableView out);
   [[nodiscard]] double density(View q) const { return density_->at(q); }
-  /// The density of the stretches that are active now.
+  /// The density of the active intervals.
   [[nodiscard]] const std::shared_ptr<const Density>& density() const { return density_; }
 
   [[nodiscard]] double length() const { return tube_->length(); }
@@ -137,7 +140,7 @@ class TubeKernel {
   std::vector<std::pair<double, double>> active_;
   double active_length_ = 0.0;
   std::shared_ptr<const Density> density_;
-  Configuration centre_;  ///< scratch, so that drawing allocates nothing
+  Configuration centre_;  ///< scratch, to avoid allocation in `sample`
 };
 
 }  // namespace trellis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The guides that there are; each is written in the source of its name. Only guide.cpp includes this.
+// The guides. Each is defined in the source file of its name. Only guide.cpp includes this header.
 #pragma once
 
 #include <trellis/guide/guide.hpp>

@@ -69,8 +69,8 @@ const Settings<LazySettings>& lazy_settings() {
   return settings;
 }
 
-/// Validity presumed until the opposite was seen: invalid is only what lies near a configuration that C found invalid.
-/// Costs no collision checks.
+/// Presumed validity: every configuration is valid, except those near a configuration that C found invalid. Makes no
+/// collision checks.
 class PresumedValidity final : public EvaluatedValidity {
  public:
   /// \param verified  edges of this space that were found valid in C
@@ -79,7 +79,8 @@ class PresumedValidity final : public EvaluatedValidity {
     for (double radius = margin; sizes_.size() < sizes; radius *= 2.0) sizes_.emplace_back(space, radius);
   }
 
-  /// \param radius  about q within which everything is known to be invalid
+  /// Excludes a ball from the space.
+  /// \param radius  about q, in metres in the metric; every configuration within it is known to be invalid
   void forbid(View q, double radius) {
     std::size_t size = 0;
     while (size + 1 < sizes && sizes_[size + 1].radius() <= radius) ++size;
@@ -104,7 +105,8 @@ class PresumedValidity final : public EvaluatedValidity {
     return verified_->contain(a, b) ? 1.0 : unverified_;
   }
   [[nodiscard]] bool spends_checks() const override { return false; }
-  /// Within a ball everything is invalid: what presumes this space valid in its turn loses as much.
+  /// All configurations within a ball are invalid, so another space that presumes this one valid may exclude the same
+  /// ball.
   [[nodiscard]] double invalid_radius(View q) override {
     double radius = 0.0;
     for (const auto& balls : sizes_) radius = std::max(radius, balls.depth(q));
@@ -119,7 +121,7 @@ class PresumedValidity final : public EvaluatedValidity {
   static constexpr std::size_t sizes = 6;
   double unverified_;
   std::shared_ptr<const VerifiedMotions> verified_;
-  std::vector<ExcludedBalls> sizes_;  ///< of radii that double
+  std::vector<ExcludedBalls> sizes_;  ///< in order of radius, each twice the radius before it
   std::uint64_t epoch_ = 0;
   EdgeEvaluator* evaluator_ = nullptr;
 };
@@ -152,9 +154,9 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     verified_->hold_at(parent.epoch());
     evaluated_ = std::make_shared<VerifiedMotions>();
     evaluated_->hold_at(parent.epoch());
-    // What guides the search of S may have verified motions, too.
+    // The guide of the search of S may also verify motions.
     instance->verified = verified_;
-    // What was found invalid in a world that has changed may be valid now.
+    // In a changed world, configurations that were invalid may be valid.
     validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_);
     found_invalid_ = Configurations(parent.space.dimension());
     left_.emplace(parent.space, parent.position_axes, 0.5 * natural_distance(parent));
@@ -164,14 +166,14 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return instance;
   }
 
-  /// A search of a roadmap in S evaluates the edges of its candidate paths itself.
+  /// Lets the search of a roadmap in S evaluate the edges of its candidate paths.
   void attach_parent(Instance& parent, bool guided) override {
     parent_ = &parent;
     guided_ = guided;
     validity_->evaluate_by(*this);
   }
 
-  /// The candidate path is validated in C, and refuted where an edge of it is invalid.
+  /// Validates the candidate path in C. An invalid edge refutes it.
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     parent_ = &parent;
     hold();
@@ -185,7 +187,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return std::exchange(found_invalid_, Configurations(found_invalid_.dimension()));
   }
 
-  /// What C found invalid elsewhere S forgets that it presumed valid, too.
+  /// Excludes configurations that C found invalid elsewhere from S.
   void learn(const Outcome& outcome) override {
     PathGuide::learn(outcome);
     if (outcome.blocked_at.empty()) return;
@@ -194,13 +196,13 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   }
 
  protected:
-  /// What C was left to try and could not pass S loses as a whole.
+  /// If the planner in C could not pass an invalid part of a candidate path, S excludes the whole place.
   [[nodiscard]] bool excludes() const override { return parent_ == nullptr || leaves(); }
-  /// Waypoints are those of a path that was validated as a whole.
+  /// Waypoints require a path that was validated completely.
   [[nodiscard]] std::string follow() const override {
     return leaves() && path_settings().follow == "waypoints" ? "steps" : path_settings().follow;
   }
-  /// In the steps that were validated.
+  /// Divides the path into the steps that were validated.
   Configurations followed(Configurations path) const override {
     if (parent_->step <= 0.0) return path;
     const Space& space = parent_->space;
@@ -226,14 +228,14 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return settings_.margin > 0.0 ? settings_.margin : parent.resolution;
   }
 
-  /// What was found valid holds for the parent as it is now.
+  /// Sets the epoch of the verified motions to the parent's.
   void hold() {
     parent_->verified = verified_;
     verified_->hold_at(parent_->epoch());
     evaluated_->hold_at(parent_->epoch());
   }
 
-  /// Takes out of S what is known to be invalid about q, which C found invalid.
+  /// Excludes from S the region about q that is known to be invalid, after C found q invalid.
   void forbid(View q) {
     validity_->forbid(q, std::max(margin_, checked_->invalid_radius(q)));
     if (leaves()) left_->add(q);
@@ -247,12 +249,13 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     checks_begun_ = parent_->checks.validity;
     return parent_->epoch();
   }
-  /// A search returns before it has spent much more than the least slice, so that whoever limits it is asked.
+  /// A search stops soon after it has spent the least slice, so that its caller can check the limits.
   [[nodiscard]] bool exhausted() const override {
     constexpr std::uint64_t most = 64;
     return evaluations_ + (parent_->checks.validity - checks_begun_) >= most;
   }
-  /// The first candidate is likely to hold where something guides the search of S; nothing is known of it otherwise.
+  /// Sparse validation starts with the first refutation: the first candidate is probably valid if a guide guides the
+  /// search of S; else nothing is known about it.
   [[nodiscard]] bool sparse_first() const override { return refuted_; }
 
   [[nodiscard]] bool state(View q) override {
@@ -274,8 +277,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
 
-  /// Validates a motion of S as a planner in C will drive it, in its steps: these are the motions that need no further
-  /// check.
+  /// Validates a motion of S in the steps that a planner in C will take. C need not check these steps again.
   [[nodiscard]] MotionReport motion(View a, View b) override {
     ++evaluations_;
     const Space& space = parent_->space;
@@ -308,7 +310,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return settings_.sparse > 0.0 ? settings_.sparse : 2.0 * sparse_spacing(*parent_);
   }
 
-  /// The edges of a path in the selector's order.
+  /// The edges of a path in the order of the edge selector.
   [[nodiscard]] std::vector<std::size_t> selected(const Configurations& path) const {
     const std::size_t edges = path.size() - 1;
     std::vector<std::size_t> order(edges);
@@ -327,19 +329,20 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     return order;
   }
 
-  /// Whether the planner in C is left to find a way where a candidate is invalid: where a tree follows a guide in S.
-  /// Balls as small as a checker proves invalid would be taken out of S one by one, and the tree would pass beside
-  /// each, while the planner in C makes progress there, or refutes the place as a whole.
+  /// Whether the planner in C searches for a motion around the invalid part of a candidate path. This is so if a tree
+  /// in S follows a guide: to exclude the small balls that a checker proves invalid one by one, the tree would need a
+  /// new path around each ball; the planner in C either makes progress there or refutes the whole place.
   [[nodiscard]] bool leaves() const { return guided_ && !evaluates_; }
 
-  /// Validates the edges of a path in the selector's order, first sparsely, and forbids the first configuration found
-  /// invalid. An edge that was found valid once is not checked again. What leaves something to the planner in C goes on
-  /// with the other edges, and passes over those that lead where it was left something before.
+  /// Validates the edges of a path in the order of the edge selector, first sparsely, and excludes the first
+  /// configuration found invalid. Checks no edge again that was found valid. If the planner in C searches around
+  /// invalid parts (`leaves`), validation continues with the other edges and skips those through earlier invalid
+  /// places.
   bool validated(const Configurations& path) {
     const double spacing = sparse();
     const auto order = selected(path);
     Configuration q(path.dimension());
-    std::array<double, 2> walked = {0.0, 0.0};  // since the last configuration that was checked, from either end
+    std::array<double, 2> walked = {0.0, 0.0};  // distance since the last checked configuration, from either end
     for (const bool whole : {false, true}) {
       if (!whole && (!sparse_first() || leaves())) continue;
       for (const std::size_t i : order) {
@@ -368,15 +371,15 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   LazyEvaluation how_;
   Instance* parent_ = nullptr;
   bool guided_ = false;                         ///< a guide guides the search of S
-  bool evaluates_ = false;                      ///< the search of S evaluates the edges of its candidates itself
-  bool refuted_ = false;                        ///< something of a candidate path was found invalid
-  std::uint64_t evaluations_ = 0;               ///< since the search in S continued
-  std::uint64_t checks_begun_ = 0;              ///< of C, then
-  std::shared_ptr<Validity> checked_;           ///< of C
-  std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of the planner that searches it
+  bool evaluates_ = false;                      ///< the search of S evaluates the edges of its candidate paths
+  bool refuted_ = false;                        ///< part of a candidate path was found invalid
+  std::uint64_t evaluations_ = 0;               ///< since the last start of the evaluation
+  std::uint64_t checks_begun_ = 0;              ///< checks of C at that time
+  std::shared_ptr<Validity> checked_;           ///< validity in C
+  std::shared_ptr<VerifiedMotions> verified_;   ///< motions of C: edges, in steps of C's planner
   std::shared_ptr<VerifiedMotions> evaluated_;  ///< edges of S that are valid in C
-  Configurations found_invalid_;                ///< that the guide of S was not told of yet
-  std::optional<Places> left_;                  ///< where the planner in C is left to find a way
+  Configurations found_invalid_;                ///< not yet passed to the guide of S
+  std::optional<Places> left_;                  ///< places that the planner in C searches around
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
 };
@@ -400,8 +403,8 @@ GuideKind lazy_kind() {
           [](const Options& o) { return lazy_settings().read(o).resolves; },
           std::move(claims),
           false,
-          // A tree follows what guides it; a roadmap would look for short cuts. What is not guided would go through
-          // obstacles, where everything is presumed valid.
+          // A tree follows its guide; a roadmap would find shortcuts. Unguided proposals would pass through obstacles,
+          // because every configuration is presumed valid.
           {"rrt", {{"goal_bias", 0.0}, {"uniform", 0.0}, {"bound", 0.0}}}};
 }
 

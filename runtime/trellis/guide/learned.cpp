@@ -40,17 +40,17 @@ const Settings<LearnedSettings>& learned_settings() {
   return settings;
 }
 
-/// Cells of the plane with a probability each, uniform within a cell and in all that is not position.
+/// Cells of the plane with a probability each; uniform within a cell and in all other coordinates.
 class CellDensity final : public Density {
  public:
-  /// \param weights  of the grid's cells, not all 0
+  /// \param weights  of the grid's cells; at least one is positive
   CellDensity(const Instance& instance, const WorldGrid& grid, const std::vector<double>& weights)
       : space_(instance.space), x_(instance.position_axes[0]), y_(instance.position_axes[1]), grid_(grid) {
     double sum = 0.0;
     until_.reserve(weights.size());
     for (const double w : weights) until_.push_back(sum += w);
     const auto& axes = space_.axes();
-    // Of a cell with all that is not position, in metric coordinates.
+    // The volume of a cell times that of all other coordinates, in metric coordinates.
     const double share = grid_.width() * grid_.height() / (axes[x_].period() * axes[y_].period());
     const double volume = share * std::exp(space_.log_volume());
     density_.reserve(weights.size());
@@ -75,7 +75,7 @@ class CellDensity final : public Density {
   std::size_t x_;
   std::size_t y_;
   WorldGrid grid_;
-  std::vector<double> until_;  ///< sums of the weights up to each cell, itself included
+  std::vector<double> until_;  ///< cumulative weights, inclusive
   std::vector<double> density_;
 };
 

@@ -18,7 +18,7 @@ class ConstantDensity final : public Density {
   double value_;
 };
 
-/// f of q in `s`; nothing of nothing.
+/// Writes f(q) to `s` and returns it; an empty view if q is empty.
 View projected(const Projection& projection, View q, Configuration& s) {
   if (q.empty()) return {};
   projection.project(q, s);
@@ -77,7 +77,7 @@ double ProjectedHeuristic::edge_factor(View a, View b) const {
 }
 
 void ProjectedHeuristic::observe(const Outcome& outcome, bool mine) {
-  // Fates, rows and sides are the planner's.
+  // Fates, rows and tree sides remain those of the planner.
   Outcome in_s = outcome;
   in_s.proposal = projected(*projection_, outcome.proposal, proposal_);
   in_s.near = projected(*projection_, outcome.near, near_);
@@ -105,7 +105,7 @@ double LiftedHeuristic::density(View q) const {
 void LiftedHeuristic::record(DensityRecord& record, double share) const {
   DensityRecord now;
   now.served(*inner_);
-  // A single point of S is no single point of C: where S lacks an axis, its fibre has no density of its own.
+  // A single point of S is not a single point of C: if S lacks an axis, its lift is a fibre without a density over C.
   if (!projection()->closed_form() || now.atoms() > 0.0 || !now.exact()) {
     record.add_unknown(share);
     return;
@@ -114,7 +114,7 @@ void LiftedHeuristic::record(DensityRecord& record, double share) const {
   const auto terms = now.now();
   lifted.reserve(terms.size());
   for (const auto& [density, weight] : terms) {
-    // The same density is lifted once, so that records know it again.
+    // Lifts each density once, so that records recognise the result.
     const auto known =
         std::find_if(lifted_.begin(), lifted_.end(), [&of = density](const auto& pair) { return pair.first == of; });
     lifted.emplace_back(density, known != lifted_.end()

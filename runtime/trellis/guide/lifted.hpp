@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is drawn in S and lifted to C.
+// Heuristics over S, lifted to C.
 #pragma once
 
 #include <cstddef>
@@ -14,29 +14,29 @@
 
 namespace trellis {
 
-/// f of configurations, and its fibres: see Guide.
+/// f of configurations, and its fibres; see Guide.
 class Projection {
  public:
   Projection() = default;
   virtual ~Projection() = default;
   virtual void project(View q, MutableView s) const = 0;
   virtual void lift(View s, Stream& stream, MutableView q) const = 0;
-  /// Whether the fibre's density is known.
+  /// Whether the density on the fibre is known.
   [[nodiscard]] virtual bool closed_form() const = 0;
-  /// As Guide's; minus infinity outside of C.
+  /// As Guide::log_fibre_density; minus infinity outside of C.
   [[nodiscard]] virtual double log_fibre_density(View q) const = 0;
-  /// Whether no two configurations are farther apart in S than in C, each in its own metric: lengths in S then hold in
-  /// C as lower bounds.
+  /// Whether f never increases distances, each in its space's metric. Lengths in S are then lower bounds of lengths in
+  /// C.
   [[nodiscard]] virtual bool contracts() const { return false; }
-  /// A path in S from f(start) to f(goal), in C; empty where the fibres are known by draws only.
+  /// A path in S from f(start) to f(goal), lifted to C; empty if fibres can only be sampled.
   [[nodiscard]] virtual Configurations lifted(const Configurations& path, View start, View goal) const {
     static_cast<void>(path);
     static_cast<void>(start);
     static_cast<void>(goal);
     return {};
   }
-  /// The density over f(C), at s, of what is drawn from a density over S: another one where lift moves what S has
-  /// beyond f(C) into it.
+  /// The density over f(C) at s of the samples of a density over S. It differs from `density` if `lift` maps the part
+  /// of S outside of f(C) into f(C).
   [[nodiscard]] virtual double folded(View s, const std::function<double(View)>& density) const { return density(s); }
 
  protected:
@@ -44,7 +44,7 @@ class Projection {
   Projection& operator=(const Projection&) = default;
 };
 
-/// A density over S, lifted: with the fibre's density on it.
+/// A density over S, lifted to C.
 class LiftedDensity final : public Density {
  public:
   /// \param dimension  of S
@@ -61,12 +61,12 @@ class LiftedDensity final : public Density {
   std::shared_ptr<const Density> density_;
 };
 
-/// A heuristic over S that guides a planner in C: draws are lifted, and whatever the planner reports or asks is
+/// A heuristic over S that guides a planner in C: samples are lifted, and the planner's outcomes and queries are
 /// projected to S. Nodes keep their rows in the planner's Search.
 class ProjectedHeuristic : public Heuristic {
  public:
   /// \param dimension  of S
-  /// \param start, goal  in C: the ends of the path along which it guides
+  /// \param start,  goal  in C: the ends of the guiding path
   ProjectedHeuristic(std::shared_ptr<const Projection> projection, std::size_t dimension, Configuration start,
                      Configuration goal);
 
@@ -74,12 +74,12 @@ class ProjectedHeuristic : public Heuristic {
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint32_t vertex() const override { return inner().vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override;
-  /// 0 where lengths in S say nothing of those in C.
+  /// 0 if f does not contract: lengths in S then do not bound those in C.
   [[nodiscard]] double progress() const override { return projection_->contracts() ? inner().progress() : 0.0; }
   [[nodiscard]] double connected() const override { return projection_->contracts() ? inner().connected() : 0.0; }
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override { inner().restart(); }
-  /// A path of C is no longer in S where f contracts; elsewhere its length is none in S.
+  /// If f contracts, a path of C is at most as long in S. Otherwise its length has no meaning in S.
   void found(double length) override {
     if (projection_->contracts()) inner().found(length);
   }
@@ -102,17 +102,17 @@ class ProjectedHeuristic : public Heuristic {
   std::shared_ptr<const Projection> projection_;
   Configuration start_;
   Configuration goal_;
-  // What is projected, so that drawing and observing allocate nothing.
+  // Projected views; members, to avoid allocation in `sample` and `observe`.
   mutable Configuration proposal_;
   mutable Configuration near_;
   Configuration added_;
   Configuration blocked_;
 };
 
-/// A heuristic over S whose draws are lifted to C.
+/// A heuristic over S whose samples are lifted to C.
 class LiftedHeuristic final : public ProjectedHeuristic {
  public:
-  /// \param start, goal  in C: the ends of the path along which it guides
+  /// \param start,  goal  in C: the ends of the guiding path
   LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
                   std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal);
 
@@ -130,9 +130,9 @@ class LiftedHeuristic final : public ProjectedHeuristic {
  private:
   std::string source_;
   std::unique_ptr<Heuristic> inner_;
-  std::shared_ptr<const Density> uniform_;  ///< on S, lifted
+  std::shared_ptr<const Density> uniform_;  ///< uniform on S, lifted
   mutable Configuration s_;                 ///< scratch
-  /// What inner_ was made of when it was recorded last, and the same lifted.
+  /// Densities of inner_ at the last `record`, each with its lift.
   mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> lifted_;
 };
 

@@ -35,10 +35,10 @@ const Settings<MedialAxisSettings>& medial_axis_settings() {
   return settings;
 }
 
-/// Retraction by clearance. At first all coordinates ascend the gradient of clearance, until the direction in which
-/// clearance grows with the position turns round: then another point of the obstacles is nearest. At last the position
-/// alone is moved onto the medial axis: a robot that keeps its angles is as far from an obstacle as a point from a
-/// grown obstacle, so away from the nearest point clearance grows by a metre a metre, up to the axis.
+/// Retraction by clearance. First, all coordinates ascend the gradient of clearance until its direction turns with
+/// respect to the position: another point of the obstacles is then the nearest. Last, only the position moves onto the
+/// medial axis: at fixed angles, a robot's clearance equals the clearance of a point among grown obstacles. So away
+/// from the nearest point, clearance grows by one metre per metre up to the axis.
 class MedialAxis final : public Heuristic {
  public:
   MedialAxis(Instance& parent, const MedialAxisSettings& settings)
@@ -65,10 +65,10 @@ class MedialAxis final : public Heuristic {
   [[nodiscard]] std::vector<std::string> sources() const override { return {"medial_axis", "medial_axis: uniform"}; }
 
  private:
-  /// Whether the axes of the position are known.
+  /// Whether the space has position axes.
   [[nodiscard]] bool positioned() const { return parent_.position_axes.size() == 2; }
 
-  /// To the nearest surface that one of the rays meets; evenly spread in a plane, else in random directions.
+  /// Moves q to the nearest surface on one of several rays: evenly spaced in a plane, else in random directions.
   bool move_out(Stream& stream, MutableView q) {
     std::copy(q.begin(), q.end(), from_.begin());
     const bool planar = positioned() && q.size() == 2;
@@ -93,7 +93,7 @@ class MedialAxis final : public Heuristic {
     return ray_.at(from_, distance, probe_) ? parent_.clearance(probe_) : 0.0;
   }
 
-  /// Clearance after a step of the axis from q, metres of the metric.
+  /// Clearance after a step along the axis from q, in metres in the metric.
   [[nodiscard]] double clearance_beside(View q, std::size_t axis, double step) {
     std::copy(q.begin(), q.end(), probe_.begin());
     probe_[axis] += step / parent_.space.axes()[axis].weight;
@@ -101,7 +101,7 @@ class MedialAxis final : public Heuristic {
     return parent_.clearance(probe_);
   }
 
-  /// The gradient of clearance at q in metric coordinates, into slope_; its length.
+  /// Computes the gradient of clearance at q in metric coordinates into slope_; returns its norm.
   double measure_slope(View q) {
     const double step = difference_step();
     double squares = 0.0;
@@ -112,8 +112,8 @@ class MedialAxis final : public Heuristic {
     return std::sqrt(squares);
   }
 
-  /// Whether another point of the obstacles has become the nearest: the direction turned by more than 60 degrees, of
-  /// the position where there is one.
+  /// Whether another point of the obstacles has become the nearest: the direction of the gradient (of its position
+  /// part, if there is one) turned by more than 60 degrees.
   [[nodiscard]] bool turned_round() const {
     double product = 0.0, squares = 0.0, last_squares = 0.0;
     for (std::size_t j = 0; j < slope_.size(); ++j) {
@@ -127,7 +127,7 @@ class MedialAxis final : public Heuristic {
 
   void climb(MutableView q) {
     constexpr double flat = 0.1;      // metres of clearance per metre
-    constexpr double straight = 0.9;  // of the growth foretold by the gradient
+    constexpr double straight = 0.9;  // share of the increase that the gradient predicts
     for (std::int64_t i = 0; i < settings_.climbs; ++i) {
       const double here = parent_.clearance(q);
       if (!std::isfinite(here)) return;
@@ -152,7 +152,8 @@ class MedialAxis final : public Heuristic {
     }
   }
 
-  /// How far a condition holds that holds at 0, to within the resolution. It fails somewhere.
+  /// The largest distance up to which a condition is true, to within the resolution. The condition is true at 0 and
+  /// false at some distance.
   template <class Holds>
   double farthest(Holds&& holds, double far) const {
     double near = 0.0;
@@ -167,7 +168,7 @@ class MedialAxis final : public Heuristic {
     return near;
   }
 
-  /// Step of the differences that approximate the gradient: small, so as to stay on one side of the axis.
+  /// Step of the finite differences of the gradient: small, to stay on one side of the medial axis.
   [[nodiscard]] double difference_step() const { return 0.1 * parent_.resolution; }
 
   void retract(MutableView q) {
@@ -179,7 +180,7 @@ class MedialAxis final : public Heuristic {
     const double x = clearance_at(step) - clearance_at(-step);
     ray_.set_direction(0.5 * std::numbers::pi);
     const double y = clearance_at(step) - clearance_at(-step);
-    if (std::hypot(x, y) < step) return;  // on the axis: it grows nowhere
+    if (std::hypot(x, y) < step) return;  // on the medial axis: clearance grows in no direction
     ray_.set_direction(std::atan2(y, x));
     const auto still_nearest = [&](double t) { return clearance_at(t) >= here + t - step - 0.02 * t; };
     const double near = farthest(still_nearest, std::max(here, parent_.resolution));
@@ -191,7 +192,7 @@ class MedialAxis final : public Heuristic {
   WayOut ray_;
   Configuration from_;
   Configuration probe_;
-  Configuration slope_;  ///< metres of clearance per metre of the metric
+  Configuration slope_;  ///< gradient, metres of clearance per metre of the metric
   Configuration last_slope_;
 };
 

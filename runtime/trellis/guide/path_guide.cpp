@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::size_t most_bins = 256;
 
-/// Attempts to lift a point of a path in S to a valid configuration of C.
+/// Maximum number of attempts to lift a point of a path in S to a valid configuration of C.
 constexpr int lift_attempts = 24;
 
-/// How far a step of the planner goes; of one that has none, a distance of the instance's size.
+/// The planner's step; for a planner without one, a distance by the size of the instance.
 double step_of(const Instance& instance) { return instance.step > 0.0 ? instance.step : natural_distance(instance); }
 
 }  // namespace
@@ -97,7 +97,7 @@ void PathHeuristic::observe(const Outcome& outcome, bool mine) {
     blocked_ = 0;
     choose_stretches();
   } else if (mine && uncovered_ > 0 && outcome.fate == Fate::rejected && !outcome.blocked_at.empty()) {
-    // A path that is reached as a whole is not refuted: it may still serve.
+    // A path that the planner reached completely is not refuted: it may still be useful.
     if (++blocked_ >= evidence_) refute();
   }
 }
@@ -117,7 +117,7 @@ bool PathHeuristic::cover(View q) {
 }
 
 void PathHeuristic::choose_stretches() {
-  // Uncovered bins within the window of a covered one or of an end of the path that the planner starts from.
+  // Uncovered bins within the window of a covered bin, or of an end of the path where a tree starts.
   const std::size_t n = covered_.size();
   const auto ahead = static_cast<std::size_t>(
       std::max(1.0, bin_ > 0.0 ? std::round(std::min(window_ / bin_, static_cast<double>(n))) : 1.0));
@@ -140,7 +140,7 @@ void PathHeuristic::choose_stretches() {
       stretches.emplace_back(from, to);
     }
   }
-  // Everything reached: the whole path again.
+  // If all bins are covered, the whole path is active.
   if (stretches.empty()) stretches.emplace_back(0.0, tube_.length());
   tube_.activate(std::move(stretches));
   ++epoch_;
@@ -154,7 +154,7 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
       evidence_(evidence),
       reached_(reached) {
   const auto& points = tube_.path();
-  // A path to the goal, of which motions are verified, has to be repaired at most where they are not.
+  // If the path ends at the goal and has a verified motion, only its other motions need repair.
   const bool whole = parent.to_goal(points.back()) <= parent.goal_tolerance;
   const std::size_t looked_at = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
   for (std::size_t i = 1; i < looked_at && !exact_; ++i) {
@@ -197,7 +197,7 @@ void WaypointHeuristic::record(DensityRecord& record, double share) const {
 
 void WaypointHeuristic::observe(const Outcome& outcome, bool mine) {
   const std::size_t before = at_;
-  // A node between waypoints of a verified path is what the next extension goes on from.
+  // For a verified path, the next extension starts at the node added between waypoints.
   if (exact_ && mine && drew_itself_ && !outcome.added.empty()) (backwards_ ? back_row_ : row_) = outcome.added_row;
   if (exact_ && outcome.from_goal && !outcome.added.empty()) {
     if (back_ > 0 && parent_.space.distance(tube_.path()[back_ - 1], outcome.added) <= parent_.goal_tolerance) {
@@ -331,7 +331,7 @@ std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathG
 }
 
 void ReachedNodes::begin(const Space& space, View start, View goal) {
-  // The arguments may be views of what is assigned to here.
+  // The arguments may be views of the members assigned here.
   Configuration from(start.begin(), start.end());
   Configuration to(goal.begin(), goal.end());
   space_ = space;
@@ -354,7 +354,7 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
     instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
     instance->needed_reach = std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
   }
-  // An explicit graph is a way of searching the parent's space, not part of what is projected.
+  // An explicit graph belongs to the search of the parent's space, so f does not map it.
   instance->graph = nullptr;
   return instance;
 }
@@ -383,7 +383,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
     instance->validity = relaxed_;
     instance->shared_resolution = parent.resolution;
   }
-  // From here on nodes are learnt: h starts from where the search stands, however late it is made.
+  // Records nodes from here on, so that h starts from the current state of the search, however late it is made.
   const Instance& in = followed_in(parent, *instance);
   if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal);
   if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
@@ -410,7 +410,7 @@ std::int64_t PathGuide::another(const Solution* found) {
     const bool more = static_cast<std::int64_t>(paths_.size()) < path_settings_.paths;
     if (more && keep_apart_from(found->path)) return path_settings_.effort;
   }
-  // What was excluded to keep paths apart is valid all the same.
+  // Ends the exclusion of paths: they are valid configurations.
   if (!paths_.empty()) excluding_->include_paths();
   complete_ = true;
   return 0;
@@ -439,9 +439,9 @@ void PathGuide::before_resolve() {
   if (found_invalid_) found_invalid_->clear();
   if (!excludes() || current_ == nullptr) return;
   const std::optional<Configuration> place = take_refuted();
-  // What guides elsewhere refuted it, or a guide above: the place is lost already.
+  // Another guide, or a level above, refuted the path, and the place is already excluded.
   if (!place && !lost_.empty()) return;
-  // What holds the start or the goal cannot be excluded: the path is followed for all that.
+  // A place that contains the start or the goal cannot be excluded: the path is followed although it is refuted.
   last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal});
   if (!last_) lost_.push(*place);
 }
@@ -454,8 +454,9 @@ PointLift PathGuide::near_point(const Instance& parent) {
     if (!moves && parent.space.axes()[j].periodic) headings.push_back(j);
   }
   const double reach = natural_distance(parent);
-  // The point itself; with the coordinates beside the position that the waypoint before it has; along the path, either
-  // way round; then farther and farther from it: near it, along the path near its position, anything at its position.
+  // The attempts, in order: the point itself; with the non-position coordinates of the previous waypoint; with the
+  // heading along the path, in either direction; then at increasing distance: near the point, along the path near its
+  // position, any configuration at its position.
   return [&parent, headings = std::move(headings), reach, ball = BallKernel(parent.space, reach),
           drawn = Configuration(parent.space.dimension())](int attempt, View s, View previous, View ahead,
                                                            Stream& stream, MutableView q) mutable {
@@ -587,7 +588,7 @@ std::unique_ptr<PathFollower> PathGuide::follower(Instance& parent, const Config
 
 void PathGuide::share_verified(Instance& parent, const Configurations& path) {
   if (!relaxed_) return;
-  // What is presumed is verified by whoever presumes it, if at all.
+  // A space with presumed validity verifies its motions itself, if at all.
   if (parent.validity->spends_checks()) {
     if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
     parent.verified->hold_at(parent.epoch());

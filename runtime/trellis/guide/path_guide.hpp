@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What guides have in common whose space S has the coordinates of C and whose h is a tube about the path found in S.
+// Shared by guides whose space S has the coordinates of C and whose h is a tube about the path found in S.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@ class KeptTree;
 class SparseValidation;
 
 /// Lifts a point of a path in S to C, in several attempts.
-/// \param attempt   0 for the first; each attempt gives another configuration
-/// \param s         the point of the path in S
-/// \param previous  in C: the waypoint before it, or after it where the path is validated from its end; moved evenly
-///                  towards the waypoint at the other end of what is not yet validated, where that is asked for
-/// \param ahead     the next point of the path in S in the direction of validation; `s` at the end
-/// \param q         receives the configuration
-/// \return false where there are no more attempts
+/// \param attempt  0 for the first; each attempt gives another configuration
+/// \param s  the point of the path in S
+/// \param previous  in C: the previous waypoint, or the next one if the path is validated from its end; if so
+///     requested, interpolated towards the waypoint at the other end of the part that is not yet validated
+/// \param ahead  the next point of the path in S in the direction of validation; `s` at the end
+/// \param q  receives the configuration
+/// \return false if there are no more attempts
 using PointLift = std::function<bool(int attempt, View s, View previous, View ahead, Stream& stream, MutableView q)>;
 
 struct PathGuideSettings {
@@ -54,7 +54,7 @@ Settings<S> with_radius(Settings<S> settings) {
       "space's diameter 1 % for a point and 5 % for a robot that is fixed to its base");
 }
 
-/// How a tube is followed.
+/// The options that follow a tube.
 template <class S>
 Settings<S> with_progress(Settings<S> settings) {
   return settings
@@ -66,7 +66,7 @@ Settings<S> with_progress(Settings<S> settings) {
                "guided proposals at one place of the path that C found blocked, after which the path is refuted");
 }
 
-/// The options of what follows a path.
+/// The options that follow a path.
 template <class S>
 Settings<S> with_following_options(Settings<S> settings) {
   return with_progress(
@@ -95,7 +95,7 @@ Settings<S> with_path_options(Settings<S> settings) {
   return with_resolves(with_following_options(std::move(settings)));
 }
 
-/// The options of guides that can look for several paths.
+/// The options of guides that can search for several paths.
 template <class S>
 Settings<S> with_several_paths(Settings<S> settings) {
   settings
@@ -112,41 +112,41 @@ Settings<S> with_several_paths(Settings<S> settings) {
   return settings;
 }
 
-/// What guides of this kind claim alike: h, its density and feedback, and what happens without a path.
+/// The claims shared by guides of this kind: h, its density and feedback, and the fallback without a path.
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
 
-/// A distance in the metric that is of an instance's size: the robot's bounding radius; of the space's diameter 2 % for
-/// a point, and 10 % for a robot that is fixed to its base, whose radius says nothing of its angles.
+/// A distance in metres in the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
+/// diameter for a point; 10 % for a robot that is fixed to its base, because its radius does not relate to its angles.
 double natural_distance(const Instance& instance);
 
-/// The distance between points of a path that are validated in an instance, where no other one is asked for: the
-/// natural distance, or 0.8 of the planner's step where that is more.
+/// Default distance between the points of a path that an instance validates, in metres in the metric: the natural
+/// distance, or 0.8 of the planner's step if that is larger.
 double sparse_spacing(const Instance& instance);
 
-/// The radius that the option `radius` stands for in an instance.
+/// The tube's radius in an instance, in metres in the metric: the option `radius` or its default.
 double tube_radius(const PathGuideSettings& settings, const Instance& instance);
 
 /// h that follows a path in C.
 class PathFollower : public Heuristic {
  public:
   [[nodiscard]] bool stale() const final { return stale_; }
-  /// The path was found not to hold: it is stale at once.
+  /// Marks the path as refuted: h becomes stale.
   void refute() { stale_ = true; }
-  /// Where on the path evidence refuted it, if it did.
+  /// The point of the path at which evidence refuted it, if any.
   [[nodiscard]] virtual std::optional<Configuration> refuted_place() const { return std::nullopt; }
-  /// Of the tube about the path, metres.
+  /// Radius of the tube about the path, in metres in the metric.
   [[nodiscard]] virtual double radius() const = 0;
 
  private:
   bool stale_ = false;
 };
 
-/// h along a path in C: a tube about the stretch of the path just beyond what the planner's nodes have reached.
+/// h along a path in C: a tube about the part of the path just beyond the planner's nodes.
 class PathHeuristic final : public PathFollower {
  public:
-  /// \param reached  the planner's nodes so far, for the stretches already covered; nullptr: none
-  /// \param window    metres in the metric
-  /// \param evidence  blocked proposals that refute the path
+  /// \param reached  the planner's nodes so far, which cover parts of the path; nullptr: none
+  /// \param window  metres in the metric
+  /// \param evidence  number of blocked proposals that refutes the path
   PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
                 std::int64_t evidence, const NearestIndex* reached);
 
@@ -159,12 +159,12 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
   [[nodiscard]] double progress() const override { return progress_; }
-  /// Of what is drawn now.
+  /// The density of the next sample.
   [[nodiscard]] const std::shared_ptr<const Density>& tube_density() const { return tube_.density(); }
 
  private:
   void choose_stretches();
-  /// Marks the bins that q reaches; whether any was new.
+  /// Marks the bins of the path that q covers. Returns whether it marked a new one.
   bool cover(View q);
 
   std::string source_;
@@ -172,22 +172,22 @@ class PathHeuristic final : public PathFollower {
   TubeKernel tube_;
   double window_;
   std::int64_t evidence_;
-  std::int64_t blocked_ = 0;  ///< guided proposals since the last progress
+  std::int64_t blocked_ = 0;  ///< guided proposals blocked since the last progress
   double progress_ = 0.0;
-  std::uint64_t epoch_ = 0;    ///< how often stretches were chosen
+  std::uint64_t epoch_ = 0;    ///< number of changes of the intervals
   double bin_ = 0.0;           ///< arc length of one bin
-  Configurations centres_;     ///< of the bins
-  std::vector<char> covered_;  ///< by the planner's nodes
+  Configurations centres_;     ///< centres of the bins
+  std::vector<char> covered_;  ///< for each bin, whether a node of the planner covers it
   std::size_t uncovered_ = 0;
 };
 
-/// h along the points of a path in C, one after the other, as iterative relaxation of constraints repairs a path: a
-/// way-point that is valid in C is kept, so it is proposed itself; what is near it is proposed as well once the way to
-/// it was blocked. One that is not valid is replaced: only what is near it is proposed. A node near it reaches it.
-/// After the last of them the whole path serves.
+/// h along the waypoints of a path in C, one after another, as iterative relaxation of constraints repairs a path. A
+/// waypoint that is valid in C is proposed itself; after a blocked motion to it, configurations near it are proposed
+/// too. For an invalid waypoint, only configurations near it are proposed. A node near a waypoint reaches it. After the
+/// last waypoint, proposals come from the tube about the whole path.
 class WaypointHeuristic final : public PathFollower {
  public:
-  /// \param reached  the planner's nodes, the start at least; outlives this and is kept up to date
+  /// \param reached  the planner's nodes, with at least the start; outlives this object and is kept current
   WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius, std::int64_t evidence,
                     const NearestIndex& reached);
 
@@ -206,44 +206,44 @@ class WaypointHeuristic final : public PathFollower {
     const View place = tube_.path()[at_];
     return Configuration(place.begin(), place.end());
   }
-  /// Of a path that was verified, a tree from the goal gets the waypoints from its end.
+  /// For a verified path, the tree from the goal visits the waypoints from the last one backwards.
   void select_tree(TreeSide side) override { backwards_ = exact_ && side == TreeSide::goal && back_ > at_; }
-  /// A waypoint is proposed for the node at the one before it.
+  /// Extends the node at the previous waypoint.
   [[nodiscard]] std::uint32_t vertex() const override {
     if (!drew_itself_ || draw_ != Draw::itself) return no_node;
     return backwards_ ? back_row_ : row_;
   }
-  /// Trees along a verified path meet where both have come.
+  /// Connects trees along a verified path only once both have reached the same waypoint.
   [[nodiscard]] bool worth_connecting(View, View) const override { return !exact_ || back_ <= at_; }
-  /// The way-point that is proposed now, a row of the path; its size after the last one.
+  /// The current waypoint, a row of the path; the path's size after the last one.
   [[nodiscard]] std::size_t waypoint() const { return at_; }
 
  private:
   enum class Draw : std::uint8_t { itself, both, near };
 
-  /// Passes over the way-points that are reached and looks at the next one.
+  /// Advances past the waypoints that are reached, and checks the next one.
   void go_on();
 
   std::string source_;
   Instance& parent_;
   TubeKernel tube_;
-  std::vector<double> lengths_;  ///< of the path up to each way-point
+  std::vector<double> lengths_;  ///< arc length up to each waypoint
   std::int64_t evidence_;
   const NearestIndex& reached_;
   std::size_t at_ = 0;
   Draw draw_ = Draw::near;
   bool drew_itself_ = false;
-  bool exact_ = false;           ///< the path was verified: only its own points are on it
-  std::uint32_t row_ = no_node;  ///< of the node that reached the last waypoint
+  bool exact_ = false;           ///< the path was verified: a node reaches a waypoint only at the waypoint itself
+  std::uint32_t row_ = no_node;  ///< node that reached the last waypoint
   bool backwards_ = false;       ///< the next proposal is for the tree from the goal
-  std::size_t back_ = 0;         ///< that tree has reached the waypoints from here on
+  std::size_t back_ = 0;         ///< the tree from the goal has reached the waypoints from this one to the last
   std::uint32_t back_row_ = no_node;
-  std::int64_t blocked_ = 0;  ///< guided proposals at this way-point
+  std::int64_t blocked_ = 0;  ///< guided proposals blocked at this waypoint
   double progress_ = 0.0;
   std::uint64_t epoch_ = 0;
 };
 
-/// h along several paths: each that is not stale draws an equal share.
+/// h along several paths: each path that is not stale has an equal share.
 class SeveralPaths final : public PathFollower {
  public:
   /// \param parts  at least one
@@ -259,7 +259,7 @@ class SeveralPaths final : public PathFollower {
   }
   [[nodiscard]] double progress() const override;
   [[nodiscard]] double connected() const override;
-  /// The least of what the paths in use say.
+  /// The minimum over the active paths.
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override {
     for (auto& part : parts_) part->restart();
@@ -279,19 +279,19 @@ class SeveralPaths final : public PathFollower {
 
  private:
   std::vector<std::unique_ptr<PathFollower>> parts_;
-  std::vector<std::size_t> live_;  ///< that draw; never empty
+  std::vector<std::size_t> live_;  ///< paths that are not stale; never empty
   std::size_t drawn_ = 0;
   std::uint64_t epoch_ = 0;
 };
 
-/// h along a path in C as the settings say.
-/// \param reached  the nodes of the planner's trees, the start at least; they outlive what is made and are kept up to
-///                 date
+/// Makes h along a path in C according to the settings.
+/// \param reached  the nodes of the planner's trees, with at least the start; they outlive the result and are kept
+///     current
 std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
                                           Instance& parent, const Configurations& path,
                                           const std::array<const NearestIndex*, 2>& reached);
 
-/// A uniform h for a space whose search found nothing to go by.
+/// A uniform h, for a space whose search found no path.
 class UniformHeuristic final : public Heuristic {
  public:
   UniformHeuristic(std::string source, const Space& space) : source_(std::move(source)), uniform_(space) {}
@@ -305,16 +305,16 @@ class UniformHeuristic final : public Heuristic {
   UniformGuidance uniform_;
 };
 
-/// The nodes of a planner's trees.
+/// The nodes of a planner's trees, or of its roadmap.
 class ReachedNodes {
  public:
   /// \param space  of the nodes
   void begin(const Space& space, View start, View goal);
-  /// A node that is connected to its tree's root.
+  /// Adds a node that is connected to its tree's root.
   void add(View q, bool from_goal) {
     if (!trees_.empty()) trees_[from_goal ? 1 : 0].add(q);
   }
-  /// No nodes but the roots.
+  /// Removes all nodes except the roots.
   void clear() { begin(space_, start_, goal_); }
   [[nodiscard]] bool begun() const { return !trees_.empty(); }
   [[nodiscard]] const NearestIndex& from_start() const { return trees_[0]; }
@@ -324,7 +324,7 @@ class ReachedNodes {
   Space space_;
   Configuration start_;
   Configuration goal_;
-  std::vector<NearestIndex> trees_;  ///< from the start and from the goal
+  std::vector<NearestIndex> trees_;  ///< from the start, and from the goal
 };
 
 /// A guide with S = C as metric spaces: f is the identity on configurations.
@@ -343,7 +343,7 @@ class PathGuide : public Guide {
   void searched(const Search& search) override;
   std::int64_t another(const Solution* found) override;
   [[nodiscard]] double effort_again() const override { return static_cast<double>(path_settings_.effort); }
-  /// Keeps the next path in S out of what was refuted.
+  /// Excludes the refuted place from the next path in S.
   void before_resolve() override;
   void no_other_path() override { only_path_ = true; }
   [[nodiscard]] Configurations refuted_places() const override;
@@ -354,66 +354,67 @@ class PathGuide : public Guide {
  protected:
   /// f of the instance.
   virtual std::unique_ptr<Instance> reduced(const Instance& parent) = 0;
-  /// The instance whose space paths are followed in and nodes are learnt in: C, or S where h is lifted from there.
+  /// The instance in whose space paths are followed and nodes are recorded: C, or S if h is lifted from S.
   [[nodiscard]] virtual const Instance& followed_in(const Instance& parent, const Instance&) const { return parent; }
-  /// Whether a path in S may be invalid in C. Where not, nothing refutes it.
+  /// Whether a path in S may be invalid in C. If not, no evidence refutes it.
   [[nodiscard]] virtual bool relaxes() const { return true; }
-  /// Whether S loses what was refuted by `before_resolve` of this class, rather than in a way of the guide's own.
+  /// Whether `before_resolve` of this class excludes refuted places from S. A guide that treats them otherwise returns
+  /// false.
   [[nodiscard]] virtual bool excludes() const { return relaxes(); }
-  /// How paths are followed.
+  /// The option `follow` in use.
   [[nodiscard]] virtual std::string follow() const { return path_settings_.follow; }
-  /// The path of the space that is followed where `path` was found.
+  /// The path to follow, made from the path found in S.
   virtual Configurations followed(Configurations path) const { return path; }
-  /// A copy of the instance with everything but its validity's own state: what f starts from.
+  /// A copy of the instance without the state of its validity: the base from which f makes S.
   static std::unique_ptr<Instance> same_instance(const Instance& parent);
-  /// The heuristic in use; nullptr where nothing was found to go by.
+  /// The active heuristic; nullptr if the search found no path.
   [[nodiscard]] PathFollower* path_heuristic() const { return current_; }
-  /// Whether a search for another path found none: the last one is followed for all that.
+  /// Whether a search for another path found none. The last path is then followed although it was refuted.
   [[nodiscard]] bool only_path() const { return only_path_; }
-  /// The place of the path in S that was refuted last, if any; none when asked again.
+  /// Returns and clears the refuted point of the path in S, if any.
   [[nodiscard]] std::optional<Configuration> take_refuted();
-  /// Whether a node of the planner's lies within a distance of q.
+  /// Whether a node of the planner lies within a distance of q, in metres in the metric.
   [[nodiscard]] bool reached(View q, double within) const {
     return reached_.begun() && reached_.from_start().nearest(q).squared_distance <= within * within;
   }
   /// The planner's nodes that are connected to the start, and those connected to the goal.
   [[nodiscard]] const ReachedNodes& reached_nodes() const { return reached_; }
-  /// The paths that the next h follows where they are several, of a guide that looks for them by itself.
+  /// Sets the paths that the next h follows, for a guide that finds several paths itself.
   void follow(std::vector<Configurations> paths) { paths_ = std::move(paths); }
   [[nodiscard]] const PathGuideSettings& path_settings() const { return path_settings_; }
 
  private:
-  /// Follows the paths found where there are several, else the path.
+  /// Follows the several paths found, else `path`.
   /// \param whole  whether the path ends at the goal
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] bool leads_through_lost_place(const Configurations& path) const;
-  /// Keeps the next path in S distinct from one found; whether there is to be a next one.
+  /// Excludes from S what the next path has to differ from. Returns whether to search for a next path.
   bool keep_apart_from(const Configurations& path);
 
-  /// Lifts of points of a path in S, which has the coordinates of C.
+  /// Lifts points of a path in S, which has the coordinates of C.
   [[nodiscard]] static PointLift near_point(const Instance& parent);
-  /// What of the path found in S is known to be valid in C need not be checked there again.
+  /// Marks those motions of the path that were found valid in C as verified, so that C does not check them again.
   void share_verified(Instance& parent, const Configurations& path);
 
   std::string name_;
   PathGuideSettings path_settings_;
-  PathFollower* current_ = nullptr;  ///< the last one made, owned by whoever asked for it
+  PathFollower* current_ = nullptr;  ///< the last one made; its caller owns it
   Instance* sub_ = nullptr;
   bool only_path_ = false;  ///< a search for another one found none
-  bool last_ = false;       ///< the next path is followed as it is: no other one can be had
-  ReachedNodes reached_;    ///< made when the space is known
+  bool last_ = false;       ///< follow the next path although it is refuted: no other can exist
+  ReachedNodes reached_;    ///< made once the space is known
   std::shared_ptr<SparseValidation> sparse_;
   std::optional<Configuration> refuted_;          ///< a point of the path in S that sparse validation refuted
-  std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, where it relaxes C
-  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, where paths are kept apart or out of what was refuted
-  std::shared_ptr<Validity> parents_;             ///< of C
-  Configurations lost_;                           ///< places of S, excluded since this was asked last
-  std::optional<Places> found_invalid_;           ///< where C was, since the last path was found
-  // Where several paths are wanted:
-  std::vector<Configurations> paths_;  ///< found since h was made last
-  std::shared_ptr<KeptTree> tree_;     ///< of S, where it is kept
-  bool complete_ = false;              ///< all that were wanted or found are there
+  std::shared_ptr<RelaxedValidity> relaxed_;      ///< of S, if S relaxes C
+  std::shared_ptr<ExcludingValidity> excluding_;  ///< of S, if it excludes paths or places
+  std::shared_ptr<Validity> parents_;             ///< validity in C
+  Configurations lost_;                           ///< places of S, excluded since the last take_lost_places
+  std::optional<Places> found_invalid_;           ///< configurations of C found invalid since the last path
+  // For guides that search for several paths:
+  std::vector<Configurations> paths_;  ///< found since h was last made
+  std::shared_ptr<KeptTree> tree_;     ///< of S, if it is kept
+  bool complete_ = false;              ///< no further path is required or exists
 };
 
 }  // namespace trellis

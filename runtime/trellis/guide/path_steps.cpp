@@ -33,7 +33,7 @@ void point_at(const Space& space, const Configurations& path, const std::vector<
   space.interpolate(path[i], path[i + 1], span > 0.0 ? std::clamp((at - lengths[i]) / span, 0.0, 1.0) : 0.0, out);
 }
 
-/// Two configurations are the same where they are nearer than this share of a step.
+/// Two configurations count as equal if they are nearer than this share of a step.
 constexpr double meeting = 1e-6;
 
 }  // namespace
@@ -58,7 +58,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   const std::vector<double> lengths = arc_lengths(s_, path);
   const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(lengths.back() / spacing_)));
   const double piece = lengths.back() / static_cast<double>(pieces);
-  // Points 0 and `pieces` are the start and, of a whole path, the goal.
+  // Points 0 and `pieces` are the start and, for a whole path, the goal.
   std::array<Configurations, 2> chains = {Configurations(dimension), Configurations(dimension)};
   std::array<std::vector<double>, 2> places;
   chains[0].push(parent.start);
@@ -72,7 +72,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   Configuration s(s_.dimension());
   Configuration ahead(s_.dimension());
   Configuration q(dimension);
-  // A place that was excluded may lie between two points.
+  // An excluded place may lie between two points.
   const auto refuted_between = [&](double from, View a, double to, View b) {
     const auto at = parent.validity->excluded(a, b);
     if (!at) return false;
@@ -158,8 +158,8 @@ bool VerifiedStretches::contains(double at) const {
 
 std::pair<Configurations, std::vector<char>> VerifiedStretches::merged_into(const SparsePath& sparse) const {
   Configurations points(path_.dimension());
-  std::vector<char> verified;  // of the edge that ends at each point
-  std::size_t next = 0;        // waypoint
+  std::vector<char> verified;  // for each point, whether the edge that ends there is verified
+  std::size_t next = 0;        // index of the next waypoint
   const auto waypoints_up_to = [&](double at) {
     for (; next < sparse.at.size() && sparse.at[next] < at; ++next) {
       if (contains(sparse.at[next])) continue;
@@ -230,7 +230,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
       const double near = very_near();
       const double distance = std::sqrt(nodes->nearest(centres()[bin]).squared_distance);
       if (distance > near) {
-        // No node is near to a centre that is nearer to this one than the nodes are.
+        // Skips centres that, by the triangle inequality, have no node nearby.
         const auto passed = bin_ > 0.0 ? static_cast<std::size_t>((distance - near) / bin_) : std::size_t{0};
         i -= std::min(i, std::max<std::size_t>(1, passed));
         continue;
@@ -276,7 +276,7 @@ std::uint32_t StepHeuristic::vertex() const {
 
 bool StepHeuristic::worth_connecting(View from, View to) const {
   const double reach = 2.0 * settings_.step;
-  // Trees along what was verified meet where both have come.
+  // Trees along verified edges connect only once both have reached the same point.
   if (fronts_[0].target && fronts_[1].target && fronts_[0].exact && fronts_[1].exact &&
       length() - fronts_[0].at - fronts_[1].at > meeting * settings_.step) {
     return false;
@@ -391,11 +391,11 @@ void StepHeuristic::observe(const Outcome& outcome, bool mine) {
       return;
     }
     const auto to = front.at < length() ? place(side, outcome.added, !mine) : std::nullopt;
-    // A node beside the path gives way to one on what was verified unless it is a step ahead.
+    // A node beside the path does not replace a node on a verified edge, unless it is one step ahead.
     const bool keep = front.target && front.exact && to && *to < front.at + settings_.step;
     if (to && *to > front.at && !keep) {
       progress_ += *to - front.at;
-      // Rounding must not leave the end of the path just ahead for ever.
+      // Otherwise, rounding could leave the end of the path just ahead indefinitely.
       front.at = *to > length() - 0.5 * bin_ ? length() : *to;
       front.row = outcome.added_row;
       front.failures = 0;

@@ -48,10 +48,10 @@ const Settings<PcaSettings>& pca_settings() {
   return settings;
 }
 
-/// How many uniform configurations are looked at, at most, for each valid one that is wanted.
+/// Maximum number of uniform configurations checked per required valid one.
 constexpr std::int64_t tries_per_sample = 50;
 
-/// C as a box of metric coordinates about the start: periodic axes are cut open opposite to it.
+/// C as a box of metric coordinates about the start; periodic axes are cut opposite to the start.
 class Chart {
  public:
   Chart(Space space, View start) : space_(std::move(space)), start_(start.begin(), start.end()) {
@@ -70,7 +70,7 @@ class Chart {
     for (std::size_t j = 0; j < y.size(); ++j) {
       const Axis& axis = space_.axes()[j];
       q[j] = start_[j] + y[j] / axis.weight;
-      // Rounding must not lead out of a bounded axis.
+      // Rounding must not leave the range of a bounded axis.
       if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
     }
     space_.normalise(q);
@@ -85,7 +85,7 @@ class Chart {
   void clamp(std::vector<double>& y) const {
     for (std::size_t j = 0; j < y.size(); ++j) y[j] = std::clamp(y[j], lo_[j], hi_[j]);
   }
-  /// How far one can go from y, inside, along a direction.
+  /// The distance from y, inside the box, to its boundary along a direction.
   [[nodiscard]] double room(const std::vector<double>& y, const std::vector<double>& direction) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < y.size(); ++j) {
@@ -109,7 +109,7 @@ class Flat {
   Flat(Chart chart, std::vector<double> origin, std::vector<std::vector<double>> axes, std::size_t k)
       : chart_(std::move(chart)), origin_(std::move(origin)), axes_(std::move(axes)), k_(k) {}
 
-  /// f: the orthogonal projection, in coordinates along the directions.
+  /// f: the orthogonal projection, in coordinates along the first `k` directions.
   void project(View q, MutableView s) const {
     std::vector<double> y;
     chart_.to(q, y);
@@ -122,7 +122,7 @@ class Flat {
       s[i] = sum;
     }
   }
-  /// The point of the subspace, in the chart.
+  /// The point of the subspace at s, in the chart.
   [[nodiscard]] std::vector<double> point(View s) const {
     std::vector<double> y = origin_;
     for (std::size_t i = 0; i < k_; ++i) {
@@ -130,7 +130,7 @@ class Flat {
     }
     return y;
   }
-  /// The configuration there; false where the subspace has left C, with the nearest one.
+  /// The configuration at s. If the point lies outside of C, sets q to the nearest configuration and returns false.
   bool at(View s, MutableView q) const {
     std::vector<double> y = point(s);
     const bool inside = chart_.contains(y);
@@ -138,9 +138,9 @@ class Flat {
     chart_.from(y, q);
     return inside;
   }
-  /// A configuration that projects to s: on a line through the point of the subspace, in a uniform direction orthogonal
-  /// to it, as far as C goes to either side or less; with one dimension left uniform on the fibre. Where the subspace
-  /// has left C, the nearest configuration.
+  /// Draws a configuration that projects to s: on a line through the point of the subspace in a uniform direction
+  /// orthogonal to it, up to the bounds of C or less. If one dimension is left, it is uniform on the fibre. If the
+  /// point lies outside of C, the nearest configuration.
   void lift(View s, Stream& stream, MutableView q) const {
     std::vector<double> y = point(s);
     const std::size_t m = axes_.size() - k_;
@@ -169,7 +169,7 @@ class Flat {
     for (std::size_t j = 0; j < y.size(); ++j) y[j] += r * direction[j];
     chart_.from(y, q);
   }
-  /// log of the density of that at q, on the fibre of f(q).
+  /// log of the density of `lift` at q on the fibre of f(q).
   [[nodiscard]] double log_fibre_density(View q) const {
     const std::size_t m = axes_.size() - k_;
     std::vector<double> y;
@@ -184,7 +184,7 @@ class Flat {
       squares += y[j] * y[j];
     }
     if (!(squares > 0.0)) {
-      // On the subspace itself every direction would do.
+      // At the subspace itself, any direction applies.
       y = axes_[k_];
       squares = 1.0;
     }
@@ -208,10 +208,10 @@ class Flat {
   std::size_t k_;
 };
 
-/// Validity in S: that of the configuration on the subspace, in C. What the subspace has outside of C is invalid.
+/// Validity in S: that of the configuration on the subspace, in C. Points of the subspace outside of C are invalid.
 class FlatValidity final : public Validity {
  public:
-  /// \param c  validity of configurations of C
+  /// \param c  validity in C
   FlatValidity(std::shared_ptr<const Flat> flat, std::shared_ptr<Validity> c)
       : flat_(std::move(flat)), c_(std::move(c)), a_(flat_->parent().dimension()), b_(a_.size()) {}
 
@@ -220,7 +220,7 @@ class FlatValidity final : public Validity {
     if (!flat_->at(b, b_)) return {false, 1, 1.0};
     flat_->at(a, a_);
     if (!goes_round(a, b)) return c_->motion(a_, b_);
-    // C would go the short way round: here it is the other. Halves are short.
+    // C would connect the ends by the shorter motion around the axis, S by the other. Each half is short enough.
     Configuration middle(a.size());
     for (std::size_t i = 0; i < a.size(); ++i) middle[i] = 0.5 * (a[i] + b[i]);
     MotionReport first = motion(a, middle);
@@ -239,7 +239,7 @@ class FlatValidity final : public Validity {
   }
 
  private:
-  /// Whether the straight way in S is more than half a turn about some axis.
+  /// Whether the straight motion in S exceeds half a period of some axis.
   [[nodiscard]] bool goes_round(View a, View b) const {
     const std::vector<double> from = flat_->point(a);
     const std::vector<double> to = flat_->point(b);
@@ -267,7 +267,7 @@ class Pca final : public PathGuide {
     if (k >= d) {
       throw Error(fmt::format("pca: S must have fewer dimensions than {}, which has {}; got {}", space.name(), d, k));
     }
-    // Checked for real, whatever the parent presumes, as a smaller robot's space is.
+    // Collision checks, even if the parent presumes validity.
     const std::shared_ptr<Validity> validity = parent.validity_in(parent.scene);
     Checks checks;
     Chart chart(space, parent.start);
@@ -288,7 +288,7 @@ class Pca final : public PathGuide {
     flat_ = std::make_shared<const Flat>(chart, origin,
                                          principal_axes(points, settings_.ends ? goal : std::vector<double>{}, d), k);
 
-    // S holds what the samples, the start and the goal project to, and a little more.
+    // The bounds of S contain the projections of the samples, the start and the goal, with a margin.
     std::vector<double> lo(k, std::numeric_limits<double>::infinity());
     std::vector<double> hi(k, -std::numeric_limits<double>::infinity());
     std::vector<double> s(k);
@@ -345,11 +345,12 @@ class Pca final : public PathGuide {
   }
 
  protected:
-  /// Its paths lie in C on the subspace, and are valid there.
+  /// The paths lie in C on the subspace and are valid there.
   [[nodiscard]] bool relaxes() const override { return false; }
 
  private:
-  /// Valid configurations in the chart, drawn uniformly: the same in every run, as f of an instance is.
+  /// Valid configurations in the chart, sampled uniformly; the same in every run, because f of an instance is
+  /// deterministic.
   [[nodiscard]] std::vector<double> samples(const Chart& chart, Validity& validity, Checks& checks) const {
     const Space& space = chart.space();
     Stream stream(0, "pca", "samples");
@@ -375,7 +376,7 @@ class Pca final : public PathGuide {
     return points;
   }
 
-  /// Points in the chart, evenly spread over each stored path that fits; every path gives as many.
+  /// Points in the chart, evenly spaced along each matching stored path; every path contributes the same number.
   [[nodiscard]] std::vector<double> stored(const Chart& chart, const Robot& robot) const {
     const Space& space = chart.space();
     const auto library = known_paths(settings_.db);

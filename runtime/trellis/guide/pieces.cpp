@@ -19,7 +19,7 @@ std::uint64_t hash_of(std::span<const double> numbers) {
   return stable_hash({reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()});  // NOLINT: its bytes
 }
 
-/// Throws Error for a configuration that is none of the space's.
+/// \throws Error if q is no configuration of the space
 void require_in(const Space& space, View q, const std::string& what) {
   if (q.size() != space.dimension()) {
     throw Error(fmt::format("{} has {} coordinates, and the space {} that it is to lie in has {}", what, q.size(),
@@ -29,7 +29,7 @@ void require_in(const Space& space, View q, const std::string& what) {
   throw Error(fmt::format("{}, ({:g}), is outside of the space {}", what, fmt::join(q, ", "), space.name()));
 }
 
-/// A piece that is a guide by itself.
+/// A piece as a guide.
 class PieceGuide final : public Guide {
  public:
   explicit PieceGuide(const Piece& piece) : piece_(piece) {}
@@ -58,7 +58,7 @@ class PieceGuide final : public Guide {
     reached_->add(start_);
   }
 
-  const Piece& piece_;  // the spec has it, and lives longer
+  const Piece& piece_;  // the spec owns it and outlives this object
   Space space_;
   Configuration start_;
   std::optional<NearestIndex> reached_;  ///< the planner's nodes

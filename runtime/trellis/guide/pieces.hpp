@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Distributions that a script makes and h is put together from.
+// Distributions from which scripts compose h.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,27 @@
 
 namespace trellis {
 
-/// A distribution over a space. By itself a guide with S = {0}.
+/// A distribution over a space. It is also a guide with S = {0}.
 class Piece : public CustomGuide {
  public:
   using CustomGuide::CustomGuide;
   [[nodiscard]] std::unique_ptr<Guide> make(const GuideSite& site) const final;
-  /// Over the space of an instance. Throws Error where it does not lie in it.
-  /// \param reached  the nodes of who draws from it, the start at least; outlives what is made
+  /// Makes the heuristic over the space of an instance.
+  /// \param reached  the nodes of the planner that draws from it, with at least the start; outlives the result
+  /// \throws Error if the distribution does not lie in the space
   [[nodiscard]] virtual std::unique_ptr<Heuristic> over(Instance& instance, const NearestIndex& reached) const = 0;
 };
 
 /// The options of `along`.
 const Settings<PathGuideSettings>& along_settings();
 
-/// Along a path; uniform where that has fewer than two points, as nothing was found to go by.
-/// \param path  configurations of as many coordinates each
+/// A distribution along a path; uniform if the path has fewer than two points.
+/// \param path  configurations of equal dimension
 std::shared_ptr<const Piece> along(Configurations path, const Options& options);
-/// Uniform on the ball about a configuration, metres of the metric.
+/// Uniform distribution on the ball about a configuration; radius in metres in the metric.
 std::shared_ptr<const Piece> ball(Configuration centre, double radius);
 
-/// A weighted sum of heuristics; stale where one of them is.
+/// A weighted sum of heuristics. It is stale if one of them is.
 class SumHeuristic final : public Heuristic {
  public:
   struct Part {
@@ -51,7 +52,7 @@ class SumHeuristic final : public Heuristic {
   }
   [[nodiscard]] double progress() const override;
   [[nodiscard]] double connected() const override;
-  /// The least of what the parts say.
+  /// The minimum over the parts.
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override;
   void found(double length) override;

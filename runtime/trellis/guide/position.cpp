@@ -20,8 +20,8 @@ namespace trellis {
 
 namespace {
 
-/// Validity of a position as far as an arm reaches. Its world has what lies beyond as obstacles with straight sides;
-/// this takes out what is left between these and the circle.
+/// Validity of positions within an arm's reach. Its world represents the unreachable part by obstacles with straight
+/// sides; this class excludes the gap between these and the circle.
 class ReachableValidity final : public Validity {
  public:
   ReachableValidity(std::shared_ptr<Validity> positions, std::shared_ptr<const ArmProjection> arm)
@@ -40,8 +40,8 @@ class ReachableValidity final : public Validity {
   std::shared_ptr<const ArmProjection> arm_;
 };
 
-/// Of the reference point: a position keeps the angles before, then takes those along the path, either way round, then
-/// any; at last positions near it are lifted too.
+/// Lifts the position of a reference point. The attempts take the previous angles, then those along the path, in either
+/// direction, then any; the last attempts also lift nearby positions.
 PointLift lift_of_reference_point(const PositionProjection& projection, const Instance& parent) {
   std::vector<std::size_t> headings;
   for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
@@ -75,8 +75,8 @@ PointLift lift_of_reference_point(const PositionProjection& projection, const In
   };
 }
 
-/// Of a tip: the configuration of the fibre nearest to the one before, then those nearest to ones more and more
-/// different from it, then any; at last positions near it are lifted too.
+/// Lifts the position of a tip. The attempts take the configuration of the fibre nearest to the previous one, then
+/// those nearest to increasingly different ones, then any; the last attempts also lift nearby positions.
 PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int variation) {
   return [&arm, &parent, variation](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
     constexpr int any = 16;
@@ -95,7 +95,7 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
       for (double& x : to) x += r * stream.uniform(-1.0, 1.0);
     }
     std::copy(previous.begin(), previous.end(), q.begin());
-    // Up to an eighth of a turn at each joint.
+    // Standard deviation of up to an eighth of a turn per joint.
     const double spread = 0.25 * std::numbers::pi * share;
     if (spread > 0.0) {
       for (double& x : q) x += spread * stream.normal();
@@ -133,7 +133,7 @@ PointLift PositionProjection::point_lift(const Instance& parent, int variation) 
 }
 
 double PositionProjection::spacing(const Instance& parent, const Instance& point) const {
-  // The planner's step is no distance of a tip.
+  // The planner's step is a distance in C, not a distance of the tip.
   return arm_ ? natural_distance(point) : sparse_spacing(parent);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// f of guides that look at where the robot is, and at nothing else of it.
+// f of guides that use only the position of the robot.
 #pragma once
 
 #include <functional>
@@ -14,10 +14,11 @@
 namespace trellis {
 
 /// f: the position of the reference point, or of the tip of an arm that is fixed to its base. The fibre of a reference
-/// point is everything else, uniform; that of a tip is drawn by inverse kinematics (ArmProjection).
+/// point consists of all other coordinates, uniformly; inverse kinematics draws the fibre of a tip (ArmProjection).
 class PositionProjection final : public Projection {
  public:
-  /// Throws Error, for the guide named, where the robot has neither.
+  /// \param guide  name of the guide, for messages
+  /// \throws Error if the robot has neither
   PositionProjection(const std::string& guide, const Instance& parent);
 
   void project(View q, MutableView s) const override { of().project(q, s); }
@@ -30,22 +31,23 @@ class PositionProjection final : public Projection {
   }
 
   [[nodiscard]] const Space& space() const { return arm_ ? arm_->space() : axes_->space(); }
-  /// Whether it is the tip of an arm.
+  /// Whether the position is that of an arm's tip.
   [[nodiscard]] bool arm() const { return arm_ != nullptr; }
-  /// What Guide::closed_fibre reports: a tip is reflected into what the arm reaches, so the density of what is lifted
-  /// is not that of S times the fibre's.
+  /// As Guide::closed_fibre. False for a tip: its position is reflected into the reachable set, so the lifted density
+  /// is not that over S times the fibre's.
   [[nodiscard]] bool closed_fibre() const { return !arm_; }
-  /// A path in S with everything else turned from `start` to `goal`.
+  /// A path in S; the other coordinates are interpolated from `start` to `goal`.
   [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
-  /// The instance of a free point in the parent's world; of an arm's tip in what the arm reaches of it.
+  /// The instance of a free point in the parent's world; for an arm's tip, in the reachable part of the world.
   [[nodiscard]] std::unique_ptr<Instance> point_instance(const Instance& parent) const;
-  /// Lifts points of a path in S one after another: to what is nearest to the configuration before, then to others.
-  /// \param parent     whose space it lifts to; outlives the result, as does this projection
-  /// \param variation  of an arm: the more, the farther its first attempts are from the configuration before
+  /// Lifts the points of a path in S one after another: first to the configuration nearest to the previous one, then to
+  /// others.
+  /// \param parent  the instance to lift to; outlives the result, as does this projection
+  /// \param variation  for an arm: larger values start farther from the previous configuration
   [[nodiscard]] PointLift point_lift(const Instance& parent, int variation = 0) const;
-  /// How often the path of a tip is lifted to other configurations before the place where C blocks it is refuted.
+  /// How often the path of a tip is lifted to other configurations before a place that C blocks is refuted.
   static constexpr int most_variations = 3;
-  /// The distance in S between points of a path that are validated in the parent, where no other one is asked for.
+  /// Default distance in S between the points of a path that the parent validates, in metres in the metric.
   /// \param point  the instance in S
   [[nodiscard]] double spacing(const Instance& parent, const Instance& point) const;
 
@@ -59,7 +61,7 @@ class PositionProjection final : public Projection {
   std::shared_ptr<const ArmProjection> arm_;
 };
 
-/// Whether a guide that looks at the robot's position can guide in an instance.
+/// Whether a guide that uses the robot's position applies to an instance.
 bool has_position(const Instance& instance);
 
 }  // namespace trellis

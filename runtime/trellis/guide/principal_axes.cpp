@@ -20,7 +20,7 @@ std::vector<std::vector<double>> principal_axes(const std::vector<double>& point
     if (given.norm() > 0.0) {
       const Eigen::VectorXd unit = given.normalized();
       add(unit);
-      // An orthonormal basis of what is orthogonal to it, where the others are looked for.
+      // An orthonormal basis of the orthogonal complement of `first`, which contains the other axes.
       const Eigen::HouseholderQR<Eigen::MatrixXd> qr{Eigen::MatrixXd(unit)};
       const Eigen::MatrixXd all = qr.householderQ() * Eigen::MatrixXd::Identity(d, d);
       rest = all.rightCols(d - 1);
@@ -31,7 +31,7 @@ std::vector<std::vector<double>> principal_axes(const std::vector<double>& point
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(moments);
   for (Eigen::Index j = rest.cols(); j-- > 0;) {
     Eigen::VectorXd axis = rest * solver.eigenvectors().col(j);
-    // The sign is the library's choice; ours is that the largest coordinate is positive.
+    // The library does not define the sign: makes the largest coordinate positive.
     Eigen::Index largest = 0;
     axis.cwiseAbs().maxCoeff(&largest);
     if (axis[largest] < 0.0) axis = -axis;

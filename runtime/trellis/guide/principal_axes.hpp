@@ -6,11 +6,11 @@
 
 namespace trellis {
 
-/// The directions in which points lie farthest from the origin in the mean square, the farthest first: orthonormal, and
-/// all of them, so that those beyond the first few span what these leave out.
-/// \param points     rows of `dimension` coordinates
-/// \param first      direction that comes before all others, of any length; empty or 0: none. The others are orthogonal
-///                   to it, and farthest after it is taken out.
+/// The principal directions of points about the origin, by decreasing mean square of the coordinates along them.
+/// Orthonormal and complete: the directions after the first few span the orthogonal complement of these.
+/// \param points  rows of `dimension` coordinates
+/// \param first  direction, of any length, that comes before the others; empty or 0: none. The others are orthogonal to
+///     it, and principal for the points without their component along it.
 /// \param dimension  at least 1
 std::vector<std::vector<double>> principal_axes(const std::vector<double>& points, const std::vector<double>& first,
                                                 std::size_t dimension);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ways out of obstacles, for samplers that look for their surface.
+// Rays out of obstacles, for samplers of the obstacles' surface.
 #pragma once
 
 #include <vector>
@@ -9,25 +9,25 @@
 
 namespace trellis {
 
-/// Walks from an invalid configuration along a straight ray and stops just outside the obstacle. Its checks are the
-/// instance's.
+/// Follows a straight ray from an invalid configuration to the surface of the obstacle. The instance counts the checks.
 class WayOut {
  public:
   explicit WayOut(Instance& instance);
 
-  /// A direction of length 1 m in the metric, evenly distributed.
+  /// Draws a uniform direction of length 1 m in the metric.
   void draw_direction(Stream& stream);
-  /// One in the plane of the position, at an angle.
+  /// Sets a direction in the plane of the position, by its angle in radians.
   void set_direction(double angle);
-  /// The valid configuration on the ray from q that lies at the surface, within the instance's resolution; into `out`.
-  /// Returns how far it is from q in the metric, or infinity where the ray leaves the space before it is valid.
+  /// Finds the first valid configuration on the ray from q, within the instance's resolution of the surface.
+  /// \param out  receives the configuration
+  /// \return its distance from q in metres in the metric; infinity if the ray leaves the space first
   double walk(View q, MutableView out);
-  /// The configuration at a distance along the ray; whether it lies in the space.
+  /// Computes the configuration at a distance along the ray. Returns whether it lies in the space.
   bool at(View q, double distance, MutableView out) const;
 
  private:
   Instance& instance_;
-  std::vector<double> direction_;  ///< raw coordinates per metre
+  std::vector<double> direction_;  ///< coordinates per metre in the metric
 };
 
 }  // namespace trellis

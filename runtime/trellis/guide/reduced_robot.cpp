@@ -17,7 +17,7 @@ class Reduction {
     }
   }
 
-  /// None where nothing with a shape is placed.
+  /// None if no shape is determined.
   std::optional<Robot> robot() {
     const bool placed = !robot_.translates() || (known(0) && known(1));
     if (!placed) return std::nullopt;
@@ -70,7 +70,7 @@ class Reduction {
     return Robot("body", {std::move(alone)}).inscribed_radius();
   }
 
-  /// A kept axis that turns nothing that is left: a robot wants every one of its axes to turn a body.
+  /// Adds kept axes that rotate no kept body, each with a body: a robot requires a body for each of its axes.
   void add_idle_axes() {
     const int first_angle = robot_.translates() ? 2 : 0;
     int last = -1;
@@ -84,10 +84,10 @@ class Reduction {
   }
 
   const Robot& robot_;
-  std::map<std::size_t, int> place_of_;  ///< of a robot's axis that is kept, in the reduced robot
+  std::map<std::size_t, int> place_of_;  ///< for each kept axis of the robot, its axis in the reduced robot
   std::vector<Body> bodies_;
-  std::vector<int> places_;        ///< of each body of the robot among those that are kept; -1: it is not
-  std::vector<bool> turns_known_;  ///< of each body whether position and angle are known
+  std::vector<int> places_;        ///< for each body of the robot, its index in the reduced robot; -1: dropped
+  std::vector<bool> turns_known_;  ///< for each body, whether its position and angle are determined
 };
 
 }  // namespace

@@ -9,10 +9,10 @@
 
 namespace trellis {
 
-/// What some axes of a robot's configuration place of it: bodies whose position and angle depend on no other axis; of
-/// one whose angle does, the largest disc about its origin. Its own axes are numbered as in `axes`. None where nothing
-/// with a shape is placed.
-/// \param axes  ascending; those beyond the robot's own are passed over
+/// The part of a robot that some axes of its configuration determine: the bodies whose position and angle depend on no
+/// other axis. For a body whose position is determined but not its angle, the largest disc inside it about its origin.
+/// The axes of the result are numbered as in `axes`. None if no shape is determined.
+/// \param axes  ascending; indices beyond the robot's own axes are ignored
 std::optional<Robot> reduced_robot(const Robot& robot, const std::vector<std::size_t>& axes);
 
 }  // namespace trellis

@@ -4,7 +4,7 @@
 namespace trellis {
 
 MotionReport RelaxedValidity::motion(View a, View b) {
-  // A share below this says that what guides the search leads where C is invalid.
+  // A lower share indicates that the guide of the search leads to invalid parts of C.
   constexpr double least_success = 0.6;
   constexpr double memory = 0.5;
   constexpr int every = 8;
@@ -12,7 +12,7 @@ MotionReport RelaxedValidity::motion(View a, View b) {
   if (valid_in_c(a, b)) return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   if (success_ < least_success && ++passed_over_ < every) return own_->motion(a, b);
   passed_over_ = 0;
-  // A motion takes its beginning for valid, which is known of S only.
+  // A motion check presumes a valid first configuration, which is known for S only.
   MotionReport in_c;
   const bool begun = states_.contains(configuration_digest(a));
   if (!begun) in_c.checks = 1;

@@ -13,20 +13,20 @@ namespace trellis {
 
 /// Validity in a space S that relaxes C and has its coordinates: a motion that is valid in C is valid in S.
 ///
-/// A motion towards a guided proposal is likely to be on the path that will be found. C is asked about it first: where
-/// it is valid there, one check serves both spaces, and the path is not checked again in C. Where C found too many of
-/// the last motions invalid, it is asked about few.
+/// A motion towards a guided proposal is likely to become part of the path. Its validity is checked in C first: if
+/// valid there, one check serves both spaces, and C need not check the path again. If too many of the last motions were
+/// invalid in C, only some are checked in C first.
 class RelaxedValidity final : public Validity {
  public:
-  /// \param own  of S
-  /// \param c    of C, by collision checks
+  /// \param own  validity in S
+  /// \param c  validity in C, by collision checks
   RelaxedValidity(std::shared_ptr<Validity> own, std::shared_ptr<Validity> c)
       : own_(std::move(own)), c_(std::move(c)), c_epoch_(c_->epoch()) {}
 
   [[nodiscard]] bool state(View q) override { return own_->state(q); }
   [[nodiscard]] bool needed(View q) override { return c_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
-  /// The checks of motions are those of both spaces.
+  /// The report counts the checks in both spaces.
   [[nodiscard]] MotionReport motion_still_valid(View a, View b) override {
     return valid_in_c(a, b) ? MotionReport{true, 0, std::numeric_limits<double>::quiet_NaN()}
                             : own_->motion_still_valid(a, b);
@@ -40,18 +40,18 @@ class RelaxedValidity final : public Validity {
   [[nodiscard]] std::optional<double> excluded(View a, View b) override { return own_->excluded(a, b); }
   void expect_guided(bool guided) override { guided_ = guided; }
 
-  /// Whether the motion, as it is, was found valid in C.
+  /// Whether this motion was found valid in C.
   [[nodiscard]] bool valid_in_c(View a, View b);
 
  private:
   std::shared_ptr<Validity> own_;
   std::shared_ptr<Validity> c_;
-  std::uint64_t c_epoch_;                     ///< when the motions were checked
-  std::unordered_set<std::uint64_t> valid_;   ///< digests of motions that C found valid
-  std::unordered_set<std::uint64_t> states_;  ///< and of configurations
+  std::uint64_t c_epoch_;                     ///< epoch of C at the last check
+  std::unordered_set<std::uint64_t> valid_;   ///< digests of motions found valid in C
+  std::unordered_set<std::uint64_t> states_;  ///< digests of configurations found valid in C
   bool guided_ = false;
-  double success_ = 1.0;  ///< share of the last motions that C found valid
-  int passed_over_ = 0;   ///< motions since C was asked last
+  double success_ = 1.0;  ///< share of the last motions that were valid in C
+  int passed_over_ = 0;   ///< motions since the last check in C
 };
 
 }  // namespace trellis

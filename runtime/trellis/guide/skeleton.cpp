@@ -96,14 +96,14 @@ const Settings<SkeletonSettings>& skeleton_settings() {
   return settings;
 }
 
-/// Factor on the cost of an edge on which every region is stuck.
+/// Factor on the cost of an edge on which all regions are stuck.
 constexpr double stuck_penalty = 4.0;
-/// Factor on the cost of an edge that was refuted.
+/// Factor on the cost of a refuted edge.
 constexpr double refuted_penalty = 1000.0;
-/// Points of the skeleton, nearest first, that start and goal try to see.
+/// Maximum number of points of the skeleton, nearest first, that start and goal try to connect to.
 constexpr std::size_t most_sights = 100;
 
-/// The skeleton's edges as a Graph, with start and goal joined to the nearest points of it that they see.
+/// Makes a Graph of the skeleton's edges, with start and goal connected to the nearest visible points of it.
 class GraphBuilder {
  public:
   GraphBuilder(const Skeleton& skeleton, double clearance, Instance& instance) : instance_(instance) {
@@ -118,7 +118,7 @@ class GraphBuilder {
     }
     graph_.start = join(instance.start);
     graph_.goal = join(instance.goal);
-    // A world without obstacles has no axis, and nothing is in the way.
+    // A world without obstacles has no medial axis, and the straight motion is valid.
     if (instance.scene->world.obstacles().empty() && graph_.edges.empty()) {
       Configurations straight(2);
       straight.push(instance.start);
@@ -127,7 +127,7 @@ class GraphBuilder {
     }
   }
   [[nodiscard]] Graph take() { return std::move(graph_); }
-  /// Of each edge its points' clearance, metres; 0 where it is not known.
+  /// For each edge, the clearance of its points, metres; 0 if unknown.
   [[nodiscard]] std::vector<std::vector<double>> take_clearances() { return std::move(clearances_); }
 
  private:
@@ -158,7 +158,7 @@ class GraphBuilder {
       return std::tie(a.distance, a.edge, a.point) < std::tie(b.distance, b.edge, b.point);
     };
     for (std::size_t tried = 0; tried < std::min(most_sights, sights.size()); ++tried) {
-      // The nearest point is visible most often. Then the other points are not sorted.
+      // The nearest point is usually visible; then the other points need no sorting.
       const auto first = sights.begin() + static_cast<std::ptrdiff_t>(tried);
       if (tried == 0) std::iter_swap(first, std::min_element(first, sights.end(), nearer));
       if (tried == 1) {
@@ -178,7 +178,7 @@ class GraphBuilder {
     return vertex;
   }
 
-  /// The vertex at a point of an edge; the edge is cut in two where the point is not one of its ends.
+  /// The vertex at a point of an edge. Splits the edge if the point is not one of its ends.
   std::uint32_t split(std::size_t e, std::size_t i) {
     Graph::Edge edge = graph_.edges[e];
     if (i == 0) return edge.from;
@@ -198,10 +198,10 @@ class GraphBuilder {
 
   Instance& instance_;
   Graph graph_;
-  std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
+  std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
 };
 
-/// Where a path lies on a graph: the edges that it contains, and lower bounds on its clearance.
+/// A path in terms of a graph: the edges that it contains, and lower bounds of its clearance.
 class PathOnGraph {
  public:
   PathOnGraph(const Graph& graph, const Configurations& path) {
@@ -211,16 +211,16 @@ class PathOnGraph {
     along_.reserve(graph.edges.size());
     for (const auto& edge : graph.edges) {
       const std::size_t n = edge.points.size();
-      // An edge is on the path where its middle point is; of an edge with two points, both must be.
+      // An edge is on the path if its middle point is; of an edge with two points, both must be.
       along_.push_back(at(edge.points[n / 2]).empty() || at(edge.points[(n - 1) / 2]).empty() ? 0 : 1);
     }
   }
 
-  /// Per edge of the graph, whether the path contains it.
+  /// For each edge of the graph, whether the path contains it.
   [[nodiscard]] const std::vector<char>& along() const { return along_; }
 
-  /// Per point of the path its clearance, metres; 0 where no edge has the point.
-  /// \param clearances  of each edge, along its points
+  /// For each point of the path, its clearance in metres; 0 if no edge contains the point.
+  /// \param clearances  for each edge, along its points
   [[nodiscard]] std::vector<double> clearance(const Graph& graph,
                                               const std::vector<std::vector<double>>& clearances) const {
     std::vector<double> most(points_.size(), 0.0);
@@ -256,10 +256,10 @@ class PathOnGraph {
   std::vector<char> along_;
 };
 
-/// Lower bounds on the clearance along a path.
+/// Lower bounds of the clearance along a path.
 class PathClearance {
  public:
-  /// \param clearance  per point of the path
+  /// \param clearance  at each point of the path, metres
   PathClearance(const Configurations& path, const std::vector<double>& clearance) {
     points_.reserve(path.size());
     double at = 0.0;
@@ -269,7 +269,7 @@ class PathClearance {
     }
   }
 
-  /// At an arc length: clearance is 1-Lipschitz in arc length.
+  /// The bound at an arc length: clearance is 1-Lipschitz in arc length.
   [[nodiscard]] double at(double s) const {
     const auto next = std::lower_bound(points_.begin(), points_.end(), std::pair(s, 0.0));
     double most = 0.0;
@@ -282,8 +282,8 @@ class PathClearance {
   std::vector<std::pair<double, double>> points_;  ///< arc length, clearance
 };
 
-/// The graph directed away from the start by the cost of getting there, without what does not lead to the goal (where
-/// anything does).
+/// The graph, directed away from the start by path cost from the start. Edges that do not lead to the goal are removed,
+/// if any edge leads to it.
 struct DirectedGraph {
   struct Edge {
     std::uint32_t edge = 0;
@@ -350,7 +350,7 @@ DirectedGraph directed(const Graph& graph) {
   return result;
 }
 
-/// h: balls that travel along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
+/// h: balls that move along the directed skeleton ahead of the planner's nodes. Published as dynamic regions.
 class DynamicRegions final : public Heuristic {
  public:
   DynamicRegions(std::shared_ptr<const PositionProjection> projection, const Instance& parent,
@@ -365,7 +365,7 @@ class DynamicRegions final : public Heuristic {
         settings_(settings),
         uniform_density_(std::exp(-parent_.log_volume())),
         ball_(projection_->space(), radius),
-        // The circle of radius r is inside by the share p of its diameter where d <= R + r - 2 p r.
+        // A disc of radius r is inside the region by the share p of its diameter if d <= R + r - 2 p r.
         reach_(std::max(0.0, ball_.radius() + robot * (1.0 - 2.0 * settings.penetration))),
         spawned_(graph_->vertices.size(), 0),
         lifted_(std::move(lifted)),
@@ -374,7 +374,7 @@ class DynamicRegions final : public Heuristic {
       if (!directed_.out[v].empty()) unvisited_.push_back(v);
     }
     spawn(graph_->start);
-    // What the planner reached before the graph was searched again need not be reached twice.
+    // Regions skip the parts that the planner reached before this search of the graph.
     const auto squared_distance = [&](View at) { return reached.nearest(at).squared_distance; };
     spawn_near(squared_distance);
     advance([&](View centre) { return squared_distance(centre) <= reach_ * reach_; });
@@ -441,7 +441,7 @@ class DynamicRegions final : public Heuristic {
            std::all_of(regions_.begin(), regions_.end(), [&](const Region& r) { return r.idle >= settings_.patience; });
   }
 
-  /// The edges that regions are stuck on.
+  /// The edges with stuck regions.
   [[nodiscard]] std::vector<std::uint32_t> stuck_edges() const {
     std::vector<std::uint32_t> edges;
     for (const auto& region : regions_) {
@@ -455,25 +455,25 @@ class DynamicRegions final : public Heuristic {
  private:
   struct Region {
     DirectedGraph::Edge edge;
-    std::size_t point = 0;  ///< along the edge in its direction
+    std::size_t point = 0;  ///< index along the edge in its direction
     double successes = 1.0;
     double attempts = 1.0;
-    std::int64_t idle = 0;      ///< own proposals since it last moved
-    std::int64_t failures = 0;  ///< own proposals in a row that led to no node
+    std::int64_t idle = 0;      ///< own proposals since the region last moved
+    std::int64_t failures = 0;  ///< consecutive own proposals without a new node
     std::shared_ptr<const Projection> lift = nullptr;
     std::shared_ptr<const Density> density = nullptr;  ///< over the planner's space
-    double share = 1.0;                                ///< twice as much for what the search of S found
+    double share = 1.0;                                ///< factor on its weight: 2 on the path found in S
     [[nodiscard]] double weight() const { return share * successes / attempts; }
   };
 
-  /// A point of an edge, counted in its direction.
+  /// The i-th point of an edge in its direction.
   [[nodiscard]] View point(const DirectedGraph::Edge& edge, std::size_t i) const {
     const auto& points = graph_->edges[edge.edge].points;
     return points[edge.forward ? i : points.size() - 1 - i];
   }
   [[nodiscard]] View centre(const Region& region) const { return point(region.edge, region.point); }
 
-  /// From a point of an edge to the next that lies elsewhere, of length 1; none where there is no such point.
+  /// The unit vector from a point of an edge to its next different point; none if there is no such point.
   [[nodiscard]] std::optional<Vec2> onward(const DirectedGraph::Edge& edge, std::size_t from) const {
     const View a = point(edge, from);
     for (std::size_t i = from + 1; i < graph_->edges[edge.edge].points.size(); ++i) {
@@ -484,8 +484,8 @@ class DynamicRegions final : public Heuristic {
     return {};
   }
 
-  /// Where a region goes next: along its edge; from the end of it along those beyond, or, where there are none, as it
-  /// came.
+  /// The directions in which a region moves next: along its edge; at the edge's end, along the following edges; without
+  /// those, in the direction in which it arrived.
   [[nodiscard]] std::vector<Vec2> directions(const Region& region) const {
     if (const auto along = onward(region.edge, region.point)) return {*along};
     const auto& edge = graph_->edges[region.edge.edge];
@@ -504,18 +504,19 @@ class DynamicRegions final : public Heuristic {
                            [](double sum, const Region& r) { return sum + r.weight(); });
   }
 
-  /// The probability that a region draws the next proposal, `total` the weight of all.
+  /// The probability that a region draws the next proposal.
+  /// \param total  sum of the weights of all regions
   [[nodiscard]] double share(const Region& region, double total) const {
     const auto n = static_cast<double>(regions_.size());
     const double follow = total > 0.0 ? region.weight() / total : 1.0 / n;
     return settings_.explore / (n + 1.0) + (1.0 - settings_.explore) * follow;
   }
-  /// The probability that the whole space does.
+  /// The probability that the next proposal is uniform on the whole space.
   [[nodiscard]] double whole_share() const {
     return regions_.empty() ? 1.0 : settings_.explore / (static_cast<double>(regions_.size()) + 1.0);
   }
 
-  /// Region i with probability e/(n+1) + (1-e) w_i / sum w, the whole space (index n) with e/(n+1).
+  /// Returns region i with probability e/(n+1) + (1-e) w_i / sum w, the whole space (index n) with e/(n+1).
   std::size_t pick(Stream& stream) const {
     const std::size_t n = regions_.size();
     if (n == 0) return 0;
@@ -540,7 +541,7 @@ class DynamicRegions final : public Heuristic {
     ++epoch_;
   }
 
-  /// A region at every vertex that was not visited and has a node within the radius of a region.
+  /// Adds a region at every unvisited vertex that has a node within the radius of a region.
   template <class SquaredDistance>
   void spawn_near(const SquaredDistance& squared_distance) {
     const double radius = ball_.radius();
@@ -551,7 +552,7 @@ class DynamicRegions final : public Heuristic {
     unvisited_.erase(std::remove_if(unvisited_.begin(), unvisited_.end(), visited), unvisited_.end());
   }
 
-  /// Gives a region what it draws with where it is.
+  /// Updates the lift and density of a region to its position.
   void place(Region& region) const {
     Configurations centre_alone(2);
     centre_alone.push(centre(region));
@@ -566,7 +567,7 @@ class DynamicRegions final : public Heuristic {
         region.lift, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
-  /// Moves every region on while `inside(centre)`; at the end of its edge it makes room for those of the edges beyond.
+  /// Advances every region while `inside(centre)`. At the end of its edge, regions of the following edges replace it.
   template <class Inside>
   void advance(const Inside& inside) {
     for (std::size_t i = 0; i < regions_.size();) {
@@ -598,10 +599,10 @@ class DynamicRegions final : public Heuristic {
   SkeletonSettings settings_;
   double uniform_density_;
   BallKernel ball_;
-  double reach_;  ///< of a node from a region's centre, at which the region moves on
+  double reach_;  ///< distance of a node from a region's centre at which the region advances, metres
   std::vector<Region> regions_;
   std::vector<char> spawned_;
-  std::vector<std::uint32_t> unvisited_;  ///< vertices at which regions begin where a node is near
+  std::vector<std::uint32_t> unvisited_;  ///< vertices that get a region when a node is near
   std::size_t drawn_ = 0;
   std::uint64_t epoch_ = 0;
   Configurations lifted_;
@@ -616,7 +617,7 @@ class SkeletonGuide final : public Guide {
     projection_ = std::make_shared<PositionProjection>("skeleton", parent);
     auto instance = projection_->point_instance(parent);
     double clearance = settings_.clearance;
-    // The axis is made of points: at those its clearance is right to within rounding.
+    // Clearance is exact, to rounding, at the points of the axis.
     if (settings_.prune && !projection_->arm()) {
       const double needed = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
       clearance = std::max(clearance, (1.0 - 1e-6) * needed);
@@ -672,7 +673,8 @@ class SkeletonGuide final : public Guide {
     refuted_.reset();
     path_ = found->path;
     if (along_path_ && found->solved()) return along(parent, *found);
-    // A region is as large as the robot needs; a point and a tip have no size, so the world gives one.
+    // The radius of a region is a multiple of the robot's; a point and a tip have no size, so the world's size replaces
+    // it.
     const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
     auto h = std::make_unique<DynamicRegions>(projection_, parent, graph_, path_,
@@ -690,7 +692,7 @@ class SkeletonGuide final : public Guide {
     }
     if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
       if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
-        // Of the many configurations that bring the tip along the path others may do.
+        // The tip has many configurations along the path: other ones may be valid.
         sparse_.emplace(projection_->space(), spacing_, true);
         return;
       }
@@ -705,10 +707,10 @@ class SkeletonGuide final : public Guide {
 
   [[nodiscard]] Configurations refuted_places() const override {
     Configurations places(start_.size());
-    // An arm's tip has no axes of its own in C.
+    // The position of an arm's tip is no axis of C.
     if (position_axes_.empty()) return places;
     const auto add = [&](View position) {
-      // What was refuted is the position; the other coordinates are any.
+      // The position is refuted; the other coordinates do not matter.
       Configuration place = start_;
       for (std::size_t k = 0; k < 2; ++k) place[position_axes_[k]] = position[k];
       places.push(place);
@@ -736,7 +738,7 @@ class SkeletonGuide final : public Guide {
     Configuration s(2);
     projection_->project(place, s);
     if (graph_->edges.empty()) return;
-    // A path that was found by a smaller robot keeps no exact distance from the axis.
+    // The path of a smaller robot does not follow the axis exactly.
     const double within = 2.0 * place_radius_;
     const auto [edge, squared_distance] = nearest_edge(s, false);
     if (squared_distance > within * within || refuted_edges_[edge] != 0) return;
@@ -751,7 +753,7 @@ class SkeletonGuide final : public Guide {
     const PathOnGraph on_graph(*graph_, path_);
     along_ = on_graph.along();
     const PointLift lift = projection_->point_lift(parent, variation_);
-    // Where the axis is farther from all obstacles than the robot reaches, it is valid with every angle.
+    // If the clearance of the axis exceeds the robot's radius, the robot is valid there at every angle.
     const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
                                             : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
     const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
@@ -778,7 +780,8 @@ class SkeletonGuide final : public Guide {
     refuted_edges_[edge] = 1;
   }
 
-  /// The edge nearest to s, and its squared distance. \param of_path  of those that the path found runs along
+  /// The edge nearest to s, and its squared distance.
+  /// \param of_path  consider only edges of the path found
   [[nodiscard]] std::pair<std::uint32_t, double> nearest_edge(View s, bool of_path) const {
     std::uint32_t best = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -796,7 +799,7 @@ class SkeletonGuide final : public Guide {
     return {best, least};
   }
 
-  /// Whether an edge of the path found was refuted before: then there is no other path.
+  /// Whether the path found contains a refuted edge. If so, there is no other path.
   [[nodiscard]] bool path_is_refuted() const {
     for (std::size_t e = 0; e < along_.size(); ++e) {
       if (along_[e] != 0 && refuted_edges_[e] != 0) return true;
@@ -807,23 +810,23 @@ class SkeletonGuide final : public Guide {
   SkeletonSettings settings_;
   std::shared_ptr<const PositionProjection> projection_;
   std::shared_ptr<Graph> graph_;
-  std::vector<std::vector<double>> clearances_;  ///< of each edge, along its points
-  std::vector<char> along_;                      ///< of each edge, whether the path found runs along it
+  std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
+  std::vector<char> along_;                      ///< for each edge, whether the path found contains it
   std::vector<char> refuted_edges_;
-  Configurations refuted_positions_{2};  ///< each refuted an edge
-  double place_radius_ = 0.0;            ///< of a place that another guide's evidence refuted
+  Configurations refuted_positions_{2};  ///< one per refuted edge
+  double place_radius_ = 0.0;            ///< of a place that another guide's evidence refuted, metres
   bool along_path_ = true;
   Configuration start_;
   std::vector<std::size_t> position_axes_;
-  std::optional<Places> found_invalid_;  ///< where C was, since the path was found
-  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, for regions
-  ReachedNodes nodes_;                   ///< the planner's nodes, for a path
+  std::optional<Places> found_invalid_;  ///< configurations of C found invalid since the path was found
+  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, if h uses regions
+  ReachedNodes nodes_;                   ///< the planner's nodes, if h follows a path
   std::optional<SparseValidation> sparse_;
-  double spacing_ = 0.0;                  ///< of the points that it validates
-  int variation_ = 0;                     ///< how often the path found was lifted anew
+  double spacing_ = 0.0;                  ///< distance between validated points
+  int variation_ = 0;                     ///< number of further lifts of the path found
   Configurations path_;                   ///< found in S
-  std::optional<Configuration> refuted_;  ///< a point of it
-  DynamicRegions* regions_ = nullptr;     ///< in use, if any
+  std::optional<Configuration> refuted_;  ///< point of `path_`
+  DynamicRegions* regions_ = nullptr;     ///< active h, if it uses regions
   StepHeuristic* steps_ = nullptr;
 };
 

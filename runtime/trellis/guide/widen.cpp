@@ -42,7 +42,7 @@ const Settings<WidenSettings>& widen_settings() {
   return settings;
 }
 
-/// What is left of an obstacle that lost all within `d` of its outside.
+/// The part of an obstacle at a depth of at least `d` metres inside it.
 std::vector<Shape> eroded(const Shape& shape, double d) {
   if (const auto* box = std::get_if<Box2>(&shape)) {
     const Box2 inner{{box->lo.x + d, box->lo.y + d}, {box->hi.x - d, box->hi.y - d}};
@@ -54,7 +54,7 @@ std::vector<Shape> eroded(const Shape& shape, double d) {
     return {};
   }
   std::vector<Shape> rest;
-  // What has no holes has none when it is eroded.
+  // Erosion creates no holes.
   for (auto& piece : polygon_offset(std::get<Polygon>(shape), -d)) rest.emplace_back(std::move(piece.outer));
   return rest;
 }
@@ -77,7 +77,7 @@ class Widen final : public PathGuide {
       }
     }
     instance->scene = std::make_shared<Scene>(Scene{World(world.bounds(), std::move(obstacles)), parent.scene->robot});
-    // Checked for real, whatever the parent presumes: the guide's instance is the world, not the parent's view of it.
+    // Makes collision checks, even if the parent presumes validity: f maps the world itself.
     instance->validity = parent.validity_in(instance->scene);
     return instance;
   }
@@ -88,9 +88,9 @@ class Widen final : public PathGuide {
   }
 
  protected:
-  /// The path with its points retracted into the free part of C. Their checks are C's.
+  /// The path with its invalid points moved to valid configurations of C. C counts the checks.
   [[nodiscard]] Configurations followed(Configurations path) const override {
-    // Following by steps lifts each point to a valid one in any case.
+    // Following by steps lifts each point to a valid configuration anyway.
     if (repair_ == 0 || path_settings().follow == "steps") return path;
     Stream stream(paths_repaired_++, "widen", "repair");
     for (std::size_t i = 0; i < path.size(); ++i) retract(path[i], stream);
@@ -105,8 +105,8 @@ class Widen final : public PathGuide {
     return robot > 0.0 ? 0.25 * robot : 0.005 * norm(world.bounds().hi - world.bounds().lo);
   }
 
-  /// Moves a point that is invalid in C to a valid configuration about it: beyond what is known to be invalid, in
-  /// shells that grow to four times what the obstacles lost. Leaves it where it is when none of them is valid.
+  /// Moves a point that is invalid in C to a valid configuration: samples shells about it, beyond the region known to
+  /// be invalid, up to four times the width that the obstacles lost. Leaves the point unchanged if none is valid.
   void retract(MutableView point, Stream& stream) const {
     if (parent_->valid(point)) return;
     const Space& space = parent_->space;

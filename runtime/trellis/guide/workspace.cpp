@@ -72,14 +72,15 @@ const Settings<WorkspaceSettings>& workspace_settings() {
   return settings;
 }
 
-/// How much dearer the ways along a path become on which the planner made no progress.
+/// Factor on the cost of edges along the part of a path on which the planner made no progress.
 constexpr double stuck_penalty = 2.0;
-/// Factor on the cost of edges near a place of the path that was refuted.
+/// Factor on the cost of edges near a refuted place of the path.
 constexpr double refuted_penalty = 1000.0;
-/// More cells than this along one side are taken for a mistake.
+/// Limit of the number of cells along one side; more indicate a mistake in the script.
 constexpr double most_cells = 2000;
 
-/// The grid of the instance in S. Throws Error where `cell` makes too many cells.
+/// Makes the grid graph of the instance in S.
+/// \throws Error if `cell` gives too many cells
 std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   for (const auto& axis : instance.space.axes()) {
     const double count = std::ceil((axis.hi - axis.lo) / cell);
@@ -92,7 +93,7 @@ std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
-/// h: positions near the path found for the point, everything else as the projection lifts it.
+/// h: positions near the path found for the point; the projection lifts the other coordinates.
 class LiftedPath final : public ProjectedHeuristic {
  public:
   LiftedPath(std::shared_ptr<const Projection> projection, std::unique_ptr<PathHeuristic> positions,
@@ -213,8 +214,7 @@ class Workspace final : public Guide {
     return std::make_unique<LiftedPath>(handles_, positions(moved), parent, std::move(lifted));
   }
 
-  /// Edges near the place that was refuted cost more; or those along the part of the path that the planner did not
-  /// reach.
+  /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
   void before_resolve() override {
     const Space& space = projection_->space();
     NearestIndex stuck(space);
@@ -222,7 +222,7 @@ class Workspace final : public Guide {
     if (steps_ != nullptr) {
       if (steps_->refuted_place()) {
         if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
-          // Of the many configurations that bring the tip along the path others may do.
+          // The tip has many configurations along the path: other ones may be valid.
           sparse_.emplace(space, spacing_, true);
           return;
         }
@@ -260,7 +260,7 @@ class Workspace final : public Guide {
     auto h = std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps,
                                              nodes_.both(), std::move(known));
     steps_ = h.get();
-    // A path through a place that was refuted before is the only one.
+    // If a path leads through a refuted place, there is no other path.
     if (path_is_refuted()) return h;
     if (sparse.refuted) {
       refuted_.push(*sparse.refuted);
@@ -284,18 +284,18 @@ class Workspace final : public Guide {
 
   WorkspaceSettings settings_;
   std::shared_ptr<const PositionProjection> projection_;
-  std::shared_ptr<const HandleLift> handles_;  ///< where they are asked for
-  Instance* point_ = nullptr;                  ///< S, which lives as long as this does
+  std::shared_ptr<const HandleLift> handles_;  ///< set if the option requests handles
+  Instance* point_ = nullptr;                  ///< S, outlives this object
   std::shared_ptr<Graph> graph_;
   std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
-  Configuration start_;                  ///< its position
+  Configuration start_;                  ///< position of the start
   bool along_path_ = false;              ///< h follows configurations of C
-  ReachedNodes nodes_;                   ///< the planner's nodes, for that
+  ReachedNodes nodes_;                   ///< the planner's nodes, if `along_path_`
   std::optional<SparseValidation> sparse_;
-  double spacing_ = 0.0;                        ///< of the points that it validates
-  int variation_ = 0;                           ///< how often the path found was lifted anew
-  Configurations refuted_ = Configurations(2);  ///< places of paths
-  StepHeuristic* steps_ = nullptr;              ///< in use, if any
+  double spacing_ = 0.0;                        ///< distance between validated points
+  int variation_ = 0;                           ///< number of further lifts of the path found
+  Configurations refuted_ = Configurations(2);  ///< refuted places of paths
+  StepHeuristic* steps_ = nullptr;              ///< active h, if any
   Configurations path_;                         ///< found in S
   double cell_ = 0.0;
   double radius_ = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What asymptotically optimal planners share: their options, and the shortest path known while they go on.
+// Shared by the asymptotically optimal (anytime) planners: their options, and the shortest path found so far.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// `with_anytime` describes these fields.
+/// The options of anytime planners. `with_anytime` describes each field.
 struct AnytimeSettings : CommonSettings {
   std::string connect = "k_nearest";
   double factor = 1.1;
@@ -36,24 +36,25 @@ Settings<S> with_anytime(Settings<S> settings) {
   return with_common(std::move(settings));
 }
 
-/// The shortest path known to a planner that goes on when it has one.
+/// The shortest path of an anytime planner. The planner continues to improve it after the first path.
 class BestPath {
  public:
-  /// \param improve  proposals of a solve after the first path, or from its beginning where one is known
+  /// \param improve  proposals that a solve spends after it found its first path; if a path is known when the solve
+  ///     begins, proposals of the whole solve
   BestPath(Planner::Task& task, double improve)
       : task_(task), improve_(improve), straight_(task.instance.to_goal(task.instance.start)) {}
 
-  /// A solve begins.
+  /// Begins a solve.
   void begin() {
     begun_ = from_ = drawn();
     kept_ = false;
   }
-  /// What was valid may not be so any more.
+  /// Discards the path: the instance changed, so the path may be invalid now.
   void forget() {
     length_ = std::numeric_limits<double>::infinity();
     straight_ = task_.instance.to_goal(task_.instance.start);
   }
-  /// A path shorter than the one known: h is told of it.
+  /// Stores a path that is shorter than the stored one, and reports its length to the guidance.
   void keep(Configurations path) {
     if (!known()) from_ = drawn();
     path_ = std::move(path);
@@ -63,11 +64,14 @@ class BestPath {
   }
 
   [[nodiscard]] bool known() const { return length_ < std::numeric_limits<double>::infinity(); }
-  /// Whether to stop: all was spent on a shorter one that was to be, or there is none.
+  /// Whether the solve ends: `improve` proposals are spent, or the path is as short as the straight motion to the goal.
   [[nodiscard]] bool done() const {
     return known() && (drawn() - from_ >= improve_ || length_ <= straight_ * (1.0 + 1e-12));
   }
-  /// As the solve's solution, for whatever reason it ends. One that could do nothing has found nothing.
+  /// The solution with which the solve ends.
+  /// \param reason  why the solve ends
+  /// \return the stored path, with Status::solved if the budget ended the solve. A solve that drew no proposal and
+  ///     stored no path returns `reason`.
   [[nodiscard]] Solution solution(Status reason) const {
     const bool spent_nothing = !kept_ && drawn() == begun_;
     return {reason == Status::budget_spent && !spent_nothing ? Status::solved : reason, path_};
@@ -81,9 +85,9 @@ class BestPath {
   double straight_;
   double length_ = std::numeric_limits<double>::infinity();
   Configurations path_;
-  double from_ = 0.0;   ///< proposals drawn when improving began
-  double begun_ = 0.0;  ///< proposals drawn when the solve began
-  bool kept_ = false;   ///< in this solve
+  double from_ = 0.0;   ///< proposals drawn before the improvement began
+  double begun_ = 0.0;  ///< proposals drawn before the solve began
+  bool kept_ = false;   ///< this solve stored a path
 };
 
 }  // namespace trellis

@@ -92,7 +92,7 @@ class BestFirst final : public Planner {
                            {.evaluation = settings_.evaluate == "selection" ? BestFirstSearch::Evaluation::selection
                                                                             : BestFirstSearch::Evaluation::expansion,
                             .penalties = penalties()});
-    // It draws no more proposals, so that these are spent does not end it.
+    // The search draws no more proposals, so the limit of proposals must not end it.
     Budget searching = budget;
     searching.proposals = Budget::unlimited;
     Meter meter(task_, searching);
@@ -116,8 +116,8 @@ class BestFirst final : public Planner {
   }
 
  private:
-  /// By how much each edge's cost has grown since the graph was new. Greedy search does not go by costs, so that
-  /// without these penalties a search that is continued would find the same path again.
+  /// The increase of each edge's cost since the graph was made. Greedy search ignores costs: without these penalties a
+  /// continued search would find the same path again.
   [[nodiscard]] std::vector<double> penalties() const {
     const auto& edges = task_.instance.graph->edges;
     std::vector<double> grown(edges.size(), 0.0);
@@ -129,8 +129,8 @@ class BestFirst final : public Planner {
     return any ? grown : std::vector<double>{};
   }
 
-  /// Factors on the vertices' priorities: that of a vertex that drew a share s of the guidance's proposals is
-  /// 1 / (1 + s * vertices). Empty without proposals.
+  /// Factors on the vertices' priorities: 1 / (1 + s * vertices) for a vertex nearest to a share s of the guidance's
+  /// proposals. Empty without proposals.
   std::vector<double> priority_factors(Meter& meter) {
     if (!task_.guided) return {};
     const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, meter);
@@ -146,7 +146,7 @@ class BestFirst final : public Planner {
   Task task_;
   EvaluatedGraph evaluated_;
   std::shared_ptr<const SearchModel> model_;
-  std::vector<double> costs_;  ///< of the edges when the graph was new
+  std::vector<double> costs_;  ///< initial costs of the edges
 };
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace trellis {
 
-/// Whether an option is one of those that every planner has (goal bias, uniform share, bound, budget), by which its
-/// level goes.
+/// Whether every planner has this option (goal bias, uniform share, bound, budget). The planner's level reads these
+/// options.
 bool every_planner_has(std::string_view option);
 
 }  // namespace trellis

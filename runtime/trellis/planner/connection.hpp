@@ -9,24 +9,24 @@
 
 namespace trellis {
 
-/// Which nodes of a tree or roadmap a new node may be joined to.
+/// Selects the nodes of a tree or roadmap that a planner tries to connect a new node to.
 class Connection {
  public:
-  /// The `neighbours` nearest, no farther than `radius`.
+  /// The nearest `neighbours` nodes within the distance `radius`, in metres in the metric.
   Connection(std::int64_t neighbours, double radius)
       : rule_(Rule::fixed), neighbours_(static_cast<double>(neighbours)), radius_(radius) {}
 
-  // As many or as far as n nodes need for shortest paths to come as near to the optimum as one likes (Karaman and
-  // Frazzoli 2011); `factor` times the published bound, which it has to be above.
-  /// The k nearest, k = factor e (1 + 1/d) log n.
+  // The number or the radius that asymptotic optimality requires for n nodes (Karaman and Frazzoli 2011). `factor`
+  // multiplies the published bound; the proofs require a factor > 1.
+  /// The k nearest nodes, k = factor e (1 + 1/d) log n.
   static Connection k_nearest(const Space& space, double factor);
-  /// All within r = factor 2 ((1 + 1/d) |C| / (volume of the unit ball))^(1/d) (log n / n)^(1/d). |C| stands for the
-  /// volume of what is valid, which is no more.
+  /// All nodes within r = factor 2 ((1 + 1/d) |C| / (volume of the unit ball))^(1/d) (log n / n)^(1/d). |C| is the
+  /// volume of the space, an upper bound of the volume of its valid part.
   static Connection within(const Space& space, double factor);
 
-  /// The nodes for a new one at q.
+  /// Finds the nodes to connect a new node at q to.
   void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out) const;
-  /// The same among the nodes for which `usable` holds: others take no place among the nearest.
+  /// The same among the nodes for which `usable` returns true. Other nodes do not count towards the k nearest.
   template <class Usable>
   void find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, const Usable& usable) const {
     const std::size_t wanted = most(index);
@@ -40,9 +40,10 @@ class Connection {
   }
 
  private:
-  /// \param more  times as many as the nearest asked for; whether no more would be found
+  /// \param more  factor on the number of neighbours
+  /// \return whether a larger factor finds no further node
   bool find(const NearestIndex& index, View q, std::vector<NearestIndex::Neighbour>& out, double more) const;
-  /// How many nodes a new one is joined to at most.
+  /// The maximum number of nodes to connect a new node to.
   [[nodiscard]] std::size_t most(const NearestIndex& index) const;
 
   enum class Rule : std::uint8_t { fixed, k_nearest, within };

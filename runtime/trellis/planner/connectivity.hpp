@@ -8,8 +8,8 @@
 
 namespace trellis {
 
-/// Which vertices of a roadmap are joined to the start, and which to a goal, by motions that were checked. Disjoint
-/// sets that list the vertices which a union newly connects.
+/// The vertices of a roadmap that are connected to the start, and those that are connected to a goal, by checked
+/// motions. A disjoint-set forest; each union lists the vertices that it newly connects.
 class Connectivity {
  public:
   static constexpr std::uint8_t to_start = 1;
@@ -20,7 +20,8 @@ class Connectivity {
     std::uint8_t side = 0;  ///< to_start or to_goal
   };
 
-  /// Vertices count from 0. \param sides  what the vertex itself is: to_start for the start, to_goal for a goal, else 0
+  /// Adds a vertex. Its id is the number of vertices before it.
+  /// \param sides  to_start for the start, to_goal for a goal, else 0
   void add_vertex(std::uint8_t sides) {
     const auto id = static_cast<std::uint32_t>(parents_.size());
     parents_.push_back(id);
@@ -28,7 +29,7 @@ class Connectivity {
     sizes_.push_back(1);
     sides_.push_back(sides);
   }
-  /// Joins two vertices; appends those that are connected to one more side by it.
+  /// Connects two vertices. Appends to `joined` each vertex that this connects to one more side.
   void join(std::uint32_t a, std::uint32_t b, std::vector<Joined>& joined) {
     a = root(a);
     b = root(b);
@@ -62,9 +63,9 @@ class Connectivity {
   }
 
   std::vector<std::uint32_t> parents_;
-  std::vector<std::uint32_t> next_;   ///< the members of a set form a ring
-  std::vector<std::uint32_t> sizes_;  ///< of the set, at its root
-  std::vector<std::uint8_t> sides_;   ///< of the set, at its root
+  std::vector<std::uint32_t> next_;   ///< next member of the set; the members form a ring
+  std::vector<std::uint32_t> sizes_;  ///< number of members; valid at the set's root
+  std::vector<std::uint8_t> sides_;   ///< sides that the set is connected to; valid at its root
 };
 
 }  // namespace trellis

@@ -99,7 +99,7 @@ void DensityRecord::compact() {
     terms_.push_back(family.size() == 1 ? std::move(family.front())
                                         : Density::Term{family.front().density->sum(family), 1.0});
   }
-  // Places have changed: h says again what it is before it serves another proposal.
+  // The indices have changed, so h is recorded again before its next proposal.
   places_.clear();
   now_terms_.clear();
   epoch_ = never;

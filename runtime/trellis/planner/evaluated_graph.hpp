@@ -11,43 +11,45 @@
 
 namespace trellis {
 
-/// What the planners of explicit graphs share: the outcomes of edge evaluations, which outlast a solve, and the level's
-/// record. The task outlives it.
+/// Shared by the planners that search explicit graphs: the results of edge evaluations, which remain from one solve to
+/// the next, and the level's record. The referenced task outlives this object.
 class EvaluatedGraph {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
   explicit EvaluatedGraph(Planner::Task& task) : task_(task) {}
 
-  /// Begins a search of the instance's graph: forgets the outcomes of another graph. True where it is another one.
+  /// Begins a search of the instance's graph. If the graph is another one than before, discards the results and returns
+  /// true.
   bool begin();
-  /// Edges found invalid at an earlier epoch are to be evaluated again, and valid ones to be rechecked.
+  /// Marks edges found invalid at an earlier epoch for evaluation, and valid edges for a recheck.
   void renew();
 
-  /// Whether the edge that leads to the vertex is valid; evaluates an edge once as long as nothing changes what is
-  /// valid, and reports one found invalid to the guidance.
+  /// Whether an edge is valid. Evaluates each edge once per epoch and reports an invalid one to the guidance.
+  /// \param to  the vertex that the edge leads to
   bool valid(std::uint32_t edge, std::uint32_t to);
-  /// The first invalid configuration on an edge found invalid.
+  /// The first invalid configuration on an invalid edge.
   [[nodiscard]] View invalid_at(std::uint32_t edge) const { return blocked_.at(edge); }
 
-  /// The first time that a vertex is reached it becomes a node of the level.
-  /// \param edge  that reaches it; `none` for the start
+  /// Adds a vertex to the level's nodes when the search first reaches it.
+  /// \param edge  the edge that reaches it; `none` for the start
   void add_node(std::uint32_t vertex, std::uint32_t edge);
-  /// Of a verified graph: the first time that the search takes an edge into account, its points become nodes, joined in
-  /// a row.
+  /// For a verified graph: adds the points of an edge to the level's nodes, connected in a chain, when the search first
+  /// uses the edge.
   void record(std::uint32_t edge);
 
-  /// Per vertex how many of the guidance's proposals it was nearest to.
+  /// Counts for each vertex the guidance's proposals that are nearest to it.
   struct Proposals {
     std::vector<double> hits;
     double drawn = 0.0;
   };
-  /// Draws `samples` proposals, or fewer where the budget ends.
+  /// Draws `samples` proposals; fewer if the budget ends.
   Proposals draw(std::int64_t samples, Meter& meter);
 
-  /// The path along the tree to the goal, or where it was not reached to the vertex reached nearest to it.
-  /// \param parent   of each vertex reached the edge of the tree
-  /// \param reached  of each vertex whether it was
+  /// The solution from the search tree: its path to the goal, or to the reached vertex nearest to the goal.
+  /// \param parent  for each reached vertex, the tree's edge to it
+  /// \param reached  for each vertex, whether the search reached it
+  /// \param otherwise  the status if the search did not reach the goal
   [[nodiscard]] Solution solution(const std::vector<std::uint32_t>& parent, const std::vector<char>& reached,
                                   Status otherwise) const;
 
@@ -56,16 +58,16 @@ class EvaluatedGraph {
   static constexpr char found_invalid = 2;
   static constexpr char stale = 3;  ///< found valid before the instance changed
 
-  /// Of each vertex whether the graph joins it to the start: its edges are verified or presumed valid, but for those
-  /// found invalid.
+  /// For each vertex, whether the graph connects it to the start without edges found invalid. Edges of a verified
+  /// graph, and edges presumed valid, count as connections.
   [[nodiscard]] std::vector<char> reachable() const;
 
   Planner::Task& task_;
-  std::shared_ptr<Graph> graph_;                    ///< that the rest is about
-  std::vector<char> seen_;                          ///< per edge: whether it was recorded, or what was found of it
-  std::map<std::uint32_t, Configuration> blocked_;  ///< of edges found invalid
+  std::shared_ptr<Graph> graph_;  ///< the graph that the other members refer to
+  std::vector<char> seen_;        ///< per edge: whether it was recorded, or the result of its evaluation
+  std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge
   std::vector<std::uint32_t> rows_;                 ///< per vertex of an unverified graph: its node
-  std::uint64_t epoch_ = 0;                         ///< of the validity that `seen_` tells of
+  std::uint64_t epoch_ = 0;                         ///< epoch of the validity that `seen_` refers to
 };
 
 }  // namespace trellis

@@ -56,7 +56,7 @@ class GraphSearch final : public Planner {
       dijkstra(graph, cost, adjacency, parent, done);
     } else {
       if (auto found = invalid_ends(task_.instance)) return *found;
-      // It draws no more proposals, so that these are spent does not end it.
+      // The search draws no more proposals, so the limit of proposals must not end it.
       Budget looks = budget;
       looks.proposals = Budget::unlimited;
       Meter looking(task_, looks);
@@ -66,7 +66,7 @@ class GraphSearch final : public Planner {
   }
 
  private:
-  using Adjacency = std::vector<std::vector<std::uint32_t>>;  ///< of each vertex its edges
+  using Adjacency = std::vector<std::vector<std::uint32_t>>;  ///< edges of each vertex
 
   void dijkstra(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
                 std::vector<std::uint32_t>& parent, std::vector<char>& done) {
@@ -93,14 +93,15 @@ class GraphSearch final : public Planner {
     }
   }
 
-  /// A* over edges that may be invalid: the edge to a vertex is looked at when the vertex is next, and the vertex is
-  /// reached another way where it is invalid. An edge is looked at once as long as nothing changes what is valid.
-  /// Returns why it ended before its time, if it did.
+  /// A* over edges that may be invalid. Evaluates the edge to a vertex when the vertex is next in the queue; if the
+  /// edge is invalid, the search continues with the vertex's other edges. Evaluates each edge once per epoch of
+  /// validity.
+  /// \return the reason if it stops early, else none
   std::optional<Status> verify(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
                                std::vector<std::uint32_t>& parent, std::vector<char>& done, Meter& meter) {
     const Instance& instance = task_.instance;
     evaluated_.renew();
-    // What is left of the way costs at least its length at the cheapest rate.
+    // The remaining path costs at least its length times the lowest rate.
     double rate = 1.0;
     for (std::size_t e = 0; e < cost.size(); ++e) {
       if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
@@ -112,7 +113,7 @@ class GraphSearch final : public Planner {
       double estimate = 0.0;
       double cost = 0.0;
       std::uint32_t vertex = 0;
-      std::uint32_t edge = 0;  ///< that it is come to by
+      std::uint32_t edge = 0;  ///< the edge that leads to it
     };
     const auto later = [](const Entry& a, const Entry& b) {
       return std::tie(a.estimate, b.cost, a.vertex, a.edge) > std::tie(b.estimate, a.cost, b.vertex, b.edge);
@@ -138,8 +139,8 @@ class GraphSearch final : public Planner {
     return std::nullopt;
   }
 
-  /// The edges' costs, those near the guidance's proposals made cheaper: an edge whose ends drew a share s of them
-  /// costs length / (1 + s * vertices), so that one with as many as the mean vertex costs half.
+  /// The edges' costs, reduced near the guidance's proposals: an edge whose ends are nearest to a share s of them costs
+  /// length / (1 + s * vertices). With the share of the mean vertex it costs half.
   std::vector<double> weighed(Meter& meter) {
     const Graph& graph = *task_.instance.graph;
     std::vector<double> cost;

@@ -18,94 +18,97 @@
 
 namespace trellis {
 
-/// What became of a proposal.
+/// The result of extending towards a proposal.
 enum class Fate : std::uint8_t {
-  rejected,  ///< no node: the way to it was blocked at once, or it was invalid or out of reach
-  advanced,  ///< a node was added on the way towards it
+  rejected,  ///< no node added: the motion was blocked at once, or the proposal was invalid or out of reach
+  advanced,  ///< a node was added between the tree and the proposal
   reached,   ///< a node was added at the proposal itself
 };
 
 /// The tree that a bidirectional planner grows: from the start, or from the goal.
 enum class TreeSide : std::uint8_t { start, goal };
 
-/// No row of Search::nodes.
+/// Denotes no row of Search::nodes.
 inline constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
 
-/// The planner's answer to one proposal, or news of a motion that it tried of its own accord, in the planner's space.
-/// Views hold during the call only.
+/// The result of one proposal, or of a motion that the planner tried without a proposal, in the planner's space. The
+/// views are valid during the call only.
 struct Outcome {
   Fate fate = Fate::rejected;
   View proposal;
-  View near;        ///< the node that the extension started from; empty where there was none
-  View added;       ///< the node that was added; empty when rejected
-  View blocked_at;  ///< the first configuration found invalid; empty where none was
-  /// The extension that grew from the goal's side (RRT-Connect), not from the start's.
+  View near;        ///< node that the extension started from; empty if none
+  View added;       ///< node that was added; empty if rejected
+  View blocked_at;  ///< first configuration found invalid; empty if none
+  /// Whether the extension belongs to the tree from the goal (RRT-Connect).
   bool from_goal = false;
-  /// Whether `added` is joined to the start (`from_goal`: to the goal) by motions that were checked. A roadmap's vertex
-  /// may not be; it is reported again, by an outcome that no proposal belongs to, when it is.
+  /// Whether checked motions connect `added` to the start (if `from_goal`: to the goal). False for some vertices of
+  /// roadmaps; the planner reports such a vertex again, without a proposal, once it is connected.
   bool connected = true;
   std::uint32_t added_row = no_node;  ///< of `added` in Search::nodes
 };
 
-/// h as a planner sees it: a distribution over the planner's space with feedback.
+/// The heuristic h as a planner uses it: a distribution over the planner's space that receives the results of its
+/// samples.
 class Guidance {
  public:
-  /// Which part drew a sample: an index into sources(), which never changes its length.
+  /// The part that drew a sample: an index into sources(), whose length is constant.
   using Source = std::uint16_t;
 
   virtual ~Guidance() = default;
 
-  /// Called by a bidirectional planner before each `sample`: the tree that the proposal is for. The others grow from
-  /// the start.
+  /// Selects the tree that the next proposal is for. A bidirectional planner calls this before each `sample`; other
+  /// planners grow one tree, from the start.
   virtual void select_tree(TreeSide side) { static_cast<void>(side); }
-  /// Draws a proposal into `out` (inside the space).
+  /// Draws a proposal into `out`, inside the space.
   virtual Source sample(Stream& stream, MutableView out) = 0;
-  /// The density at q of the next sample, with respect to volume in metric coordinates; the absolutely continuous part
-  /// only. NaN where h has no closed form. A sequence passes the turn on when it draws: then of the last sample.
+  /// The density of the next sample at q with respect to volume in metric coordinates, absolutely continuous part only.
+  /// NaN if h has no closed form. A sequence of guides changes its active guide when it draws: its density is that of
+  /// the last sample.
   [[nodiscard]] virtual double density(View q) const = 0;
-  /// The probability that the next sample is exactly one of finitely many points (the goal of a goal bias).
+  /// The probability that the next sample is one of finitely many points (as the goal of a goal bias).
   [[nodiscard]] virtual double atom_mass() const { return 0.0; }
-  /// Told after every sample what became of it. `mine`: this guidance drew it; a part of a mixture is also told of the
-  /// others' outcomes, because a configuration found invalid is news to all.
+  /// Receives the result of a sample.
+  /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
+  ///     parts, because each of them can use a configuration found invalid.
   virtual void observe(const Outcome& outcome, bool mine) {
     static_cast<void>(outcome);
     static_cast<void>(mine);
   }
-  /// The node that the last proposal is best extended from, a row of Search::nodes; no_node: the nearest one. A planner
-  /// that chooses the node itself need not ask.
+  /// The node to extend from towards the last proposal, a row of Search::nodes; no_node for the nearest node. Planners
+  /// that choose the node themselves do not call this.
   [[nodiscard]] virtual std::uint32_t vertex() const { return no_node; }
-  /// Whether a motion that a planner would try beyond the last proposal (RRT's to the goal, RRT-Connect's from the one
-  /// tree to the other) is worth its validity checks.
+  /// Whether to check a motion beyond the last proposal: RRT's motion to the goal, or RRT-Connect's motion between the
+  /// trees.
   [[nodiscard]] virtual bool worth_connecting(View from, View to) const {
     static_cast<void>(from);
     static_cast<void>(to);
     return true;
   }
-  /// Length, in metres of the metric, by which connected nodes advanced along what guides, over the whole run.
+  /// Length along the guiding paths by which connected nodes advanced during the whole run, in metres in the metric.
   [[nodiscard]] virtual double progress() const { return 0.0; }
-  /// Length, in metres of the metric, along which nodes are connected now: what a planner's nodes that are removed
-  /// have been worth.
+  /// Length along the guiding paths that connected nodes cover now, in metres in the metric. Removal of nodes reduces
+  /// it.
   [[nodiscard]] virtual double connected() const { return 0.0; }
-  /// Factor on the cost of an edge that a search of a roadmap may use, >= 1: more where the edge leaves what guides.
+  /// Factor >= 1 on the cost of an edge in a roadmap search. It is larger for an edge that leaves the guiding paths.
   [[nodiscard]] virtual double edge_factor(View a, View b) const {
     static_cast<void>(a);
     static_cast<void>(b);
     return 1.0;
   }
-  /// Called when the planner removed nodes: those that are left are reported again, by outcomes that no proposal
-  /// belongs to.
+  /// Called after the planner removed nodes. The planner then reports each remaining node again, without a proposal.
   virtual void restart() {}
-  /// Told when a path from start to goal was found, or a shorter one: its length in the metric.
+  /// Called when the planner finds a first or a shorter path from start to goal.
+  /// \param length  of the path, in metres in the metric
   virtual void found(double length) { static_cast<void>(length); }
-  /// Grows when the density may have changed, while a sample is drawn or an outcome is observed.
+  /// A counter that increases when `sample` or `observe` may have changed the density.
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
-  /// Enters into the record what h is now, with a share of it. As a part without closed form unless h says otherwise.
+  /// Adds the current distribution to the record, with weight `share`. By default, as a part without closed form.
   virtual void record(DensityRecord& record, double share) const { record.add_unknown(share); }
-  /// The names of the parts that draw samples, for provenance.
+  /// The names of the parts that draw samples.
   [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
 };
 
-/// Uniform on the space: S = {0}.
+/// Uniform distribution over the space; S = {0}.
 class UniformGuidance final : public Guidance {
  public:
   explicit UniformGuidance(Space space) : space_(std::move(space)), density_(std::exp(-space_.log_volume())) {}
@@ -122,7 +125,7 @@ class UniformGuidance final : public Guidance {
   double density_;
 };
 
-/// The goal itself, or one of several: S = {0}. Atoms, without density.
+/// The goal, or one of several goals; S = {0}. Its distribution has atoms and no density.
 class GoalGuidance final : public Guidance {
  public:
   explicit GoalGuidance(const Instance& instance) : goals_(instance.space.dimension()) {

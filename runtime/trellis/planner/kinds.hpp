@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The planners that there are; each is written in the source of its name. Only planner.cpp includes this.
+// The planners. Each is defined in the source file of its name. Only planner.cpp includes this header.
 #pragma once
 
 #include <trellis/planner/planner.hpp>

@@ -71,7 +71,7 @@ class KinodynamicRrt final : public Planner {
       if (const auto reason = repair(meter))
         return {*reason, path_of_start(instance), {Configurations(model_.controls().size()), {}, model_.dt()}};
     } else if (!tree_ || solved_) {
-      // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
+      // A tree that reached the goal is replaced by a new one, to find another path. Another tree continues to grow.
       plant();
     }
     while (!solved_) {
@@ -84,7 +84,7 @@ class KinodynamicRrt final : public Planner {
  private:
   static constexpr double most_steps_allowed = 1e6;
 
-  /// How a node was reached from its parent.
+  /// The motion to a node from its parent.
   struct Edge {
     std::uint32_t parent = 0;
     std::uint32_t control = 0;  ///< row of `controls_`
@@ -93,8 +93,8 @@ class KinodynamicRrt final : public Planner {
 
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
 
-  /// The instance changed: what of the tree is still valid is not known. Where the goal may still be reached, the
-  /// branch to it is checked at once, and the search ends if it is valid.
+  /// Called when the instance changed, so that validity of the tree is unknown. If the goal may still be reachable,
+  /// checks the branch to it first; the search ends if that branch is valid.
   void begin_repair() {
     if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
@@ -104,8 +104,8 @@ class KinodynamicRrt final : public Planner {
     find_best();
   }
 
-  /// Ends where the branch to the goal is still valid; else removes all branches that are not. The reason to stop
-  /// before that is done, or none.
+  /// Solves the instance if the branch to the goal is still valid; else removes all invalid branches. Returns the
+  /// reason if it stops early, else none.
   std::optional<Status> repair(Meter& meter) {
     const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
     if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
@@ -129,7 +129,7 @@ class KinodynamicRrt final : public Planner {
     return std::nullopt;
   }
 
-  /// Whether the motion to a node from its parent is still valid, step by step.
+  /// Whether the motion to a node from its parent is still valid; checks each of its steps.
   bool edge_still_valid(std::uint32_t id) {
     const Edge& edge = edges_[id];
     const View from = (*tree_)[edge.parent];
@@ -169,7 +169,8 @@ class KinodynamicRrt final : public Planner {
     solved_ = best_distance_ <= task_.instance.goal_tolerance;
   }
 
-  /// Draws controls and durations; keeps the one whose end is nearest to the proposal. Checks nothing.
+  /// Samples controls and durations, and returns the control whose end state is nearest to the proposal. Makes no
+  /// validity check.
   std::uint32_t choose_control(View from) {
     const auto& space = task_.instance.space;
     double least = std::numeric_limits<double>::infinity();
@@ -188,15 +189,15 @@ class KinodynamicRrt final : public Planner {
     return chosen;
   }
 
-  /// What was driven of a way: its states, and where each of its pieces ended among them.
+  /// The valid part of a driven trajectory: its states, and the index of the last state of each piece.
   struct Driven {
     Configurations states;
     std::vector<std::uint32_t> ends;
-    bool arrived = false;  ///< at the goal, with the last state
+    bool arrived = false;  ///< the last state is at the goal
     Configuration blocked;
   };
 
-  /// Drives a way as far as that is valid, for so many steps at most and no farther than into the goal.
+  /// Drives a trajectory until it is invalid, reaches the goal, or has taken `most` steps.
   Driven drive(View from, const Trajectory& way, std::size_t most) {
     auto& instance = task_.instance;
     Driven driven{Configurations(dimension()), {}, false, {}};
@@ -219,7 +220,7 @@ class KinodynamicRrt final : public Planner {
     return driven;
   }
 
-  /// Adds the ends of the pieces to the tree, below a node; the last of them.
+  /// Adds the end states of the pieces to the tree as descendants of a node; returns the last one.
   std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& way) {
     std::uint32_t before = 0;
     for (std::size_t i = 0; i < driven.ends.size(); ++i) {
@@ -232,7 +233,7 @@ class KinodynamicRrt final : public Planner {
     return parent;
   }
 
-  /// The way from a node towards the proposal.
+  /// The trajectory from a node towards the proposal.
   Trajectory way_from(View from) {
     if (settings_.extend == "curves") {
       auto curve = steer_at(model_, from, sample_, task_.proposals.uniform());
@@ -268,8 +269,8 @@ class KinodynamicRrt final : public Planner {
     if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
   }
 
-  /// Reports the nodes of the first pieces of a motion, which no proposal belongs to. \param last  the motion's last
-  /// node
+  /// Reports the nodes of the first pieces of a motion, without a proposal.
+  /// \param last  the motion's last node
   void report_pieces(const Driven& driven, std::uint32_t last, std::size_t pieces, View towards) {
     for (std::size_t i = 0; i < pieces; ++i) {
       Outcome outcome;
@@ -283,7 +284,7 @@ class KinodynamicRrt final : public Planner {
     }
   }
 
-  /// Drives the shortest curve from a node to the goal; it becomes part of the tree where it gets there.
+  /// Drives the shortest curve from a node to the goal. Adds it to the tree if it arrives.
   void connect(std::uint32_t id, View from) {
     const View goal = task_.instance.goal_at(task_.instance.nearest_goal(from).goal);
     if (!task_.guidance.worth_connecting(from, goal)) return;
@@ -306,7 +307,7 @@ class KinodynamicRrt final : public Planner {
     }
   }
 
-  /// Remembers how near the new node is to the goal.
+  /// Updates the node nearest to the goal.
   void note(std::uint32_t id) {
     const double distance = task_.instance.to_goal((*tree_)[id]);
     if (distance < best_distance_) {
@@ -332,12 +333,12 @@ class KinodynamicRrt final : public Planner {
 
   KinodynamicRrtSettings settings_;
   Task task_;
-  std::shared_ptr<const MotionModel> model_holder_;  ///< the instance may be replaced by a new projection
+  std::shared_ptr<const MotionModel> model_holder_;  ///< outlives a replaced instance
   const MotionModel& model_;
-  std::size_t most_steps_;  ///< of one control
+  std::size_t most_steps_;  ///< longest duration of a control, in steps
   std::optional<Tree> tree_;
-  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
-  std::vector<Edge> edges_;           ///< of each node; that of the root leads nowhere
+  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
+  std::vector<Edge> edges_;           ///< of each node; unused for the root
   Configurations controls_;
   Configuration sample_;
   Configuration state_;

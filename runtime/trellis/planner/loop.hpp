@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the planning loops share: budgets, the record of a proposal, and the options that every planner has.
+// Shared by the planning loops: budgets, the record of a proposal, and the options of every planner.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace trellis {
 
-/// What every planner's settings begin with; `with_common` describes these fields.
+/// The options of every planner. `with_common` describes each field.
 struct CommonSettings {
   double goal_bias = 0.05;
   double uniform = 0.05;
@@ -33,7 +33,7 @@ struct CommonSettings {
   }
 };
 
-/// The options that every planner has, with the step of one that has it.
+/// The options of every planner, and `step` if the planner has one.
 template <class S>
 PlannerCommon common_of(const S& settings) {
   PlannerCommon common = settings.common();
@@ -61,21 +61,22 @@ Settings<S> with_common(Settings<S> settings) {
   return settings;
 }
 
-/// Watches a budget during one solve.
+/// Monitors a budget during one solve.
 class Meter {
  public:
   Meter(const Planner::Task& task, const Budget& budget)
       : task_(task), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
 
-  /// The reason to stop, or none. Cheap enough to ask before every proposal.
+  /// The reason to stop, or none. Its cost permits a call before every proposal.
   [[nodiscard]] std::optional<Status> spent() {
     if (static_cast<double>(task_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
     return spent_without_proposals();
   }
-  /// The same for work that draws no proposals.
+  /// The same without the limit of proposals, for work that draws none.
   [[nodiscard]] std::optional<Status> spent_without_proposals() {
     if (static_cast<double>(task_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
-    // Asked every time, so that who counts proposals can stop a run at any of them. The clock costs more.
+    // Called every time, so that a caller that counts proposals can stop a run at any of them. Reading the clock costs
+    // more.
     if (task_.interrupted && task_.interrupted()) return Status::interrupted;
     if (task_.paused && task_.paused()) return Status::budget_spent;
     if ((asked_++ & 63U) == 0 && budget_.seconds < Budget::unlimited) {
@@ -92,7 +93,8 @@ class Meter {
   unsigned asked_ = 0;
 };
 
-/// Draws a proposal into `q` and records it, and what h was; its fate is recorded by `settle`.
+/// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the
+/// extension, by the function below.
 inline void propose(Planner::Task& task, MutableView q) {
   const Guidance::Source source = task.guidance.sample(task.proposals, q);
   task.search.density.served(task.guidance);
@@ -100,9 +102,9 @@ inline void propose(Planner::Task& task, MutableView q) {
   task.search.proposal_sources.push_back(source);
 }
 
-/// Records the outcome of the last proposal and reports it to the guidance.
-/// \param near   the row of the node that it grew from
-/// \param added  the row of the node that came of it
+/// Records the result of the last proposal and reports it to the guidance.
+/// \param near  row of the node that was extended
+/// \param added  row of the node that was added
 inline void settle(Planner::Task& task, Outcome outcome, std::uint32_t near = no_node, std::uint32_t added = no_node) {
   task.search.fates.push_back(outcome.fate);
   task.search.near.push_back(near);
@@ -111,12 +113,14 @@ inline void settle(Planner::Task& task, Outcome outcome, std::uint32_t near = no
   task.guidance.observe(outcome, true);
 }
 
-/// Motions found invalid while a node was inserted. The guidance receives them after the outcome of its own proposal.
+/// Motions found invalid while the planner inserted a node. The guidance receives them after the result of the proposal
+/// itself.
 class BlockedMotions {
  public:
   explicit BlockedMotions(std::size_t dimension) : from_(dimension), to_(dimension), at_(dimension) {}
 
-  /// \param t  where on the motion, in [0, 1], the first invalid configuration lies
+  /// Adds a motion.
+  /// \param t  position of the first invalid configuration on the motion, in [0, 1]
   void add(const Space& space, View from, View to, double t) {
     Configuration at(from.size());
     space.interpolate(from, to, t, at);
@@ -124,7 +128,7 @@ class BlockedMotions {
     to_.push(to);
     at_.push(at);
   }
-  /// Reports all of them, as outcomes that no proposal belongs to, and empties the list.
+  /// Reports all motions to the guidance as outcomes without a proposal, then clears the list.
   void report(Planner::Task& task) {
     for (std::size_t i = 0; i < at_.size(); ++i) {
       Outcome outcome;
@@ -144,9 +148,13 @@ class BlockedMotions {
   Configurations at_;
 };
 
-/// The end of an extension from `from` towards q, which is `distance` away: at most `step` far. Whether that is q.
+/// Computes the end of an extension from `from` towards q.
+/// \param distance  from `from` to q, in metres in the metric
+/// \param step  longest extension, in metres in the metric
+/// \param target  receives the end
+/// \return whether the end is q
 inline bool steer(const Space& space, View from, View q, double distance, double step, Configuration& target) {
-  // What was made a step away is a step away, whatever rounding has left of the distance.
+  // A configuration constructed at distance `step` counts as within `step` despite rounding.
   constexpr double rounding = 1e-6;
   if (distance <= (1.0 + rounding) * step) {
     target.assign(q.begin(), q.end());
@@ -156,8 +164,8 @@ inline bool steer(const Space& space, View from, View q, double distance, double
   return false;
 }
 
-/// Checks that start and goal are valid in the instance; what a search that cannot begin has found otherwise. Of
-/// several goals those that are not valid are left out.
+/// Checks start and goals of the instance, and removes invalid goals.
+/// \return none if the search can begin; else the solution with the reason
 inline std::optional<Solution> invalid_ends(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;

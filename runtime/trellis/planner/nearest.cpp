@@ -25,9 +25,9 @@ class NearestIndex::Implementation {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t bucket = 32;  // the fastest of 8, 16 and 32 from 500 to 100,000 points
+constexpr std::size_t bucket = 32;  // in benchmarks faster than 8 and 16 from 500 to 100,000 points
 
-/// An object, so that the heap's functions inline it.
+/// A function object, so that the heap functions inline it.
 struct Nearer {
   bool operator()(const NearestIndex::Neighbour& a, const NearestIndex::Neighbour& b) const {
     return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);
@@ -35,7 +35,7 @@ struct Nearer {
 };
 constexpr Nearer nearer;
 
-/// The kd-tree for one dimension D, known when compiling so that the loops unroll; D = 0 reads it at run time.
+/// The kd-tree for a dimension D known at compile time, so that loops unroll; D = 0 reads the dimension at run time.
 template <std::size_t D>
 class Tree final : public NearestIndex::Implementation {
  public:
@@ -52,7 +52,7 @@ class Tree final : public NearestIndex::Implementation {
   }
 
   std::uint32_t add(View q) override {
-    // Many indices stay empty, so memory is allocated with the first point.
+    // Allocates memory with the first point, because many indices stay empty.
     if (nodes_.empty()) new_leaf();
     const auto id = static_cast<std::uint32_t>(size_++);
     std::array<double, capacity> y{};
@@ -125,7 +125,7 @@ class Tree final : public NearestIndex::Implementation {
   using PerAxis = std::conditional_t<D == 0, std::vector<double>, std::array<double, capacity>>;
 
   struct Node {
-    std::int32_t leaf = -1;  ///< which bucket; -1 for an inner node
+    std::int32_t leaf = -1;  ///< its bucket; -1 for an inner node
     std::uint32_t left = 0;
     std::uint32_t right = 0;
     std::uint32_t axis = 0;
@@ -140,7 +140,7 @@ class Tree final : public NearestIndex::Implementation {
     }
   }
 
-  /// Metric coordinates of q in `y`, or in `large` where the dimension is beyond it.
+  /// Metric coordinates of q, in `y`, or in `large` if the dimension exceeds the size of `y`.
   double* scaled(View q, std::array<double, capacity>& y, std::vector<double>& large) const {
     double* out = y.data();
     if (dim() > capacity) {
@@ -171,9 +171,9 @@ class Tree final : public NearestIndex::Implementation {
     }
   }
 
-  /// Splits the full leaf at node `at` across the widest side of its box, and returns the child that `point` goes to.
-  /// Points that all coincide along that side cannot be told apart by it: then the halves are by order, and the box
-  /// test alone decides where a search looks.
+  /// Splits the full leaf at node `at` across the widest side of its box, and returns the child that `point` belongs
+  /// to. If all points coincide along that side, each child gets half of them in order; then only the box test directs
+  /// the search.
   std::uint32_t split(std::uint32_t at, const double* point) {
     const auto old = static_cast<std::size_t>(nodes_[at].leaf);
     std::size_t axis = 0;
@@ -203,7 +203,7 @@ class Tree final : public NearestIndex::Implementation {
     }
     const std::uint32_t left = new_leaf();
     const std::uint32_t right = new_leaf();
-    // The left child takes over the old bucket's place, so that no bucket is left unused.
+    // The left child reuses the old bucket.
     std::swap(nodes_[left].leaf, nodes_[at].leaf);
     count_.pop_back();
     coordinates_.resize(coordinates_.size() - dim() * bucket);
@@ -237,7 +237,7 @@ class Tree final : public NearestIndex::Implementation {
       const double above = y[j] - box[dim() + j];
       double d = std::max(std::max(below, above), 0.0);
       if (period_[j] != infinity) {
-        // Around the other way: the gap to the box's far side.
+        // The distance to the box's far side across the period.
         d = std::min(d, std::max(period_[j] + std::min(below, above), 0.0));
       }
       sum += d * d;
@@ -245,7 +245,7 @@ class Tree final : public NearestIndex::Implementation {
     return sum;
   }
 
-  /// Calls `offer` for every point that may be within `limit()` (which shrinks as points are found).
+  /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
   template <class Limit, class Offer>
   void visit(View q, const Limit& limit, const Offer& offer) const {
     if (size_ == 0) return;
@@ -256,8 +256,8 @@ class Tree final : public NearestIndex::Implementation {
       std::uint32_t node;
       double distance;
     };
-    // A descent leaves one entry a level; the depth is bounded only by the number of points, so beyond the fixed part
-    // entries go to the heap.
+    // A descent pushes one entry per level of the tree. Only the number of points bounds the depth, so further entries
+    // go to the heap.
     std::array<Waiting, 64> fixed;  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
     std::vector<Waiting> spilled;
     std::size_t height = 0;
@@ -324,8 +324,8 @@ class Tree final : public NearestIndex::Implementation {
   PerAxis weight_{};
   PerAxis period_{};
   std::vector<Node> nodes_;
-  std::vector<double> boxes_;        ///< per node: the lower corner, then the upper
-  std::vector<std::size_t> count_;   ///< per bucket
+  std::vector<double> boxes_;        ///< per node: lower corner, then upper corner
+  std::vector<std::size_t> count_;   ///< points per bucket
   std::vector<double> coordinates_;  ///< per bucket: one column per axis
   std::vector<std::uint32_t> ids_;
 };

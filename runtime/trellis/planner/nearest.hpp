@@ -11,9 +11,9 @@
 
 namespace trellis {
 
-/// Exact nearest neighbours in a space's metric, wrap-around included, over points that only ever grow in number.
-/// Ties go to the point that was added first, so results do not depend on the structure inside.
-/// An incremental kd-tree of buckets with tight bounding boxes.
+/// Exact nearest neighbours in a space's metric, with wrap-around of periodic axes. Points can be added but not
+/// removed. Ties go to the point that was added first, so results do not depend on the internal structure. An
+/// incremental kd-tree of buckets with tight bounding boxes.
 class NearestIndex {
  public:
   struct Neighbour {
@@ -26,14 +26,14 @@ class NearestIndex {
   NearestIndex(NearestIndex&&) noexcept;
   NearestIndex& operator=(NearestIndex&&) noexcept;
 
-  /// Adds a point; ids count from 0 in the order of adding.
+  /// Adds a point. Its id is the number of points before it.
   std::uint32_t add(View q);
   [[nodiscard]] std::size_t size() const;
-  /// The nearest point; size() > 0.
+  /// The nearest point. Requires size() > 0.
   [[nodiscard]] Neighbour nearest(View q) const;
-  /// The k nearest (fewer where there are fewer points), nearest first.
+  /// The k nearest points, nearest first; all points if there are fewer than k.
   void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const;
-  /// All points within `radius` (closed), in order of id.
+  /// All points within `radius` (closed ball), in order of id.
   void within(View q, double radius, std::vector<Neighbour>& out) const;
 
   class Implementation;

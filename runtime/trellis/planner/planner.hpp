@@ -18,47 +18,47 @@ namespace trellis {
 
 /// How a search ended.
 enum class Status : std::uint8_t {
-  untried,  ///< no search was asked for
+  untried,  ///< no search was started
   solved,
   budget_spent,   ///< proposals, checks or seconds ran out
-  no_path,        ///< a finite search space holds no path
+  no_path,        ///< the search space is finite and contains no path
   invalid_start,  ///< the start is invalid in this space
   invalid_goal,
   interrupted,
 };
 std::string_view to_string(Status status);
 
-/// What every planner may spend on its level. Counts come first, because only counts reproduce.
+/// The budget of a level. Prefer limits on counts: only they are reproducible.
 struct Budget {
   static constexpr double unlimited = std::numeric_limits<double>::infinity();
-  double proposals = 50000;    ///< over all solves of the level
-  double checks = unlimited;   ///< validity checks, over all solves of the level
-  double seconds = unlimited;  ///< wall clock, over all solves of the level
+  double proposals = 50000;    ///< number of proposals, over all solves of the level
+  double checks = unlimited;   ///< number of validity checks, over all solves of the level
+  double seconds = unlimited;  ///< wall-clock seconds, over all solves of the level
 };
 
-/// What became of a level's search, kept over all its solves: everything that is reported and measured.
+/// The record of a level's search over all its solves: the source of all reports and measures.
 struct Search {
-  Configurations nodes;                            ///< tree or roadmap nodes in the order they came, the start first
-  std::vector<std::uint32_t> parents;              ///< of each node its parent, a root's itself; no_node without a tree
-  Configurations proposals;                        ///< what h drew, before the extension was tried, failed ones too
-  std::vector<Fate> fates;                         ///< of each proposal
-  std::vector<std::uint32_t> near;                 ///< of each proposal the node it grew from; no_node where none
-  std::vector<std::uint32_t> added;                ///< of each proposal the node that came of it; no_node where none
-  std::vector<Guidance::Source> proposal_sources;  ///< which part of h drew each proposal
-  std::vector<std::string> sources;                ///< their names
-  DensityRecord density;                           ///< what h was, over all proposals
-  /// Of each node whether its validity was looked at; empty where that of all was. The nodes of a lazy roadmap that
-  /// were not are no samples that the search paid for, and are not measured.
+  Configurations nodes;                ///< nodes of the tree or roadmap in order of insertion, the start first
+  std::vector<std::uint32_t> parents;  ///< parent of each node; a root's parent is itself; no_node without a tree
+  Configurations proposals;            ///< all proposals that h drew, including those that failed
+  std::vector<Fate> fates;             ///< result of each proposal
+  std::vector<std::uint32_t> near;     ///< for each proposal, the node that was extended; no_node if none
+  std::vector<std::uint32_t> added;    ///< for each proposal, the node that was added; no_node if none
+  std::vector<Guidance::Source> proposal_sources;  ///< for each proposal, the part of h that drew it
+  std::vector<std::string> sources;                ///< names of the parts of h
+  DensityRecord density;                           ///< distribution of h over all proposals
+  /// For each node, whether its validity was checked; empty if all nodes were checked. Unchecked nodes of a lazy
+  /// roadmap cost no checks, so the measure leaves them out.
   std::vector<std::uint8_t> looked_at;
-  /// Whether the proposals are an expansion: drawn to grow what is there. Those of an unguided lazy roadmap are laid
-  /// out before anything is known, and are not measured.
+  /// Whether the proposals expand a tree or roadmap. An unguided lazy roadmap draws its proposals before it checks any,
+  /// so the measure leaves them out.
   bool expands = true;
-  /// Nodes of a roadmap or graph that were joined, in the order they were; a lazy roadmap's may be invalid.
+  /// Pairs of connected nodes of a roadmap or graph, in order of insertion; in a lazy roadmap they may be invalid.
   std::vector<std::array<std::uint32_t, 2>> edges;
   Checks checks;
   double seconds = 0.0;
 
-  /// What the tree sampled: of rows that stand for the nodes, those whose node was looked at.
+  /// The samples of the tree: of `rows`, one per node, those whose node was checked.
   [[nodiscard]] Configurations tree_samples(const Configurations& rows) const {
     if (looked_at.empty()) return rows;
     Configurations chosen(rows.dimension());
@@ -72,7 +72,7 @@ struct Search {
   Search() = default;
   /// \param dimension  of the level's space
   explicit Search(std::size_t dimension) : nodes(dimension), proposals(dimension) {
-    // Short searches are common, and growing half a dozen blocks from nothing is what they would notice.
+    // Short searches are common, and repeated reallocation would take much of their time.
     constexpr std::size_t rows = 64;
     nodes.reserve(rows);
     parents.reserve(rows);
@@ -84,74 +84,77 @@ struct Search {
   }
 };
 
-/// What a search found.
+/// The result of a search.
 struct Solution {
   Status status = Status::untried;
-  /// From start to goal when solved; else the way to what the search reached nearest to the goal (at least the start,
-  /// where it is valid).
+  /// From start to goal if solved. Else from the start to the reached node nearest to the goal; it contains at least
+  /// the start, if valid.
   Configurations path;
-  /// How the path is driven, where the instance has a motion model: replayed from the start it is the path.
+  /// The controls of the path if the instance has a motion model. Replayed from the start, they give the path.
   Trajectory trajectory = {};
   [[nodiscard]] bool solved() const { return status == Status::solved; }
 };
 
-/// A planner at work on one instance with one guidance. It knows no guides.
+/// A planner of one instance with one guidance. It does not depend on guides.
 class Planner {
  public:
-  /// What a planner works with; the referenced objects outlive it.
+  /// The context of a planner. The referenced objects outlive the planner.
   struct Task {
     Instance& instance;
     Guidance& guidance;
-    Stream proposals;  ///< what h draws with
-    Search& search;    ///< appended to
-    bool guided;       ///< whether h is more than uniform and goal bias; an exact graph search draws nothing without it
+    Stream proposals;  ///< random stream that h draws from
+    Search& search;    ///< the planner appends to it
+    bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
+                       ///< draws no proposal
     std::function<bool()> interrupted;
-    /// Asked before every proposal whether the search is to pause: it ends with Status::budget_spent, and `solve`
-    /// called again continues it. Empty: never.
+    /// Called before every proposal; returns whether the search pauses. A paused search ends with Status::budget_spent,
+    /// and the next call of `solve` continues it. Empty: the search never pauses.
     std::function<bool()> paused = {};
   };
 
   virtual ~Planner() = default;
 
-  /// Searches until solved or the budget is spent. Called again, it continues with what it has: where the instance
-  /// changed (Instance::epoch), a roadmap is repaired and a tree loses the branches that are not valid any more; where
-  /// it did not, a tree that had reached the goal is grown anew for another path.
-  /// `budget` holds over all calls: what the level has spent so far is subtracted.
+  /// Searches until solved or until the budget is spent. Each further call continues the search. If the instance
+  /// changed (Instance::epoch), a roadmap is repaired and a tree loses its invalid branches. If it did not change, a
+  /// tree that had reached the goal is discarded and a new one is grown to find another path.
+  /// \param budget  limit over all calls: the planner subtracts what the level has already spent
   virtual Solution solve(const Budget& budget) = 0;
 };
 
-/// Options that every planner has, read by whoever runs it.
+/// Options of every planner that the planner's level reads.
 struct PlannerCommon {
   Budget budget;
-  double uniform = 0.05;    ///< share of uniform proposals kept when the level is guided
-  double goal_bias = 0.05;  ///< share of proposals that are the goal itself
-  double step = 0.0;        ///< longest extension of a tree, metres in the metric; 0: the planner has none
-  /// Work of guided proposals and of the levels below, per work of unguided proposals, beyond a grant and what progress
-  /// earns; 0: without bound.
+  double uniform = 0.05;    ///< share of uniform proposals of a guided level
+  double goal_bias = 0.05;  ///< share of proposals that are the goal
+  double step = 0.0;        ///< longest extension of a tree, in metres in the metric; 0: the planner has none
+  /// Limit of the work of guided proposals and of the levels below, per work of unguided proposals, beyond an initial
+  /// grant and the work that progress earns; 0: no limit.
   double bound = 0.8;
 };
 
-/// One kind of planner: its description and how to make it.
+/// A kind of planner: its description and its factory.
 struct PlannerKind {
   const Component* component = nullptr;
   PlannerCommon (*common)(const Options&) = nullptr;
   std::unique_ptr<Planner> (*make)(const Options&, Planner::Task) = nullptr;
-  /// Searches explicit graphs (and only these).
+  /// Whether it searches explicit graphs, and only these.
   bool graph = false;
-  /// Its nodes may be invalid: it looks at a few of them only.
+  /// Whether its nodes may be invalid, because it checks few of them.
   bool unverified = false;
-  /// Drives a motion model (and plans for nothing else); the others join configurations by straight motions.
+  /// Whether it plans with a motion model, and only with one. The other planners connect configurations by straight
+  /// motions.
   bool kinodynamic = false;
 };
 
 /// All planners, in the order of the reference.
 const std::vector<PlannerKind>& planner_kinds();
-/// nullptr for an unknown name.
+/// The planner with this name; nullptr if there is none.
 const PlannerKind* find_planner(std::string_view name);
 
-/// Shortcuts a path: `rounds` tries to replace the way between two random points of it by a straight motion. The result
-/// is never longer. Checks are counted by the instance.
-/// \param finer  the same instance with finer motion checks, which new motions must pass too; nullptr: none
+/// Shortcuts a path: in each round, tries to replace the part between two random points of the path by a straight
+/// motion. The result is never longer. The instance counts the checks.
+/// \param finer  the same instance with a finer resolution of motion checks, which new motions must also pass; nullptr:
+///     none
 Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
                         Instance* finer = nullptr);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The probabilistic roadmap and its lazy form, which end with the first path.
+// The probabilistic roadmap planner and its lazy form. Both end with the first path.
 #include <limits>
 
 #include <trellis/planner/kinds.hpp>

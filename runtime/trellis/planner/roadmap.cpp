@@ -18,11 +18,11 @@ std::uint32_t LifelongSearch::add_vertex(double to_goal, double to_start) {
 }
 
 void LifelongSearch::requeue(std::size_t side, std::uint32_t vertex) {
-  // Older entries of the vertex no longer count.
+  // Invalidates the vertex's older entries.
   Label& label = vertices_[vertex].of[side];
   ++label.stamp;
   if (label.cost == label.ahead) {
-    // Its edges may have been dropped from the meetings while it was not consistent.
+    // The meetings may have dropped its edges while the vertex was inconsistent.
     if (label.cost < infinity) enter_all(side, vertex);
     return;
   }
@@ -30,7 +30,8 @@ void LifelongSearch::requeue(std::size_t side, std::uint32_t vertex) {
   queues_[side].push({estimate(side, vertex, cost), cost, vertex, label.stamp});
 }
 
-/// A path to the arc's end, through its beginning, which costs `cost`.
+/// Offers a path to the arc's end through its beginning.
+/// \param cost  of the path to the arc's beginning
 void LifelongSearch::offer(std::size_t side, const Arc& arc, double cost) {
   Label& label = vertices_[arc.to].of[side];
   const double ahead = cost + arc.cost;
@@ -166,8 +167,8 @@ void LifelongSearch::isolate(std::span<const std::uint32_t> vertices) {
 }
 
 void LifelongSearch::raise_changed() {
-  // Sets the costs of all descendants to infinity before any vertex is offered a new cost. Otherwise a vertex whose
-  // cost is about to be raised could be chosen as a parent, and vertices would be expanded more than once.
+  // Sets the costs of all descendants to infinity before it offers any vertex a new cost. Otherwise it could choose a
+  // vertex as a parent whose cost is about to increase, and would expand vertices more than once.
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     const auto [side, vertex] = changed_[i];
     if (vertex == side) continue;
@@ -233,13 +234,13 @@ bool LifelongSearch::search() {
     while (!meetings_.empty() && !counts(meetings_.top())) meetings_.pop();
     const std::array<const Entry*, 2> tops = {top(from_start), top(from_goal)};
     if (meetings_.empty()) {
-      // A tree that is complete would have met the other's root.
+      // A complete tree that can reach the other root would have met it.
       if (tops[0] == nullptr || tops[1] == nullptr) {
         set_apart(tops[0] == nullptr ? from_start : from_goal);
         return false;
       }
     } else {
-      // Rounding makes equal paths differ in the last bits, so a little more than equal is still expanded.
+      // Rounding makes equal path costs differ in the last bits, so the search also expands slightly higher costs.
       const Meeting& best = meetings_.top();
       const double slack = 1e-12 * best.total;
       const auto settled = [&](std::size_t side, std::uint32_t vertex) {

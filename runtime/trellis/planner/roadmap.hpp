@@ -12,51 +12,53 @@
 
 namespace trellis {
 
-/// Shortest paths from the first vertex of an undirected graph to the second while vertices and edges come and go and
-/// edges change their cost: an incremental bidirectional search. A tree grows from either end, each repaired as in
-/// lifelong planning A* (Koenig, Likhachev and Furcy 2004); what is below a removed edge is raised as a whole, before
-/// the search goes on (Lim and Tsiotras 2021, Lifelong generalized lazy search). It goes on until no path can be
-/// shorter than the shortest one over an edge between them (Dellin 2016, Completing manipulation tasks efficiently in
-/// complex environments, chapter 4). What is removed between the ends, where planners find most of what is invalid,
-/// leaves both trees as they are. Nothing is ever searched from scratch. The result depends only on the sequence of
-/// calls.
+/// Shortest paths between the first two vertices of an undirected graph, while vertices and edges are added or removed
+/// and edge costs change: an incremental bidirectional search. A tree grows from either end; each is repaired as in
+/// lifelong planning A* (Koenig, Likhachev and Furcy 2004). Before the search continues, it raises the costs of all
+/// descendants of a removed edge (Lim and Tsiotras 2021, Lifelong generalized lazy search). The search ends when no
+/// path can be shorter than the shortest path over an edge between the trees (Dellin 2016, Completing manipulation
+/// tasks efficiently in complex environments, chapter 4). An edge removed between the two trees, where planners find
+/// most invalid edges, changes neither tree. The search never restarts from scratch. The result depends only on the
+/// sequence of calls.
 class LifelongSearch {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t start = 0;
   static constexpr std::uint32_t goal = 1;
 
-  /// \param to_goal   a lower bound of the cost from the vertex to the goal, consistent with the edges' costs
-  /// \param to_start  the same to the start
+  /// \param to_goal  lower bound of the cost from the vertex to the goal, consistent with the edge costs
+  /// \param to_start  lower bound of the cost from the start to the vertex, consistent with the edge costs
   std::uint32_t add_vertex(double to_goal, double to_start = 0.0);
-  /// An edge of cost > 0; returns its id.
+  /// Adds an edge of cost > 0 and returns its id.
   std::uint32_t add_edge(std::uint32_t a, std::uint32_t b, double cost);
-  /// Changes the cost of an edge to one > 0, where it is not removed.
+  /// Changes the cost of an edge to `cost` > 0. No effect on a removed edge.
   void set_cost(std::uint32_t id, double cost);
-  /// Removing an edge twice is harmless.
+  /// Removes an edge. No effect on a removed edge.
   void remove_edge(std::uint32_t id) { remove_edges({&id, 1}); }
-  /// The same as one after another, but each vertex is brought up to date once.
+  /// Removes edges one after another, but updates each vertex once.
   void remove_edges(std::span<const std::uint32_t> ids);
   /// Removes all edges of a vertex.
   void isolate(std::uint32_t vertex) { isolate({&vertex, 1}); }
-  /// Removes all edges of some vertices.
+  /// Removes all edges of several vertices.
   void isolate(std::span<const std::uint32_t> vertices);
 
-  /// Brings the search up to date; whether there is a path to the goal. Once there is none this takes no time until an
-  /// edge is added that may join the two parts of the graph.
+  /// Updates the search. If it finds no path, further calls cost nothing until a new edge may connect the two parts of
+  /// the graph.
+  /// \return whether a path to the goal exists
   bool search();
-  /// Grows the tree from the start alone until `triggered` holds for the vertex that it has come to, or until it holds
-  /// the shortest path to the goal: that vertex, or none. Called again it continues.
+  /// Grows only the tree from the start, until `triggered` returns true for the expanded vertex or the tree contains
+  /// the shortest path to the goal. A further call continues.
+  /// \return that vertex or the goal; none if the goal cannot be reached
   template <class Triggered>
   std::uint32_t search_until(const Triggered& triggered);
-  /// The same as `search`, and completes the tree from the start: it holds all vertices that can be reached.
+  /// As `search`, and expands the tree from the start to all vertices that it can reach.
   bool search_all();
-  /// The cost of the shortest path to the goal, after search(); infinite without one.
+  /// The cost of the shortest path to the goal after search(); infinite if there is none.
   [[nodiscard]] double cost() const { return cost_; }
-  /// Edges of the path from the start to `vertex`, in order: to the goal after a search found one, to others that the
-  /// tree from the start holds; else empty.
+  /// The edges of the path from the start to `vertex`, in order. The goal has a path after a search that found one,
+  /// other vertices if the tree from the start contains them. Else empty.
   void path(std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
-  /// Whether the tree from the start holds the vertex.
+  /// Whether the tree from the start contains the vertex.
   [[nodiscard]] bool reached(std::uint32_t vertex) const { return consistent(from_start, vertex); }
 
   struct Edge {
@@ -71,11 +73,11 @@ class LifelongSearch {
   [[nodiscard]] std::uint32_t other(std::uint32_t edge, std::uint32_t vertex) const {
     return edges_[edge].a == vertex ? edges_[edge].b : edges_[edge].a;
   }
-  /// Appends the vertices that edges join to a vertex.
+  /// Appends the neighbours of a vertex.
   void neighbours(std::uint32_t vertex, std::vector<std::uint32_t>& out) const {
     for (const Arc& arc : vertices_[vertex].arcs) out.push_back(arc.to);
   }
-  /// Vertices expanded so far: what all searches together cost.
+  /// Vertices expanded so far: the total cost of all searches.
   [[nodiscard]] std::uint64_t expanded() const { return expanded_; }
 
  private:
@@ -96,31 +98,31 @@ class LifelongSearch {
   };
   using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
-  // What a repair asks of a vertex lies together, and so does what it asks of an edge: it visits many of both.
+  // Contiguous in memory, as the data of an edge are: a repair visits many vertices and edges.
   struct Label {
-    double cost = infinity;            ///< g: as of the last expansion
-    double ahead = infinity;           ///< rhs: one step of look-ahead
-    std::uint32_t parent_edge = none;  ///< that gives rhs
-    std::uint32_t stamp = 0;           ///< of the vertex's entry in the queue that counts
+    double cost = infinity;            ///< g: at the last expansion
+    double ahead = infinity;           ///< rhs: one-step look-ahead value
+    std::uint32_t parent_edge = none;  ///< edge that attains rhs
+    std::uint32_t stamp = 0;           ///< of the vertex's only valid entry in the queue
   };
   struct Arc {
     double cost;
     std::uint32_t to;
     std::uint32_t edge;
   };
-  /// Where a vertex lies while there is no path: in the part of the graph that one tree holds as a whole, or elsewhere.
+  /// The part of a disconnected graph that contains a vertex: all that one complete tree reaches, or the rest.
   enum class Part : std::uint8_t { none, inside, outside };
   struct Vertex {
-    /// Half the difference of the bounds: added to costs from the start, subtracted from those from the goal, so that
-    /// both trees see edges of the same, non-negative costs (Ikeda et al. 1994).
+    /// Half the difference of the two bounds. Costs from the start add it and costs from the goal subtract it, so that
+    /// both trees use the same non-negative edge costs (Ikeda et al. 1994).
     double potential;
-    std::array<Label, 2> of;  ///< in the tree from the start, and in that from the goal
+    std::array<Label, 2> of;  ///< in the tree from the start, and in the tree from the goal
     std::vector<Arc> arcs;    ///< to its neighbours
-    Part part = Part::none;   ///< of a vertex that was added since, none until it has an edge
+    Part part = Part::none;   ///< none for a vertex added since, until it has an edge
   };
-  /// An edge between the trees. It counts while its ends have the costs that it was entered with.
+  /// An edge between the trees. It is valid while its ends have the costs at which it was inserted.
   struct Meeting {
-    double total;        ///< cost of the path over it
+    double total;        ///< cost of the path through it
     std::uint32_t from;  ///< its end in the tree from the start
     std::uint32_t edge;
     friend bool operator>(const Meeting& a, const Meeting& b) {
@@ -137,25 +139,25 @@ class LifelongSearch {
   [[nodiscard]] double estimate(std::size_t side, std::uint32_t vertex, double cost) const {
     return side == from_start ? cost + vertices_[vertex].potential : cost - vertices_[vertex].potential;
   }
-  /// The tree of one side holds all that it can reach, and not the other end.
+  /// Called when the tree of one side contains all that it can reach, without the other end: marks the parts.
   void set_apart(std::size_t side);
   void erase_arc(std::uint32_t vertex, std::uint32_t edge);
-  /// Edges of the tree to the vertices in `changed_` were removed: raises the costs of these and of all that the tree
-  /// holds below them to what is left.
+  /// Raises the costs of the vertices in `changed_`, whose tree edges were removed, and of all their descendants to the
+  /// best remaining costs.
   void raise_changed();
   void requeue(std::size_t side, std::uint32_t vertex);
   void look_ahead(std::size_t side, std::uint32_t vertex);
   void offer(std::size_t side, const Arc& arc, double cost);
-  /// Enters the edge where it leads from a vertex of the one tree to one of the other.
+  /// Inserts the edge into the meetings if it connects a vertex of one tree to a vertex of the other.
   void enter(std::size_t side, std::uint32_t vertex, const Arc& arc);
   void enter_all(std::size_t side, std::uint32_t vertex);
   [[nodiscard]] bool counts(const Meeting& meeting) const;
-  /// The first entry of a queue that counts, or nullptr.
+  /// The first valid entry of a queue, or nullptr.
   const Entry* top(std::size_t side);
   void expand(std::size_t side);
-  /// No path was found yet.
+  /// Resets the path found.
   void begin_search();
-  /// Whether the tree from the start alone holds the shortest path to the goal, which then is the path found.
+  /// Whether the tree from the start alone contains the shortest path to the goal. If so, stores it as the path found.
   bool goal_settled();
   void branch(std::size_t side, std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
 
@@ -165,9 +167,9 @@ class LifelongSearch {
   std::priority_queue<Meeting, std::vector<Meeting>, std::greater<>> meetings_;
   Meeting meeting_{infinity, none, none};  ///< of the path found
   double cost_ = infinity;
-  bool apart_ = false;  ///< the last search found no path, and no edge has joined the parts since
+  bool apart_ = false;  ///< the last search found no path, and no later edge connects the parts
   std::uint64_t expanded_ = 0;
-  std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< scratch
+  std::vector<std::pair<std::size_t, std::uint32_t>> changed_;  ///< tree and vertex, for `raise_changed`
 };
 
 template <class Triggered>

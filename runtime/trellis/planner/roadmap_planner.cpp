@@ -27,10 +27,10 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task tas
       sample_(dimension()),
       target_(dimension()),
       blocked_(dimension()) {
-  // Where validity is presumed, validating a node costs no checks.
+  // If validity is presumed, validation of a node costs no checks.
   presumed_ = !task_.instance.validity->spends_checks();
   judged_ = mode_.lazy_nodes && !presumed_;
-  // Without a guide, presumed validity is reported to no level.
+  // Without a guide, no level receives presumed connectivity.
   tracked_ = task_.guided || !presumed_;
   task_.search.expands = !judged_ || task_.guided;
 }
@@ -62,7 +62,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   for (;;) {
     for (; owed_ > 0; --owed_) {
       if (const auto reason = meter.spent()) {
-        // What is left of a repaired roadmap may hold another path.
+        // The repaired roadmap may contain another path.
         if (repaired) return without_proposals(budget, lacks_proposals());
         return lacks_proposals() && !paths_.search() ? without_proposals(budget) : finish(*reason);
       }
@@ -79,7 +79,8 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
       const bool valid = validated(end);
       report_joined();
       if (!valid || end != goal) {
-        // Each round removes at least one edge, so without new proposals this ends; the budget of checks still holds.
+        // Each round removes at least one edge, so the loop terminates without new proposals. The budget of checks
+        // applies.
         if (const auto reason = meter.spent()) {
           return lacks_proposals() ? without_proposals(budget) : finish(*reason);
         }
@@ -149,7 +150,7 @@ void RoadmapPlanner::begin() {
   goals_end_ = goal + static_cast<std::uint32_t>(instance.goals());
   insert(instance.start, Known::valid);
   for (std::size_t i = 0; i < instance.goals(); ++i) insert(instance.goal_at(i), Known::valid);
-  // A path to any of the goals is one to the first.
+  // These edges extend a path to any goal to the first goal.
   for (std::uint32_t further = goal + 1; further < goals_end_; ++further) {
     jumps_.push_back(paths_.add_edge(further, goal, jump_cost));
     edges_.push_back(Known::valid);
@@ -157,7 +158,7 @@ void RoadmapPlanner::begin() {
   }
   blocked_motions_.report(task_);
   report_joined();
-  // A guide proposes ahead of connected vertices: the first ones are reported after one batch.
+  // A guide proposes samples ahead of connected vertices, so the planner reports the first vertices after one batch.
   owed_ = task_.guided ? std::min(mode_.samples, mode_.batch) : mode_.samples;
   validated_ahead_ = goals_end_;
 }
@@ -191,7 +192,7 @@ void RoadmapPlanner::repair() {
     return;
   }
   epoch_ = instance.epoch();
-  // What was validated of the last path takes less effort from now on.
+  // The validated part of the last path needs less effort from now on.
   for (const std::uint32_t id : path_) {
     const auto& edge = paths_.edge(id);
     if (edge.removed || is_jump(id)) continue;
@@ -201,7 +202,7 @@ void RoadmapPlanner::repair() {
   }
   refuted_.clear();
   if (presumed_) {
-    // Nothing is checked again but the edges of the next paths.
+    // Only edges of the next paths are checked again.
     for (const std::uint32_t id : looked_at_) {
       if (edges_[id] == Known::valid) edges_[id] = Known::stale;
       passes_[id] = 0;
@@ -225,7 +226,7 @@ void RoadmapPlanner::repair() {
 
 void RoadmapPlanner::recheck_edges() {
   auto& instance = task_.instance;
-  // Where what became invalid is known by itself, no edge is checked again; else none but those of the next paths.
+  // If a change lists what became invalid, no edge is checked again; else only edges of the next paths are.
   bool free = true;
   for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
     if (edges_[id] == Known::unknown) passes_[id] = 0;
@@ -248,7 +249,7 @@ void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
   for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
     const auto& edge = paths_.edge(id);
     if (edge.removed || (edge.a != vertex && edge.b != vertex)) continue;
-    // The paths to the other goals end at the first.
+    // Paths to the other goals end at the first goal.
     if (vertex == goal && is_jump(id)) continue;
     edges_[id] = Known::invalid;
     paths_.remove_edge(id);
@@ -262,7 +263,7 @@ void RoadmapPlanner::grow() {
   outcome.proposal = sample_;
   const bool grows = mode_.step < std::numeric_limits<double>::infinity();
   if (!grows && mode_.lazy_nodes && !task_.guided) {
-    // Whether there is a node already is found out with its neighbours.
+    // The search for neighbours also finds whether the node exists.
     if (insert(sample_, Known::unknown, true)) {
       outcome.fate = Fate::reached;
       outcome.added = sample_;
@@ -329,7 +330,7 @@ void RoadmapPlanner::enhance() {
 bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   if (disconnected_) rebuild_connectivity();
   if (mode_.lazy_nodes && (task_.guided || presumed_)) {
-    // Unguided, nodes found invalid take places among the nearest, as published.
+    // Without a guide, invalid nodes count as neighbours, as in the published algorithm.
     connection_.find(index_, q, neighbours_, [&](std::uint32_t id) { return nodes_[id] != Known::invalid; });
   } else {
     connection_.find(index_, q, neighbours_);
@@ -343,10 +344,11 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   nodes_.push_back(known);
   if (judged_) task_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
-  // An edge between goals costs less than what their distances to the start differ by.
+  // The bound is 0 for several goals, because an edge between goals costs less than the difference of their distances
+  // to the start.
   const double to_goal = task_.instance.to_goal(q);
   double to_start = task_.instance.goals() > 1 ? 0.0 : task_.instance.space.distance(task_.instance.start, q);
-  // The tree from the start alone goes by the whole bound.
+  // A search that grows only the tree from the start uses the full bound.
   if (how_.event != LazyEvaluation::Event::shortest_path) to_start = -to_goal;
   const std::uint32_t id = paths_.add_vertex(to_goal, to_start);
   connectivity_.add_vertex(side_of(id));
@@ -367,7 +369,7 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
 }
 
 double RoadmapPlanner::cost_factor(View a, View b) const {
-  // Eagerly checked roadmaps are searched for the shortest path.
+  // An eager roadmap is searched for the shortest path.
   if (!mode_.lazy_edges) return 1.0;
   double factor = task_.instance.validity->effort_factor(a, b);
   if (task_.guided) factor *= task_.guidance.edge_factor(a, b);
@@ -388,7 +390,7 @@ void RoadmapPlanner::validate_ahead() {
   paths_.search_all();
   for (std::uint32_t id = validated_ahead_; id-- > before;) {
     if (!paths_.reached(id) || connectivity_.connected(id, Connectivity::to_start)) continue;
-    // One try: beyond a wall a node has many paths, all of them invalid.
+    // One attempt: a node behind an obstacle has many paths, all of them invalid.
     validate_prefix(id);
     report_joined();
     return;
@@ -462,8 +464,8 @@ bool RoadmapPlanner::validated(std::uint32_t end) {
   stops_ = {0};
   for (const std::uint32_t edge : path_) stops_.push_back(paths_.other(edge, stops_.back()));
   if (evaluator_ != nullptr) return evaluated(end);
-  // All invalid nodes of the path may go at once: each would have to go before this way could be ruled out, and one
-  // repair of the search serves them all.
+  // Removes all invalid nodes of the path at once: each of them blocks the path, and one repair of the search covers
+  // all.
   refuted_.clear();
   for (std::size_t i = 0; i < stops_.size(); ++i) {
     if (!node_valid(stops_[outside_in(i, stops_.size())]) && mode_.remove_first) break;
@@ -481,21 +483,21 @@ bool RoadmapPlanner::validated(std::uint32_t end) {
 
 bool RoadmapPlanner::evaluated(std::uint32_t end) {
   const bool valid = nodes_evaluated() && (!mode_.coarse_to_fine || coarsely_valid()) && edges_evaluated();
-  // What was evaluated takes less effort from now on.
+  // Evaluated edges need less effort from now on.
   for (const std::uint32_t id : path_) {
     if (edges_[id] != Known::evaluated || is_jump(id)) continue;
     const View a = node(paths_.edge(id).a);
     const View b = node(paths_.edge(id).b);
     paths_.set_cost(id, task_.instance.space.distance(a, b) * cost_factor(a, b));
   }
-  // What was taken out of S lies on no other path that is known to be valid.
+  // The part removed from S belongs to no other path that is known to be valid.
   epoch_ = task_.instance.epoch();
   if (valid) nearest_evaluated_ = std::min(nearest_evaluated_, task_.instance.to_goal(node(end)));
   return valid;
 }
 
 bool RoadmapPlanner::nodes_evaluated() {
-  // That a configuration is presumed invalid costs nothing to find out.
+  // A presumed invalid configuration costs no checks to detect.
   const auto holds = [&](std::uint32_t id) {
     if (!task_.instance.validity->state(node(id))) return false;
     if (!evaluator_->sparse_first() || evaluator_->exhausted()) return true;
@@ -527,7 +529,7 @@ bool RoadmapPlanner::edges_evaluated() {
     });
   }
   const auto open = [&](std::size_t at) { return edges_[path_[at]] != Known::evaluated && !is_jump(path_[at]); };
-  // What is presumed invalid goes at once: it costs nothing to find out, and the path needs each of its edges.
+  // Presumed invalid edges are removed at once: detecting them costs no checks, and the path needs each of its edges.
   bool presumed = true;
   for (const std::size_t at : order) {
     if (!open(at)) continue;
@@ -573,7 +575,7 @@ bool RoadmapPlanner::node_valid(std::uint32_t id) {
   auto& instance = task_.instance;
   if (nodes_[id] == Known::valid || nodes_[id] == Known::evaluated) return true;
   if (judged_) task_.search.looked_at[rows_[id]] = 1;
-  // A configuration is a motion to itself.
+  // A single configuration is checked as a motion to itself.
   if (nodes_[id] == Known::stale ? instance.motion_still_valid(node(id), node(id)) : instance.valid(node(id))) {
     nodes_[id] = Known::valid;
     return true;
@@ -709,9 +711,9 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
 
 Solution RoadmapPlanner::finish(Status status) {
   if (best_.known() && mode_.improve > 0.0) return best_.solution(status);
-  // A search that only pauses looks no farther than it did.
+  // A search that only pauses does not extend its tree.
   const bool pauses = status == Status::budget_spent && task_.paused && task_.paused();
-  // Of the nodes that the search tree holds, the one nearest to the goal.
+  // Ends at the node of the search tree that is nearest to the goal.
   if (!pauses) paths_.search_all();
   std::uint32_t end = LifelongSearch::start;
   double least = std::numeric_limits<double>::infinity();

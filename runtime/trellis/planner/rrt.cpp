@@ -46,7 +46,7 @@ class Rrt final : public Planner {
     if (tree_ && repair_ && !solved_) {
       if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
     } else if (!tree_ || solved_) {
-      // A tree that has reached the goal is grown anew when another path is asked for; one that has not, goes on.
+      // A tree that reached the goal is replaced by a new one, to find another path. Another tree continues to grow.
       plant();
     }
     while (!solved_) {
@@ -59,8 +59,8 @@ class Rrt final : public Planner {
  private:
   [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
 
-  /// The instance changed: what of the tree is still valid is not known. Where the goal may still be reached, the
-  /// branch to it is checked at once, and the search ends if it is valid.
+  /// Called when the instance changed, so that validity of the tree is unknown. If the goal may still be reachable,
+  /// checks the branch to it first; the search ends if that branch is valid.
   void begin_repair() {
     if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
@@ -70,8 +70,8 @@ class Rrt final : public Planner {
     find_best();
   }
 
-  /// Ends where the branch to the goal is still valid; else removes all branches that are not. The reason to stop
-  /// before that is done, or none.
+  /// Solves the instance if the branch to the goal is still valid; else removes all invalid branches. Returns the
+  /// reason if it stops early, else none.
   std::optional<Status> repair(Meter& meter) {
     const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
     if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
@@ -167,7 +167,7 @@ class Rrt final : public Planner {
     task_.guidance.observe(outcome, false);
   }
 
-  /// Remembers how near the new node is to the goal.
+  /// Updates the node nearest to the goal.
   void note(std::uint32_t id) {
     last_distance_ = task_.instance.to_goal((*tree_)[id]);
     if (last_distance_ < best_distance_) {
@@ -182,7 +182,7 @@ class Rrt final : public Planner {
   RrtSettings settings_;
   Task task_;
   std::optional<Tree> tree_;
-  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
+  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
   Configuration target_;
   Configuration sample_;
   Configuration blocked_;

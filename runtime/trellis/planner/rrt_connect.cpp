@@ -83,8 +83,8 @@ class RrtConnect final : public Planner {
 
   [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
 
-  /// The instance changed: what of the trees is still valid is not known. A tree whose root is not the start any more
-  /// begins anew, a root that is no goal any more goes, and a new goal becomes a root.
+  /// Called when the instance changed, so that validity of the trees is unknown. Replaces a tree whose root is no
+  /// longer the start, removes roots that are no longer goals, and adds new goals as roots.
   void begin_repair() {
     auto& instance = task_.instance;
     if (!same((*trees_[0])[0], instance.start)) {
@@ -112,8 +112,8 @@ class RrtConnect final : public Planner {
     repairing_ = true;
   }
 
-  /// Ends where the path is still valid; else removes all branches that are not. The reason to stop before that is
-  /// done, or none.
+  /// Solves the instance if the path is still valid; else removes all invalid branches. Returns the reason if it stops
+  /// early, else none.
   std::optional<Status> repair(Meter& meter) {
     const auto edge_valid = [&](const Tree& tree) {
       return [&](std::uint32_t id) { return motion_still_valid(task_, tree[tree.parent(id)], tree[id]); };
@@ -122,7 +122,7 @@ class RrtConnect final : public Planner {
       return repairs_[side]->branch_valid(*trees_[side], id, edge_valid(*trees_[side]));
     };
     if (bridge_ && branch_valid(0, bridge_->start_side) && branch_valid(1, bridge_->goal_side)) {
-      // Nothing is drawn before the trees are planted anew, or repaired anew.
+      // The next solve grows new trees or repairs them again before it draws a proposal.
       repairing_ = false;
       return std::nullopt;
     }
@@ -158,8 +158,8 @@ class RrtConnect final : public Planner {
     Fate fate = Fate::rejected;
     std::uint32_t near = 0;
     std::uint32_t added = 0;
-    bool blocked = false;  ///< at blocked_
-    bool there = false;    ///< q itself is a node of the tree already
+    bool blocked = false;  ///< its motion is invalid at blocked_
+    bool there = false;    ///< the tree already contains q
   };
   Step extend(std::size_t side, NearestIndex::Neighbour near, View q) {
     auto& instance = task_.instance;
@@ -191,7 +191,7 @@ class RrtConnect final : public Planner {
     return step;
   }
 
-  /// The outcome of a step towards q; its views hold until the next step.
+  /// The outcome of a step towards q. Its views are valid until the next step.
   [[nodiscard]] Outcome outcome_of(const Step& step, std::size_t side, View q) const {
     const Tree& tree = *trees_[side];
     Outcome outcome;
@@ -240,7 +240,7 @@ class RrtConnect final : public Planner {
     if (!bridge_) return {status, trees_[0]->branch(best_)};
     Configurations path = trees_[0]->branch(bridge_->start_side);
     const Configurations back = trees_[1]->branch(bridge_->goal_side);
-    // Both branches hold the configuration where the trees met, unless start and goal are the same from the outset.
+    // Both branches contain the configuration where the trees met, unless start and goal coincide initially.
     for (std::size_t i = back.size() - 1; i-- > 0;) path.push(back[i]);
     return {status, std::move(path)};
   }
@@ -249,7 +249,7 @@ class RrtConnect final : public Planner {
   Task task_;
   std::array<std::optional<Tree>, 2> trees_;
   std::array<std::optional<TreeRepair>, 2> repairs_;
-  bool repairing_ = false;  ///< since the instance changed
+  bool repairing_ = false;  ///< active after a change of the instance
   std::optional<Bridge> bridge_;
   std::size_t active_ = 0;
   Configuration sample_;

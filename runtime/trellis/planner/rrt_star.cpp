@@ -49,7 +49,7 @@ class RrtStar final : public Planner {
       epoch_ = instance.epoch();
       if (tree_) begin_repair();
     }
-    // What is known is kept, also when another path is asked for.
+    // The tree and its shortest path remain when a solve has to find another path.
     if (!tree_) plant();
     if (repair_) {
       const bool known = best_.known();
@@ -83,7 +83,7 @@ class RrtStar final : public Planner {
     keep_best();
   }
 
-  /// The instance changed: what of the tree is still valid is not known.
+  /// Called when the instance changed, so that validity of the tree is unknown.
   void begin_repair() {
     if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
@@ -95,8 +95,8 @@ class RrtStar final : public Planner {
     note_all();
   }
 
-  /// Ends where the shortest path is still valid, the rest of the tree unchecked; else, or where that is so already,
-  /// removes all branches that are not valid. The reason to stop before that is done, or none.
+  /// Stops if the shortest path is still valid, without a check of the remaining tree. Else, or if that holds already,
+  /// removes all invalid branches. Returns the reason if it stops early, else none.
   std::optional<Status> repair(Meter& meter) {
     const auto edge_valid = [&](std::uint32_t id) {
       return motion_still_valid(task_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
@@ -129,8 +129,8 @@ class RrtStar final : public Planner {
     return std::nullopt;
   }
 
-  /// Gives the nodes whose parent's branch is valid, and the motion from it is not, another parent among their
-  /// neighbours, as their insertion would. Whether there were any.
+  /// Rewires each node whose motion from a valid parent is invalid to one of its neighbours, by the rule for
+  /// insertions. Returns whether there were such nodes.
   bool reconnect_orphans() {
     const auto& space = task_.instance.space;
     bool any = false;
@@ -162,7 +162,7 @@ class RrtStar final : public Planner {
     return all;
   }
 
-  /// Finds the nodes where a goal is, and the node nearest to one.
+  /// Finds the nodes at a goal, and the node nearest to a goal.
   void note_all() {
     ends_.clear();
     goals_.assign(task_.instance.goals(), no_node);
@@ -223,14 +223,14 @@ class RrtStar final : public Planner {
     blocked_motions_.report(task_);
   }
 
-  /// A node at q, to which the motion from `from` is valid: hung where its way is shortest, its neighbours hung from it
-  /// where that makes theirs shorter.
+  /// Inserts a node at q and rewires. The motion to q from `from` is valid. The node's parent gives it the shortest
+  /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
   std::uint32_t insert(View q, std::uint32_t from) {
     const auto& space = task_.instance.space;
     connection_.find(tree_->index(), q, near_);
     joints_.clear();
     for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
-    // A goal hears of every way that ends near it, however many nodes are nearer.
+    // A goal is a candidate for every node within one step, however many nodes are nearer.
     for (const std::uint32_t goal : goals_) {
       if (goal == no_node) continue;
       const double distance = space.distance((*tree_)[goal], q);
@@ -252,7 +252,7 @@ class RrtStar final : public Planner {
     children_.emplace_back();
     children_[best.node].push_back(id);
     note(id);
-    // Those before `refused` were found to be blocked.
+    // The motions of the candidates before `refused` are blocked.
     for (std::size_t i = refused; i < joints_.size(); ++i) {
       const Joint& joint = joints_[i];
       if (best.way + joint.length >= costs_[joint.node]) continue;
@@ -272,7 +272,7 @@ class RrtStar final : public Planner {
   struct Joint {
     std::uint32_t node = 0;
     double length = 0.0;
-    double way = 0.0;  ///< to the new node by this one
+    double way = 0.0;  ///< length of the path to the new node through this one
   };
 
   void add_joint(std::uint32_t node, double length) {
@@ -294,7 +294,7 @@ class RrtStar final : public Planner {
     update_costs(id);
   }
 
-  /// Of a node and all that grew from it.
+  /// Updates the costs of a node and its descendants.
   void update_costs(std::uint32_t id) {
     std::vector<std::uint32_t> changed = {id};
     while (!changed.empty()) {
@@ -305,7 +305,7 @@ class RrtStar final : public Planner {
     }
   }
 
-  /// Remembers how near the new node is to the goal.
+  /// Updates the node nearest to the goal and the nodes at a goal.
   void note(std::uint32_t id) {
     const auto [goal, distance] = task_.instance.nearest_goal((*tree_)[id]);
     if (distance <= task_.instance.goal_tolerance) ends_.push_back(id);
@@ -339,20 +339,20 @@ class RrtStar final : public Planner {
   Connection connection_;
   BestPath best_;
   std::optional<Tree> tree_;
-  std::optional<TreeRepair> repair_;  ///< under way since the instance changed
-  std::vector<double> costs_;         ///< of each node the length of its way from the start
-  std::vector<double> lengths_;       ///< of each node that of the motion from its parent
+  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
+  std::vector<double> costs_;         ///< for each node, the length of its path from the start
+  std::vector<double> lengths_;       ///< for each node, the length of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<NearestIndex::Neighbour> near_;
   std::vector<Joint> joints_;
-  std::vector<std::uint32_t> ends_;   ///< nodes where a goal is
-  std::vector<std::uint32_t> goals_;  ///< of each goal the node that is the goal itself
+  std::vector<std::uint32_t> ends_;   ///< nodes at a goal
+  std::vector<std::uint32_t> goals_;  ///< for each goal, the node with exactly its configuration
   double best_cost_ = std::numeric_limits<double>::infinity();
   Configuration sample_;
   Configuration target_;
   Configuration blocked_;
   BlockedMotions blocked_motions_;
-  std::uint32_t nearest_ = 0;  ///< to the goal
+  std::uint32_t nearest_ = 0;  ///< node nearest to a goal
   double nearest_distance_ = std::numeric_limits<double>::infinity();
   std::uint64_t epoch_ = 0;
   bool ends_checked_ = false;

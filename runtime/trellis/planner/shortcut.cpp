@@ -39,7 +39,7 @@ Configurations shortcut(Instance& instance, const Configurations& path, std::int
     point(i, s, a);
     point(j, t, b);
     if (space.distance(a, b) >= t - s) continue;
-    // A point between two checked configurations was never checked itself.
+    // A point between two checked configurations may be unchecked itself.
     if (!instance.valid(a) || !instance.motion(a, b).valid) continue;
     if (!instance.motion(std::as_const(current)[i], a).valid ||
         !instance.motion(b, std::as_const(current)[j + 1]).valid) {

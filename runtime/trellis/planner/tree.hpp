@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The trees that planners grow, and their repair where the instance changed.
+// The trees of planners, and their repair after a change of the instance.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace trellis {
 
-/// A tree of configurations: rows of the level's node arena, their parents, and the index for nearest neighbours.
+/// A tree of configurations: rows of the level's nodes, their parents, and an index of nearest neighbours.
 class Tree {
  public:
   explicit Tree(Planner::Task& task) : task_(task), index_(task.instance.space) {}
@@ -25,23 +25,23 @@ class Tree {
     parents_.push_back(parent);
     return index_.add(q);
   }
-  /// Gives a node another parent, none of its descendants; one that came later, perhaps.
+  /// Rewires a node to another parent. The parent is no descendant of the node; its id may be larger than the node's.
   void hang(std::uint32_t id, std::uint32_t parent) {
     task_.search.parents[rows_[id]] = rows_[parent];
     parents_[id] = parent;
   }
   [[nodiscard]] std::uint32_t parent(std::uint32_t id) const { return parents_[id]; }
   [[nodiscard]] const NearestIndex& index() const { return index_; }
-  /// The row in the arena.
+  /// The node's row in Search::nodes.
   [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
   [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
-  /// The node to extend towards the last proposal, q: the one that the guidance names, where that is a node of this
-  /// tree; else the nearest.
+  /// The node to extend towards the last proposal q: the node that the guidance selects if this tree contains it, else
+  /// the nearest node.
   [[nodiscard]] NearestIndex::Neighbour to_extend(View q) const {
     const std::uint32_t row = task_.guidance.vertex();
     if (row != no_node) {
-      // Rows ascend in the order of adding.
+      // Rows are in ascending order.
       const auto it = std::lower_bound(rows_.begin(), rows_.end(), row);
       if (it != rows_.end() && *it == row) {
         const auto id = static_cast<std::uint32_t>(it - rows_.begin());
@@ -52,9 +52,9 @@ class Tree {
   }
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
 
-  /// Removes nodes and what grew from them. Rows stay as they are in Search.
-  /// \param keep  of each node whether it stays; a root, or with its parent
-  /// \return of each node its new id, or no_node
+  /// Removes nodes and their descendants. Search keeps its rows.
+  /// \param keep  for each node, whether it stays; except for roots, its parent must stay too
+  /// \return for each node its new id, or no_node
   std::vector<std::uint32_t> prune(const std::vector<std::uint8_t>& keep) {
     std::vector<std::uint32_t> ids(size(), no_node);
     NearestIndex index(task_.instance.space);
@@ -74,7 +74,7 @@ class Tree {
     return ids;
   }
 
-  /// From the root to `id`, both included.
+  /// The path from the root to `id`, both included.
   [[nodiscard]] Configurations branch(std::uint32_t id) const {
     std::vector<std::uint32_t> ids;
     for (std::uint32_t at = id;; at = parents_[at]) {
@@ -93,7 +93,7 @@ class Tree {
   std::vector<std::uint32_t> parents_;  ///< a root is its own parent
 };
 
-/// Whether a motion of a tree or roadmap, valid at an earlier epoch, still is; reports it where it is not.
+/// Whether a motion that was valid at an earlier epoch is still valid. Reports an invalid one to the guidance.
 inline bool motion_still_valid(Planner::Task& task, View from, View to) {
   const MotionReport report = task.instance.recheck_motion(from, to);
   if (report.valid) return true;
@@ -107,8 +107,8 @@ inline bool motion_still_valid(Planner::Task& task, View from, View to) {
   return false;
 }
 
-/// Finds which branches of a tree are still valid after the instance changed. Checks each motion at most once, and can
-/// be interrupted between two of them.
+/// Finds the valid branches of a tree after a change of the instance. Checks each motion at most once, and may be
+/// interrupted between two motions.
 class TreeRepair {
  public:
   explicit TreeRepair(const Tree& tree) : branches_(tree.size(), Branch::unknown) {
@@ -117,20 +117,21 @@ class TreeRepair {
     }
   }
 
-  /// Removes a root, or a node that is known to be invalid.
+  /// Marks a root, or an invalid node, for removal.
   void refute(std::uint32_t id) { branches_[id] = Branch::invalid; }
-  /// Whether the branch to the node was found to be valid, or invalid.
+  /// Whether the branch to the node is known to be valid, or invalid.
   [[nodiscard]] bool known_valid(std::uint32_t id) const { return branches_[id] == Branch::valid; }
   [[nodiscard]] bool known_invalid(std::uint32_t id) const { return branches_[id] == Branch::invalid; }
-  /// The node has another parent, with a valid branch and a valid motion to the node: what grew from the node is to be
-  /// checked again. \param descendants  of the node
+  /// Notes that a node was rewired to a parent with a valid branch, by a valid motion. Its descendants need a new
+  /// check.
+  /// \param descendants  of the node
   void reconnected(std::uint32_t id, const std::vector<std::uint32_t>& descendants) {
     branches_[id] = Branch::valid;
     for (const std::uint32_t at : descendants) branches_[at] = Branch::unknown;
     next_ = 0;
   }
-  /// Whether all motions from the root to the node are valid. \param edge_valid  of a node: whether the motion to it
-  /// from its parent is
+  /// Whether all motions from the root to the node are valid.
+  /// \param edge_valid  returns for a node whether the motion from its parent is valid
   template <class EdgeValid>
   bool branch_valid(const Tree& tree, std::uint32_t id, const EdgeValid& edge_valid) {
     branch_.clear();
@@ -142,7 +143,7 @@ class TreeRepair {
     }
     return so_far == Branch::valid;
   }
-  /// Checks the branches of all nodes in order of insertion. The reason to stop before that is done, or none.
+  /// Checks the branches of all nodes in order of insertion. Returns the reason if it stops early, else none.
   template <class EdgeValid>
   std::optional<Status> check_all(const Tree& tree, Meter& meter, const EdgeValid& edge_valid) {
     for (; next_ < branches_.size(); ++next_) {
@@ -152,7 +153,7 @@ class TreeRepair {
     }
     return std::nullopt;
   }
-  /// Removes the branches that are not valid, once all are checked. As Tree::prune.
+  /// Removes the invalid branches after all checks, as Tree::prune does.
   std::vector<std::uint32_t> prune(Tree& tree) const {
     std::vector<std::uint8_t> keep(branches_.size(), 0);
     for (std::size_t id = 0; id < keep.size(); ++id) keep[id] = branches_[id] == Branch::valid ? 1 : 0;
@@ -167,7 +168,7 @@ class TreeRepair {
   std::uint32_t next_ = 0;
 };
 
-/// Reports the nodes of a tree that lost some of its own, after Guidance::restart.
+/// Reports the nodes of a tree that lost some of them, after Guidance::restart.
 inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) {
   Outcome outcome;
   outcome.fate = Fate::reached;
@@ -181,7 +182,7 @@ inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) 
   }
 }
 
-/// The path of a search that has only its start.
+/// The path that contains only the start.
 inline Configurations path_of_start(const Instance& instance) {
   Configurations path(instance.space.dimension());
   path.push(instance.start);

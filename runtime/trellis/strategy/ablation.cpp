@@ -13,7 +13,7 @@ namespace {
 
 enum class How { uniform, skip };
 
-/// The component alone. A planner that it has by default is not written.
+/// The component without its guide. Its planner is kept only if the script names it.
 GuideSpec bare(const GuideSpec& guide) {
   GuideSpec plain = guide.alone();
   if (!guide.planner_given()) return plain;
@@ -21,7 +21,7 @@ GuideSpec bare(const GuideSpec& guide) {
   return GuideSpec::make(guide.name(), guide.options().entries(), guide.planner(), guide.origin());
 }
 
-/// The components of a guide, each before those that guide it.
+/// Collects the components of a guide, each before those that guide it.
 void collect(const GuideSpec& guide, std::vector<const GuideSpec*>& components) {
   if (guide.kind() != GuideSpec::Kind::component) {
     for (const auto& term : guide.terms()) collect(term.guide, components);
@@ -31,7 +31,7 @@ void collect(const GuideSpec& guide, std::vector<const GuideSpec*>& components) 
   if (guide.below() != nullptr) collect(*guide.below(), components);
 }
 
-/// The guide with its component number `which` taken out.
+/// The guide without its component number `which`.
 GuideSpec without(const GuideSpec& guide, std::size_t& which, How how) {
   if (guide.kind() == GuideSpec::Kind::component) {
     if (which-- == 0) return how == How::skip ? *guide.below() : GuideSpec::make("uniform", {});

@@ -9,19 +9,20 @@
 
 namespace trellis {
 
-/// A strategy with one of its guides taken out, to measure what that guide is worth.
+/// A strategy without one of its guides, to measure the effect of that guide.
 struct Ablation {
-  std::string guide;      ///< the guide taken out, as written, numbered where it occurs more than once
-  std::string level;      ///< what its level is called, LevelRecord::name
-  std::size_t among = 0;  ///< of the guides that are called so, which one, the root's first
-  bool skipped = false;   ///< what guided it guides in its place; else uniform sampling stands in its place
+  std::string guide;      ///< text of the removed guide, numbered if it occurs more than once
+  std::string level;      ///< name of its level, LevelRecord::name
+  std::size_t among = 0;  ///< index among the guides of that name, the root's first
+  bool skipped = false;   ///< the guide's own guide replaces it; else uniform sampling does
   StrategySpec strategy;
   /// "without shrink(0.5)", "skipping shrink(0.5)".
   [[nodiscard]] std::string text() const { return (skipped ? "skipping " : "without ") + guide; }
 };
 
-/// Every guide of a strategy taken out in turn, the root's first: replaced by uniform, with all that guided it, and,
-/// where something guided it, left out between its neighbours. None for a strategy without a guide.
+/// The strategy without each of its guides in turn, the root's first. Each guide is replaced by uniform sampling,
+/// together with all that guided it. A guide that is itself guided is also skipped: its own guide takes its place.
+/// Empty for a strategy without guides.
 std::vector<Ablation> ablations(const StrategySpec& strategy);
 
 }  // namespace trellis

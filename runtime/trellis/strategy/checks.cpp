@@ -13,7 +13,7 @@ namespace trellis {
 
 namespace {
 
-/// What could be written instead of a start or goal that is invalid.
+/// Suggests a replacement for an invalid start or goal.
 std::string nearest(const Problem& problem, const Configuration& q, const Checker& checker) {
   for (const double x : q) {
     if (!std::isfinite(x)) return "another coordinate is no finite number";
@@ -131,7 +131,7 @@ std::unique_ptr<Instance> root_instance(const StrategySpec& strategy, const Prob
 
 namespace {
 
-/// The first place in a guide that was written somewhere.
+/// The first location of a part of the guide that has one.
 std::string where(const GuideSpec& guide) {
   if (guide.kind() == GuideSpec::Kind::component) return where(guide.origin());
   for (const auto& term : guide.terms()) {
@@ -144,7 +144,7 @@ std::string where(const GuideSpec& guide) {
 void find_unreachable(const GuideSpec& guide, const PlannerSpec& planner, double proposals,
                       std::vector<std::string>& sentences);
 
-/// Of parts in order: those behind one that searches no space never draw, where that one keeps its place.
+/// For parts in order: finds parts that never draw because an earlier part, which searches no space, remains active.
 void find_unreachable_behind(const GuideSpec& guide, const char* why, bool keeps, const PlannerSpec& planner,
                              double proposals, std::vector<std::string>& sentences) {
   const GuideSpec* stays = nullptr;

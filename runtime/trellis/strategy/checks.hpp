@@ -10,13 +10,14 @@
 
 namespace trellis {
 
-/// Throws Error for a hierarchy that has no end in sight.
+/// \throws Error for a hierarchy that is too deep
 void check_depth(const StrategySpec& strategy);
-/// The instance of a problem, with its ends as the space writes them; throws Error where the strategy cannot search it.
+/// The instance of a problem; its start and goals are normalised to the space.
+/// \throws Error if the strategy cannot search the instance
 std::unique_ptr<Instance> root_instance(const StrategySpec& strategy, const Problem& problem);
-/// Throws Error where a planner does not respect an instance's motion model, or has none to drive.
+/// \throws Error if the planner ignores the instance's motion model, or requires one that the instance lacks
 void check_planner(const PlannerKind& kind, const Instance& instance);
-/// "script.lua:3: ", "" for what was built through C++.
+/// "script.lua:3: "; "" for a spec built in C++.
 std::string where(const Origin& origin);
 
 }  // namespace trellis

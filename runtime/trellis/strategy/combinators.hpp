@@ -8,7 +8,7 @@
 
 namespace trellis {
 
-/// A way of making a guide of guides.
+/// An operator or function that combines guides into a guide.
 struct Combinator {
   std::string name;     ///< "mixture"
   std::string written;  ///< "0.7*a + 0.3*b"
@@ -17,7 +17,7 @@ struct Combinator {
   GuideClaims claims;
 };
 
-/// All of them, in the order of the catalogue.
+/// All combinators, in the order of the catalogue.
 const std::vector<Combinator>& combinators();
 
 }  // namespace trellis

@@ -16,13 +16,13 @@ namespace trellis {
 
 namespace {
 
-/// Whether a level, or one above it, is searched by the guide of another. A level that is divided has its halves below
-/// it, too: the last number of a half's key is that of its try, from 1 on, and a guide's begins with 0.
+/// Whether the guide of a level searches another level, directly or further below. The halves of a divided level are
+/// below it too: the last number of a half's key is that of its try, from 1; a guide's begins with 0.
 bool searched_by_guide_of(const LevelRecord& above, const LevelRecord& level) {
   return level.key.starts_with(above.key + "/0");
 }
 
-/// Whether a level is a half of a divided one, whose proposals are its own as well.
+/// Whether a level is a half of a divided level. The record of the divided level contains its proposals.
 bool is_half(const LevelRecord& level) {
   const std::size_t last = level.key.rfind('/');
   return last != std::string::npos && level.key[last + 1] != '0';
@@ -52,15 +52,15 @@ std::string level_path(const LevelRecord& level, const std::function<const Level
 
 namespace {
 
-/// Checks paths that were found once more, at a finer resolution, before they are reported. It does so off the clock:
-/// what it spends depends on the length of a path, not on how the path was found.
+/// Checks a path found once more, at a finer resolution, before it is reported. Outside of the measured time: its cost
+/// depends on the length of the path, not on the search.
 class PathCheck {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit PathCheck(const Problem& problem) : problem_(problem) {}
 
-  /// The first configuration of a path that is invalid; none where the path is valid.
+  /// The first invalid configuration of a path; none if the path is valid.
   std::optional<Configuration> invalid(const Configurations& path) {
     const auto begin = Clock::now();
     const double cpu_begin = thread_seconds();
@@ -129,7 +129,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   if (record.solved) {
     record.path = found.path;
     record.trajectory = found.trajectory;
-    // What is driven cannot be cut short by straight motions.
+    // Straight motions cannot shortcut a path with a motion model.
     if (options.shortcut > 0 && !problem.motion_model) {
       Stream stream(seed, "0", "shortcut");
       record.path = shortcut(root.instance(), record.path, options.shortcut, stream, &check_path.finer());
@@ -141,7 +141,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   record.path_checks = check_path.checks();
   for (Level* level : run.levels) record.levels.push_back(level->take_record());
   add_spent_below(record.levels);
-  // The root's own path is the one that is reported.
+  // The root's solution is the reported path.
   if (record.solved) record.levels.front().solution.path = record.path;
   record.turns = std::move(run.turns);
   record.improvements = std::move(run.improvements);

@@ -18,7 +18,7 @@ namespace trellis {
 
 namespace {
 
-using Levels = std::map<std::string, Level*>;  // by their keys
+using Levels = std::map<std::string, Level*>;  // by key
 
 LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_given, const Levels& levels);
 
@@ -34,7 +34,7 @@ const Component* combinator_component(GuideSpec::Kind kind) {
   return nullptr;
 }
 
-/// What the registry says of a guide, its search and its parts left out.
+/// The registry's description of a guide, without its search and its parts.
 GuideExplanation described(const GuideSpec& spec) {
   GuideExplanation guide{.spec = spec};
   if (spec.kind() != GuideSpec::Kind::component) {
@@ -57,7 +57,7 @@ GuideExplanation described(const GuideSpec& spec) {
   return guide;
 }
 
-/// \param key  its place in the hierarchy, as `make_guidance` names it
+/// \param key  location in the hierarchy, as in `make_guidance`
 GuideExplanation explained(const GuideSpec& spec, const std::string& key, const Levels& levels) {
   GuideExplanation guide = described(spec);
   double total = 0.0;

@@ -15,7 +15,7 @@ std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSp
   std::vector<std::unique_ptr<Prepared>> parts;
   for (const auto& term : spec.terms()) {
     weights.push_back(term.weight);
-    // The key names the place in the hierarchy, so that no level's stream depends on its neighbours.
+    // The key is the location in the hierarchy, so that no level's random stream depends on its neighbours.
     parts.push_back(make_guidance_at(run, level, term.guide, fmt::format("{}.{}", key, parts.size())));
   }
   const Options& options = spec.options();

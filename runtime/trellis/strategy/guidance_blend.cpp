@@ -9,7 +9,7 @@ namespace trellis {
 
 namespace {
 
-/// A mixture whose weights follow what each part's proposals achieved (BlendSettings).
+/// A mixture whose weights adapt to the results of its parts (BlendSettings).
 class BlendGuidance final : public PartsGuidance {
  public:
   BlendGuidance(const BlendSettings& settings, const Instance& instance, std::vector<std::unique_ptr<Prepared>> parts)
@@ -58,7 +58,7 @@ class BlendGuidance final : public PartsGuidance {
     }
     PartsGuidance::observe(outcome, mine);
   }
-  /// Of the parts that have a path, that of the one with the most weight.
+  /// The path of the part with the largest weight among those with a path.
   [[nodiscard]] Configurations guiding_path() const override {
     Configurations best;
     double most = -1.0;
@@ -75,8 +75,8 @@ class BlendGuidance final : public PartsGuidance {
  private:
   enum class Rule : std::uint8_t { rates, exp3, efficiency };
   struct Arm {
-    double successes = 1.0;  ///< of exp3 its weight
-    double attempts = 1.0;   ///< counted by rates only
+    double successes = 1.0;  ///< for exp3, the weight
+    double attempts = 1.0;   ///< used by rates only
   };
 
   [[nodiscard]] static double weight(const Arm& arm) { return arm.successes / arm.attempts; }
@@ -85,7 +85,8 @@ class BlendGuidance final : public PartsGuidance {
     for (const auto& arm : arms_) total += weight(arm);
     return total;
   }
-  /// The probability that part i draws the next proposal, `total` the weight of all.
+  /// The probability that part i draws the next proposal.
+  /// \param total  sum of the weights of all parts
   [[nodiscard]] double share(std::size_t i, double total) const {
     const double even = 1.0 / static_cast<double>(arms_.size());
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
@@ -110,17 +111,17 @@ class BlendGuidance final : public PartsGuidance {
     arm.attempts = settings_.decay * arm.attempts + 1.0;
     ++changes_;
   }
-  /// Of exp3, to the part that drew.
+  /// Updates the weight of the part that drew, by exp3.
   void reward(double r) {
     const auto n = static_cast<double>(arms_.size());
     arms_[drawn_].successes *= std::exp(settings_.floor * r / (n * share(drawn_, total_weight())));
-    // Only the ratios matter, and none may grow beyond all numbers.
+    // Only the ratios matter; the normalisation avoids overflow.
     double most = 0.0;
     for (const auto& arm : arms_) most = std::max(most, arm.successes);
     for (auto& arm : arms_) arm.successes /= most;
     ++changes_;
   }
-  /// Whether the search has come nearer to its end than ever before.
+  /// Whether the search came nearer to its goal than before.
   bool is_progress(const Outcome& outcome) {
     double& nearest = outcome.from_goal ? nearest_to_start_ : nearest_to_goal_;
     const double distance =
@@ -129,7 +130,7 @@ class BlendGuidance final : public PartsGuidance {
     nearest = distance;
     return true;
   }
-  /// A step of expectation maximisation at a place that T holds.
+  /// A step of expectation maximisation at a node of T.
   void maximise(View place, bool mine) {
     const double total = total_weight();
     std::vector<double> responsible(arms_.size(), 0.0);
@@ -141,7 +142,8 @@ class BlendGuidance final : public PartsGuidance {
     }
     const bool unknown = mine && std::isnan(served_[drawn_].at(place));
     if (unknown || !(sum > 0.0)) {
-      // Nothing but who drew it speaks for a part; what others drew tells nothing then.
+      // Without densities, the part that drew the proposal is responsible; proposals of other sources give no
+      // information.
       if (!mine) return;
       std::fill(responsible.begin(), responsible.end(), 0.0);
       responsible[drawn_] = 1.0;
@@ -158,11 +160,11 @@ class BlendGuidance final : public PartsGuidance {
   const Instance& instance_;
   Rule rule_;
   std::vector<Arm> arms_;
-  std::vector<DensityRecord> served_;  ///< what each part was, whoever drew; kept for efficiency only
-  double longest_ = 0.0;               ///< extension so far
-  std::uint64_t changes_ = 0;          ///< of the weights
-  double nearest_to_goal_;             ///< of what the search reached
-  double nearest_to_start_;            ///< of what it reached from the goal's side
+  std::vector<DensityRecord> served_;  ///< density of each part over all proposals; for efficiency only
+  double longest_ = 0.0;               ///< longest extension so far
+  std::uint64_t changes_ = 0;          ///< number of changes of the weights
+  double nearest_to_goal_;             ///< of the nodes reached
+  double nearest_to_start_;            ///< of the nodes reached by the tree from the goal
 };
 
 }  // namespace

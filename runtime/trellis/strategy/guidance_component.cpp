@@ -14,7 +14,8 @@ namespace trellis {
 
 namespace {
 
-/// A component of the algebra at work: f makes the level below, which is solved; h is drawn from, told, and renewed.
+/// The guidance of a component: f makes the level below, whose solution gives h. h draws samples, receives outcomes,
+/// and is made again after further solves.
 class ComponentGuidance final : public Prepared {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
@@ -36,8 +37,8 @@ class ComponentGuidance final : public Prepared {
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
   }
 
-  /// A default planner must suit the instance: where that has a motion model, it is kinodynamic, with the options that
-  /// the guide sets for a guided search.
+  /// The planner of the level below. A default planner must suit the instance: with a motion model it is kinodynamic,
+  /// with the options that the guide sets for a guided search.
   static PlannerSpec planner_for(const GuideSpec& spec, const Instance& sub) {
     const bool kinodynamic = find_planner(spec.planner()->name())->kinodynamic;
     if (spec.planner_given() || kinodynamic || sub.graph || !sub.motion_model) return *spec.planner();
@@ -46,8 +47,7 @@ class ComponentGuidance final : public Prepared {
                              guided ? find_guide(spec.name())->guided_planner.options : std::vector<Options::Entry>{});
   }
 
-  /// f of the goals beyond the first, in a space that is not an explicit graph; those that it maps out of S are left
-  /// out.
+  /// Applies f to the goals after the first, except for an explicit graph. Omits goals that f maps out of S.
   void project_further_goals(Instance& sub) {
     const Instance& parent = parent_.instance();
     sub.further_goals = Configurations(sub.space.dimension());
@@ -60,12 +60,12 @@ class ComponentGuidance final : public Prepared {
   }
 
   Advance prepare(const Slice& slice) override {
-    // What was found in another world is searched for again.
+    // A changed world requires a further solve.
     if (heuristic_ && level_ && parent_.instance().scene != projected_ && !std::exchange(renewing_, true)) {
       renewed_for_ = &Resolves::changed_world;
     }
     const bool outdated = level_ ? made_at_ != parent_.instance().epoch() : made_at_ == never;
-    // What was refuted stays so, whatever has changed since.
+    // A refuted h remains refuted, whatever has changed since.
     if (heuristic_ && !renewing_ && outdated && !renewable()) make_heuristic();
     if (heuristic_ && !renewing_ && !renewable()) return found_ ? Advance::found : Advance::nothing;
     if (!level_) {
@@ -88,7 +88,7 @@ class ComponentGuidance final : public Prepared {
       if (advance == Advance::unfinished) return advance;
       const bool again = std::exchange(renewing_, false);
       found_ = advance == Advance::found;
-      // Without another path there is nothing to solve again for; the one found before may serve for all that.
+      // Without another path, further solves are useless; the earlier path may still guide.
       if (again && !found_) {
         resolves_left_ = 0;
         guide_->no_other_path();
@@ -96,7 +96,7 @@ class ComponentGuidance final : public Prepared {
       }
       make_heuristic();
       counted_ = false;
-      // A path whose points are invalid in C is refuted before anything is drawn.
+      // A path with points that are invalid in C is refuted before any proposal.
       if (!heuristic_->stale()) return advance;
       ++refuted_;
       counted_ = true;
@@ -115,7 +115,7 @@ class ComponentGuidance final : public Prepared {
     side_ = side;
     if (heuristic_) heuristic_->select_tree(side);
   }
-  /// The nodes that are left are those that h goes on from. Of a distribution of the registry nothing rests on nodes.
+  /// h continues from the remaining nodes. Distributions of the registry (S = {0}) do not depend on nodes.
   void restart() override {
     guide_->restart();
     if (!heuristic_) return;
@@ -194,14 +194,14 @@ class ComponentGuidance final : public Prepared {
  private:
   using Reason = std::uint64_t Resolves::*;
 
-  /// \param reason  what the heuristic was just reported
+  /// \param reason  the kind of report that the heuristic just received
   void count_refutation(Reason reason) {
     if (!heuristic_->stale()) return;
     if (!std::exchange(stale_, true)) refuted_by_ = reason;
     if (!std::exchange(counted_, true)) ++refuted_;
     if (!renewable()) note_limit();
   }
-  /// h is refuted and S is not solved again.
+  /// Notes that h is refuted and S is not solved again.
   void note_limit() {
     if (level_ && !level_->resolves().exhausted) level_->resolves().limit_reached = true;
   }
@@ -228,7 +228,7 @@ class ComponentGuidance final : public Prepared {
                        level, run.problem, seed);
   }
 
-  /// Says where, of what goes wrong in `body`.
+  /// Calls `body` and adds the location to its errors.
   template <class Body>
   auto told(const Body& body) const -> decltype(body()) {
     try {
@@ -240,7 +240,7 @@ class ComponentGuidance final : public Prepared {
     }
   }
 
-  /// Makes h of what the search of S found; of nothing where S = {0}.
+  /// Makes h from the solution in S; without a solution if S = {0}.
   void make_heuristic() {
     const Solution* found = level_ ? &level_->solution() : nullptr;
     epoch_ = epoch() + 1;
@@ -250,13 +250,13 @@ class ComponentGuidance final : public Prepared {
     if (level_) guide_->searched(level_->record().search);
     heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
     heuristic_->select_tree(side_);
-    // What the nodes left are worth is kept; the rest has to be earned again.
+    // The remaining nodes keep their progress; the rest has to be earned again.
     const double lost = std::exchange(lost_, 0.0);
     if (lost > 0.0) progress_ -= std::max(0.0, lost - heuristic_->connected());
     stale_ = heuristic_->stale();
     if (stale_) refuted_by_ = &Resolves::invalid_path;
   }
-  /// Tells what guides S of the places that S lost, and of what S presumed valid and was found invalid.
+  /// Reports to the guide of S the places that S excluded, and configurations presumed valid that are invalid.
   void tell() {
     const Configurations lost = guide_->take_lost_places();
     for (std::size_t i = 0; i < lost.size(); ++i) level_->guidance().lost(lost[i]);
@@ -264,14 +264,14 @@ class ComponentGuidance final : public Prepared {
     for (std::size_t i = 0; i < invalid.size(); ++i) level_->guidance().found_invalid(invalid[i]);
   }
 
-  /// Reports where the instances live.
+  /// Passes the instances to the guide.
   void attach() {
     guide_->attach(level_->instance());
     if (auto* spender = dynamic_cast<SpendsParentsChecks*>(guide_.get()))
       spender->attach_parent(parent_.instance(), guided_below_);
   }
 
-  /// f of the instance as it stands now.
+  /// Applies f to the current instance.
   void project_again() {
     projected_ = parent_.instance().scene;
     auto sub = told([&] { return guide_->project(parent_.instance()); });
@@ -280,7 +280,7 @@ class ComponentGuidance final : public Prepared {
     attach();
   }
 
-  /// Checks in C, and work below.
+  /// Checks in C and work of the levels below.
   [[nodiscard]] double work_so_far() const {
     return static_cast<double>(parent_.instance().checks.validity) + level_->work();
   }
@@ -288,7 +288,7 @@ class ComponentGuidance final : public Prepared {
   /// Whether h was refuted and S may be solved again.
   [[nodiscard]] bool renewable() const { return heuristic_->stale() && (renewing_ || resolves_left_ > 0); }
 
-  /// Solves the instance in S, for as many paths as the guide wants.
+  /// Solves the instance in S for as many paths as the guide requests.
   Advance search(const Slice& slice) {
     const double begun = level_->work();
     if (more_ == 0) {
@@ -311,27 +311,27 @@ class ComponentGuidance final : public Prepared {
   std::string name_;
   bool guided_below_;  ///< a guide guides the search of S
   GuideSite site_;
-  bool custom_ = false;  ///< not of the registry
+  bool custom_ = false;  ///< not in the registry
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;
   std::unique_ptr<Heuristic> heuristic_;
-  std::uint64_t epoch_ = 0;                                            ///< beside the heuristic's own
-  std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the world and robot that f was applied to
+  std::uint64_t epoch_ = 0;                                            ///< without that of the heuristic
+  std::shared_ptr<const Scene> projected_ = parent_.instance().scene;  ///< the scene that f was applied to
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t made_at_ = never;  ///< of the parent's instance, when h was made
+  std::uint64_t made_at_ = never;  ///< epoch of the parent's instance when h was made
   TreeSide side_ = TreeSide::start;
-  double lost_ = 0.0;                 ///< what was connected along h before nodes were lost
-  double progress_ = 0.0;             ///< along the heuristics before this one
-  Advance first_ = Advance::nothing;  ///< of the search for the first path
-  std::int64_t more_ = 0;             ///< proposals for the search of another path, which has begun
+  double lost_ = 0.0;                 ///< length connected along h before nodes were removed
+  double progress_ = 0.0;             ///< along earlier heuristics
+  Advance first_ = Advance::nothing;  ///< result of the search for the first path
+  std::int64_t more_ = 0;             ///< limit of proposals of the active search for another path; 0: none
   std::int64_t resolves_left_ = 0;
   std::uint64_t refuted_ = 0;
-  bool counted_ = false;   ///< that the h in use was refuted
-  bool stale_ = false;     ///< that the h in use is refuted, and `refuted_by_` says by what
-  bool renewing_ = false;  ///< a re-solve has begun
+  bool counted_ = false;   ///< `refuted_` includes the current h
+  bool stale_ = false;     ///< the current h is refuted; `refuted_by_` is the reason
+  bool renewing_ = false;  ///< a further solve has begun
   Reason refuted_by_ = &Resolves::rejections;
-  Reason renewed_for_ = &Resolves::rejections;  ///< of the re-solve that has begun
-  bool found_ = false;                          ///< the last search found a path, or there is none to be found
+  Reason renewed_for_ = &Resolves::rejections;  ///< reason of the further solve that has begun
+  bool found_ = false;                          ///< the last search found a path, or S = {0}
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ class MixtureGuidance final : public PartsGuidance {
     for (const double w : weights) given_.push_back(w / total);
     weights_ = given_;
   }
-  /// A part whose space is being searched leaves its weight to the others.
+  /// While the space of a part is searched, the other parts share its weight.
   Advance prepare(const Slice& slice) override {
     Advance best = Advance::nothing;
     double total = 0.0;
@@ -41,7 +41,7 @@ class MixtureGuidance final : public PartsGuidance {
     double u = stream.uniform();
     drawn_ = 0;
     while (drawn_ + 1 < parts_.size() && u >= weights_[drawn_]) u -= weights_[drawn_++];
-    // Rounding may end at a part that draws nothing.
+    // Rounding may select a part with zero weight.
     while (weights_[drawn_] == 0.0) --drawn_;
     return draw(stream, out);
   }
@@ -74,10 +74,10 @@ class MixtureGuidance final : public PartsGuidance {
   }
 
  private:
-  std::vector<double> given_;    ///< weights, that add up to 1
-  std::vector<double> weights_;  ///< those of the parts that can draw
+  std::vector<double> given_;    ///< normalised weights
+  std::vector<double> weights_;  ///< weights of the parts that can draw; 0 for the others
   std::vector<double> ready_;    ///< scratch
-  std::uint64_t changes_ = 0;    ///< of the weights
+  std::uint64_t changes_ = 0;    ///< number of changes of the weights
 };
 
 }  // namespace

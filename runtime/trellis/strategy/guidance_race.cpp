@@ -8,9 +8,10 @@ namespace trellis {
 
 namespace {
 
-/// Guides whose spaces are searched in turn by growing slices (RaceSettings). The first that finds a path leads: it
-/// guides, and the others' searches rest, until it is refuted; then the race goes on with the others first. Where all
-/// searches end without a path the first guides that has at least the way to what came nearest.
+/// Guides whose spaces are searched alternately by growing slices (RaceSettings). The first part that finds a path
+/// becomes the leader: it guides, and the other searches pause, until it is refuted. Then the race continues, starting
+/// with the next part. If all searches end without a path, the first part with a path to its node nearest to the goal
+/// guides.
 class RaceGuidance final : public PartsGuidance {
  public:
   RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
@@ -25,7 +26,7 @@ class RaceGuidance final : public PartsGuidance {
     return run(slice);
   }
   Source sample(Stream& stream, MutableView out) override { return draw(stream, out); }
-  /// A refuted leader is a round of the whole only where nobody else is left to lead.
+  /// The race counts as refuted only if its leader is refuted and no other part can lead.
   [[nodiscard]] std::uint64_t refuted() const override { return over() ? parts_[drawn_]->refuted() - begun_ : 0; }
   [[nodiscard]] bool spent() const override { return over() && parts_[drawn_]->spent(); }
 
@@ -36,7 +37,7 @@ class RaceGuidance final : public PartsGuidance {
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
 
  private:
-  /// Whether the present leader has no one left to race against.
+  /// Whether no other part can become the leader.
   [[nodiscard]] bool over() const {
     for (std::size_t i = 0; i < out_.size(); ++i) {
       if (i != drawn_ && !out_[i]) return false;
@@ -62,7 +63,7 @@ class RaceGuidance final : public PartsGuidance {
         lead(part);
         return advance;
       }
-      // A part that was refuted for good keeps its path, which is better than none, but leads no more.
+      // A permanently refuted part keeps its path, which may still guide, but cannot become the leader again.
       if (advance != Advance::unfinished) out_[part] = true;
     }
     if (!led_) {
@@ -80,13 +81,13 @@ class RaceGuidance final : public PartsGuidance {
     begun_ = parts_[part]->refuted();
   }
 
-  double slice_;               ///< of the round that is run
-  std::size_t turn_ = 0;       ///< whose search is next
-  std::vector<bool> out_;      ///< whose search has ended without a path
-  bool led_ = false;           ///< there is a leader, or the best that there is
-  bool resumed_ = false;       ///< the leader was refuted, and the race goes on
-  std::uint64_t begun_ = 0;    ///< how often the leader was refuted when it took the lead
-  std::uint64_t leaders_ = 0;  ///< changes of the lead
+  double slice_;               ///< of the current round
+  std::size_t turn_ = 0;       ///< part to search next
+  std::vector<bool> out_;      ///< parts that cannot become the leader again
+  bool led_ = false;           ///< there is a leader, or the best part guides
+  bool resumed_ = false;       ///< the leader was refuted, and the race continues
+  std::uint64_t begun_ = 0;    ///< refutations of the leader before it became the leader
+  std::uint64_t leaders_ = 0;  ///< number of changes of the leader
 };
 
 }  // namespace

@@ -7,8 +7,8 @@ namespace trellis {
 
 namespace {
 
-/// Guides that serve in order (ScheduleSettings). What each found takes part in the search of the next, as in a
-/// sequence; one whose search finds nothing passes on at once.
+/// Guides in order (ScheduleSettings). Each passes what it found to the search of the next, as in a sequence. If the
+/// search of a part finds no path, the next part starts at once.
 class ScheduleGuidance final : public PartsGuidance {
  public:
   ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
@@ -33,7 +33,7 @@ class ScheduleGuidance final : public PartsGuidance {
     ++served_;
     return draw(stream, out);
   }
-  /// The round of the whole ends with that of the last.
+  /// The schedule counts as refuted when its last part is refuted.
   [[nodiscard]] std::uint64_t refuted() const override { return last() ? parts_[drawn_]->refuted() - begun_ : 0; }
   [[nodiscard]] bool spent() const override { return last() && parts_[drawn_]->spent(); }
 
@@ -45,7 +45,7 @@ class ScheduleGuidance final : public PartsGuidance {
 
  private:
   [[nodiscard]] bool last() const { return drawn_ + 1 == parts_.size(); }
-  /// Makes the next part the present one.
+  /// Activates the next part.
   void pass_on() {
     const Finding finding = parts_[drawn_]->finding();
     ++drawn_;
@@ -54,8 +54,8 @@ class ScheduleGuidance final : public PartsGuidance {
     parts_[drawn_]->inform(finding);
   }
   ScheduleSettings settings_;
-  std::int64_t served_ = 0;  ///< proposals by the present part
-  std::uint64_t begun_ = 0;  ///< how often it was refuted when it took over
+  std::int64_t served_ = 0;  ///< proposals of the current part
+  std::uint64_t begun_ = 0;  ///< refutations of the current part before it became active
 };
 
 }  // namespace

@@ -7,8 +7,8 @@ namespace trellis {
 
 namespace {
 
-/// A sequence of guides: each serves a turn of proposals, which ends early where evidence refutes what it guides by.
-/// What it found takes part in the search of the next one's space. After the last the first has its turn again.
+/// A sequence of guides. Each draws a turn of proposals; evidence that refutes its h ends the turn early. It passes
+/// what it found to the search of the next part's space. The first part follows the last.
 class SequenceGuidance final : public PartsGuidance {
  public:
   SequenceGuidance(std::vector<std::unique_ptr<Prepared>> parts, std::int64_t turn)
@@ -20,7 +20,7 @@ class SequenceGuidance final : public PartsGuidance {
     for (std::size_t i = 1;; ++i) {
       const Advance advance = parts_[drawn_]->prepare(slice);
       refuted_ = parts_[drawn_]->refuted();
-      // A search that ended without a path leaves the turn to the next, unless all did.
+      // If a search ends without a path, the turn passes to the next part, unless all parts failed.
       if (advance != Advance::nothing || i == parts_.size()) return advance;
       pass_on();
     }
@@ -36,7 +36,7 @@ class SequenceGuidance final : public PartsGuidance {
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }
 
  private:
-  /// Whether the part in turn was refuted by its own proposals, and another one is not refuted for good.
+  /// Whether proposals refuted the current part, and not all parts are permanently refuted.
   [[nodiscard]] bool given_up() const { return parts_[drawn_]->refuted() > refuted_ && !spent(); }
   void pass_on() {
     const Finding finding = parts_[drawn_]->finding();
@@ -49,8 +49,8 @@ class SequenceGuidance final : public PartsGuidance {
 
   std::int64_t turn_;
   std::int64_t served_ = 0;
-  std::uint64_t turns_ = 0;    ///< passed on
-  std::uint64_t refuted_ = 0;  ///< how often the part in turn was, before it drew
+  std::uint64_t turns_ = 0;    ///< number of turns passed on
+  std::uint64_t refuted_ = 0;  ///< refutations of the current part before it drew
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ void InformedPath::restart() {
   if (!nodes_.begun()) return;
   nodes_.clear();
   if (!h_) return;
-  // The remaining nodes are reported to the new path.
+  // The remaining nodes are reported to the new h.
   const double before = h_->connected();
   make();
   progress_ -= std::max(0.0, before - (h_ ? h_->connected() : 0.0));
@@ -42,7 +42,7 @@ void InformedPath::make() {
     const StepHeuristic::Settings steps = {.radius = tube_radius({}, instance_), .step = instance_.step};
     h_ = std::make_unique<StepHeuristic>("informed path", space, path_, steps, nodes_.both());
   } else {
-    // There is no tree that proposals could be ahead of.
+    // Without a tree, proposals cannot stay ahead of its nodes, so they cover the whole path.
     h_ = std::make_unique<PathHeuristic>("informed path", space, path_, natural_distance(instance_),
                                          std::numeric_limits<double>::infinity(),
                                          std::numeric_limits<std::int64_t>::max(), nullptr);

@@ -9,21 +9,21 @@
 
 namespace trellis {
 
-/// A path that the search of another space found, mapped into a level's space: the level's search goes along it until
-/// it is refuted there. A tree follows it by steps; a roadmap and a graph have vertices along all of it.
+/// A path that the search of another space found, mapped to a level's space. The level's search follows it until it is
+/// refuted: a tree in steps, a roadmap or graph through proposals along the whole path.
 class InformedPath {
  public:
-  /// \param instance  of the level; outlives this
+  /// \param instance  of the level; outlives this object
   explicit InformedPath(const Instance& instance) : instance_(instance) {}
 
-  /// Keeps the level's nodes from now on, so that a path is followed from where the search stands. Called before its
-  /// search begins.
+  /// Records the level's nodes from now on, so that a path can be followed from the current state of the search. Called
+  /// before the search begins.
   void expect() {
     if (!nodes_.begun()) nodes_.begin(instance_.space, instance_.start, instance_.goal);
   }
-  /// Follows this path instead of the last one; none where it is empty.
+  /// Replaces the path to follow; an empty path ends following.
   void follow(Configurations path);
-  /// Whether there is a path to follow. Nothing is drawn where not.
+  /// Whether there is a path to follow. If not, nothing may be drawn.
   [[nodiscard]] bool guides() const { return h_ != nullptr; }
   /// h along the path.
   [[nodiscard]] Guidance& h() const { return *h_; }
@@ -32,9 +32,9 @@ class InformedPath {
     side_ = side;
     if (h_) h_->select_tree(side);
   }
-  /// \param mine  h drew the proposal
+  /// \param mine  whether h drew the proposal
   void observe(const Outcome& outcome, bool mine);
-  /// The planner removed nodes: those that are left are observed again.
+  /// Called when the planner removed nodes. The remaining nodes are then observed again.
   void restart();
   [[nodiscard]] double progress() const { return progress_ + (h_ ? h_->progress() : 0.0); }
   [[nodiscard]] std::uint64_t epoch() const { return epoch_ + (h_ ? h_->epoch() : 0); }
@@ -44,12 +44,12 @@ class InformedPath {
   void drop();
 
   const Instance& instance_;
-  ReachedNodes nodes_;  ///< of the level
+  ReachedNodes nodes_;  ///< nodes of the level
   Configurations path_;
   std::unique_ptr<PathFollower> h_;
   TreeSide side_ = TreeSide::start;
-  double progress_ = 0.0;    ///< along the paths before this one
-  std::uint64_t epoch_ = 0;  ///< beside h's own
+  double progress_ = 0.0;    ///< along earlier paths
+  std::uint64_t epoch_ = 0;  ///< without that of h
 };
 
 }  // namespace trellis

@@ -93,7 +93,8 @@ std::unique_ptr<Planner> Level::make_planner() {
                      run_.interrupted,
                      [this] {
                        guidance_.prepare();
-                       // A run that ended while the levels below were searched ends here, before anything is drawn.
+                       // If the run ended during the search of the levels below, the planner stops before it draws a
+                       // proposal.
                        if (run_.interrupted && run_.interrupted()) return true;
                        return paused_ = work_limit_ < Budget::unlimited && work() >= work_limit_;
                      }};
@@ -104,7 +105,7 @@ std::unique_ptr<Planner> Level::make_planner() {
 Advance Level::solve_own(double proposals, const Slice& slice) {
   if (!planner_) planner_ = make_planner();
   const auto drawn = [&] { return static_cast<double>(record_.search.proposals.size()); };
-  // A solve that goes on in slices may spend `proposals` over all of them.
+  // `proposals` limits all slices of a solve together.
   const double begun = solve_begun_.value_or(drawn());
   Budget budget = common_.budget;
   budget.proposals = std::min(budget.proposals, begun + proposals);
@@ -129,7 +130,7 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
     if (record_.solved_as < 0) record_.solved_as = run_.first_solves++;
     end_turn(found.solved() ? found.path : Configurations(), true);
   }
-  // A later solve that finds nothing does not undo what was found: its path may still guide.
+  // A later solve without a path keeps the earlier solution: its path may still guide.
   if (found.solved() && instance_->goals() > 1) {
     const View reached = instance_->goal_at(instance_->nearest_goal(found.path.back()).goal);
     record_.goal.assign(reached.begin(), reached.end());
@@ -147,7 +148,7 @@ void Level::refute(View invalid, const Instance& finer) {
     instance.validity = finer.validity;
     instance.resolution = finer.resolution;
   } else {
-    // Start and goals stay valid.
+    // Start and goals remain valid.
     const double nearest = std::min(instance.space.distance(invalid, instance.start), instance.to_goal(invalid));
     const auto excluding = std::make_shared<ExcludingValidity>(instance.validity, instance.space,
                                                                std::min(finer.resolution, 0.5 * nearest));
@@ -186,7 +187,7 @@ LevelRecord Level::take_record() {
   }
   std::string key = record_.key;
   LevelRecord taken = std::move(record_);
-  // The levels below draw their lifts from streams that are named by it.
+  // The keys of the random streams for lifts from the levels below contain it.
   record_.key = std::move(key);
   return taken;
 }

@@ -18,10 +18,10 @@
 
 namespace trellis {
 
-/// Charges wall-clock time to the level that is at work: solving a level below stops the clock of the one above.
+/// Charges wall-clock time to the running level. While it waits for a level below, only that level is charged.
 class Clock {
  public:
-  /// Switches to `account`; returns the one before, to switch back to.
+  /// Switches to `account` and returns the previous account, to switch back to.
   double* switch_to(double* account) {
     const auto now = std::chrono::steady_clock::now();
     if (account_ != nullptr) *account_ += std::chrono::duration<double>(now - since_).count();
@@ -37,32 +37,32 @@ class Clock {
 /// CPU time of the calling thread, seconds.
 double thread_seconds();
 
-/// What all levels of one run share.
+/// State that all levels of one run share.
 struct Run {
-  std::string problem;  ///< its name
+  std::string problem;  ///< name of the problem
   std::uint64_t seed = 0;
-  bool seeded = false;  ///< it is run, not only checked
+  bool seeded = false;  ///< false if the strategy is only checked, not run
   std::function<bool()> interrupted;
   std::function<void(const LevelRecord&, const Guidance&)> watch;
   Clock clock;
-  std::vector<Level*> levels;  ///< in the order of their numbers
+  std::vector<Level*> levels;  ///< in order of their numbers
   std::vector<Turn> turns;
   Level* at_work = nullptr;
-  int first_solves = 0;                   ///< levels whose first solve has ended
-  double cpu_begin = 0.0;                 ///< of the thread
+  int first_solves = 0;                   ///< number of levels whose first solve has ended
+  double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
   RunShared shared;
 };
 
-/// What a level's planner draws from: the goal, uniform, the guide, and a path that another space informed it of.
+/// The guidance of a level's planner: goal bias, uniform sampling, the guide, and a path received from another space.
 ///
-/// Guided and unguided work are interleaved so that a guide can cost little more than it saves (bounded loss). Work is
-/// validity checks and proposals. What guided proposals and all levels below spend is at most `bound` times what
-/// unguided proposals spent, beyond a grant, and beyond what progress along a guiding path earns. Where that is spent,
-/// or where the guide's space is still being searched, the planner draws unguided proposals.
+/// Interleaves guided and unguided work, so that a guide costs little more than it saves (bounded loss). Work is the
+/// number of validity checks and proposals. The work of guided proposals and of all levels below is at most `bound`
+/// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. If
+/// this limit is reached, or if the guide's space is still being searched, the planner draws unguided proposals.
 class LevelGuidance final : public Guidance {
  public:
-  /// \param search  what the level's planner did so far; outlives this
+  /// \param search  record of the level's planner; outlives this object
   LevelGuidance(const Instance& instance, const PlannerCommon& common, const Search& search)
       : instance_(instance),
         common_(common),
@@ -73,7 +73,7 @@ class LevelGuidance final : public Guidance {
 
   void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
   [[nodiscard]] Prepared* guide() const { return guide_.get(); }
-  /// Called before the search begins where `inform` may be called later.
+  /// Called before the search begins if `inform` may be called later.
   void expect_paths() { informed_.expect(); }
   void inform(Configurations path) { informed_.follow(std::move(path)); }
   [[nodiscard]] bool guided() const { return guide_ != nullptr || informed_.guides(); }
@@ -82,8 +82,8 @@ class LevelGuidance final : public Guidance {
     informed_.select_tree(side);
     if (guide_ != nullptr) guide_->select_tree(side);
   }
-  /// Settles what the last proposal cost, decides whether the guide may draw the next one, and has the levels below
-  /// searched where that is needed. Called before a proposal, when the planner asks whether to pause.
+  /// Accounts for the work of the last proposal, decides whether the guide may draw the next one, and searches the
+  /// levels below if necessary. Called before each proposal, when the planner asks whether to pause.
   void prepare() {
     if (!guided() || prepared_) return;
     prepared_ = true;
@@ -101,9 +101,9 @@ class LevelGuidance final : public Guidance {
       if (common_.bound > 0.0) slice.work = std::max(left_, least_slice);
       if (slice_left_) slice.work = std::min(slice.work, slice_left_());
       open_ = guide_->prepare(slice) != Advance::unfinished;
-      // What evidence has refuted for good guides no more.
+      // A permanently refuted guide draws no more proposals.
       if (common_.bound > 0.0 && guide_->spent()) open_ = false;
-      // What preparing spent in this level's instance (a path's points are validated in it) was spent by the guide.
+      // The guide pays for checks in this level's instance, as those that validate a path's points.
       spent_.guided.checks += own().checks - counted_.checks;
       counted_ = own();
     }
@@ -166,7 +166,7 @@ class LevelGuidance final : public Guidance {
     if (guide_ == nullptr) return;
     const double before = own().checks;
     guide_->observe(outcome, mine && drawn_ == Part::guide);
-    // What a guide looks at is on its account, whoever drew.
+    // The guide pays for its own checks, whichever part drew the proposal.
     const double looked = own().checks - before;
     spent_.guided.checks += looked;
     counted_.checks += looked;
@@ -175,10 +175,10 @@ class LevelGuidance final : public Guidance {
     if (path_found_) path_found_(length);
     if (guide_ != nullptr) guide_->found(length);
   }
-  /// `report` is called with the length of each path that the level's planner finds.
+  /// Sets a function that receives the length of each path that the level's planner finds.
   void report_paths(std::function<void(double)> report) { path_found_ = std::move(report); }
 
-  /// Whether a proposal of a source is a guided one: not the goal, nor a uniform one.
+  /// Whether proposals of a source are guided: neither the goal nor uniform.
   [[nodiscard]] static bool is_guided(Source source) { return source >= 2; }
   [[nodiscard]] std::vector<std::string> sources() const override {
     std::vector<std::string> all = {"goal", "uniform", "informed path"};
@@ -188,20 +188,20 @@ class LevelGuidance final : public Guidance {
     return all;
   }
 
-  /// Limits what the levels below may spend in the present slice: they pause when this returns 0.
+  /// Limits the work of the levels below in the current slice: they pause when `left` returns 0.
   void limit_slice(std::function<double()> left) { slice_left_ = std::move(left); }
-  /// What the guide may spend at the outset, in work.
+  /// Work that the guide may spend initially.
   [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
-  /// What progress along guiding paths has earned, in work.
+  /// Work that progress along guiding paths has earned.
   [[nodiscard]] double earned() const { return progress_rate * instance_.checks_per_metre() * progress(); }
-  /// What a level spent on one kind of proposals.
+  /// Work of one kind of proposals.
   struct Spent {
     double checks = 0.0;
     double proposals = 0.0;
     [[nodiscard]] double work() const { return checks + proposals; }
   };
   struct BothSpent {
-    Spent guided;  ///< validating what guides is in it
+    Spent guided;  ///< includes the validation of guiding paths
     Spent unguided;
   };
   [[nodiscard]] BothSpent spent() const {
@@ -213,12 +213,12 @@ class LevelGuidance final : public Guidance {
  private:
   enum class Part : std::uint8_t { goal, uniform, informed, guide };
   static constexpr double informed_share = 0.5;
-  /// A path of the length from start to goal, checked at the resolution, is the least that any planner spends; so many
-  /// times that is granted to the guide at the outset.
+  /// Initial grant of the guide, as a multiple of the checks of a straight motion from start to goal at the resolution:
+  /// the minimum of any planner.
   static constexpr double grant_rate = 1.5;
-  /// A metre of progress earns so many times what it costs to check a metre.
+  /// Earned by a metre of progress, as a multiple of the checks per metre.
   static constexpr double progress_rate = 3.0;
-  /// The least that a level below may spend before it pauses.
+  /// Minimum work of a level below before it pauses.
   static constexpr double least_slice = 32.0;
 
   Source draw(Stream& stream, MutableView out) {
@@ -250,7 +250,7 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] Spent own() const {
     return {static_cast<double>(instance_.checks.validity), static_cast<double>(search_.proposals.size())};
   }
-  /// Adds what was spent since `counted_` to the part that drew last.
+  /// Charges the work since `counted_` to the kind of the last proposal.
   void charge(BothSpent& both) const {
     const Spent now = own();
     Spent& side = drawn_ == Part::guide || drawn_ == Part::informed ? both.guided : both.unguided;
@@ -258,7 +258,7 @@ class LevelGuidance final : public Guidance {
     side.proposals += now.proposals - counted_.proposals;
   }
 
-  /// The probabilities that `sample` gives the parts.
+  /// The probability of each part in `sample`.
   struct Shares {
     double goal = 0.0;
     double uniform = 0.0;
@@ -272,7 +272,7 @@ class LevelGuidance final : public Guidance {
     const double informed = !informed_.guides() ? 0.0 : guide_ == nullptr ? 1.0 : informed_share;
     return {common_.goal_bias, rest * common_.uniform, guided_share * informed, guided_share * (1.0 - informed)};
   }
-  /// The part that drew the last proposal where it is guided; nullptr where it is not.
+  /// The part that drew the last proposal if guided, else nullptr.
   [[nodiscard]] const Guidance* drawn_from() const {
     if (drawn_ == Part::guide) return guide_.get();
     return drawn_ == Part::informed && informed_.guides() ? &informed_.h() : nullptr;
@@ -289,15 +289,15 @@ class LevelGuidance final : public Guidance {
   std::function<void(double)> path_found_;
   double direct_ = instance_.to_goal(instance_.start);
   BothSpent spent_;
-  Spent counted_;          ///< of the level, that `spent_` holds
-  double left_ = 0.0;      ///< of what the guide may spend
+  Spent counted_;          ///< the level's work that `spent_` includes
+  double left_ = 0.0;      ///< work that the guide may still spend
   bool open_ = false;      ///< whether the guide may draw
-  bool prepared_ = false;  ///< for the next proposal
+  bool prepared_ = false;  ///< `prepare` was called for the next proposal
   Part drawn_ = Part::goal;
-  std::uint64_t epoch_ = 0;  ///< how often the shares changed
+  std::uint64_t epoch_ = 0;  ///< number of changes of the shares
 };
 
-/// A level's guidance, shown to whoever watches the run each time that it has drawn.
+/// A level's guidance that calls the run's `watch` after each sample.
 class WatchedGuidance final : public Guidance {
  public:
   WatchedGuidance(const Run& run, const LevelRecord& level, Guidance& h) : run_(run), level_(level), h_(h) {}
@@ -326,7 +326,7 @@ class WatchedGuidance final : public Guidance {
   Guidance& h_;
 };
 
-/// One level at work: an instance, its planner, its guidance and its record.
+/// A level of a run: an instance, its planner, its guidance and its record.
 class Level {
  public:
   /// \param lift  the guide that made the instance from the parent's; nullptr at the root
@@ -344,34 +344,34 @@ class Level {
     common_.budget.seconds = std::min(common_.budget.seconds, budget.seconds);
   }
 
-  /// Solves the instance, or solves it again; the instances below are solved when their guidance is first drawn from.
-  /// \param proposals  that may be spent on it, within the level's budget
+  /// Solves the instance, or solves it again. The levels below are solved when their guidance first has to draw.
+  /// \param proposals  limit for this solve, within the level's budget
   const Solution& solve(double proposals = Budget::unlimited) {
     advance(proposals, {});
     return record_.solution;
   }
-  /// The same within a slice: a search that the slice ended is unfinished, and continues when it is called again.
+  /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);
-  /// Validity checks and proposals of this level and all below it, less what their progress has earned.
+  /// Validity checks and proposals of this level and all below it, less the work earned by progress.
   [[nodiscard]] double work() const;
-  /// Replaces the instance by a new projection of the parent's; the search keeps what is still valid.
+  /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
   void replace_instance(std::unique_ptr<Instance> instance);
 
-  /// Refutes the path found: a finer check found one of its configurations invalid. The next solve finds another path,
-  /// and keeps the nodes of the search whose motions do not pass by that configuration: it is excluded, with what is
-  /// nearer to it than the finer resolution. Where that happens more than a few times, the resolution is too coarse for
-  /// the world: from then on the level checks motions at the finer one, those of the search so far included.
+  /// Refutes the path found, because a finer check found one of its configurations invalid. The next solve finds
+  /// another path and keeps the nodes of the search whose motions do not pass by that configuration; a ball of at most
+  /// the finer resolution around it is excluded. After a few refutations the resolution is too coarse for the world:
+  /// the level then checks all motions at the finer resolution, those of the present search included.
   /// \param invalid  a configuration of the level's space
-  /// \param finer    the level's instance with a finer resolution
+  /// \param finer  the level's instance with a finer resolution
   void refute(View invalid, const Instance& finer);
 
-  /// The record, completed once the run is over; given away, but for its key.
+  /// Completes the record after the run and moves it out, except for its key.
   LevelRecord take_record();
 
-  /// Adds time spent for this level outside its solves: making its instance by f.
+  /// Adds time spent for this level outside its solves, for the projection of its instance; seconds.
   void charge(double seconds) { record_.search.seconds += seconds; }
 
-  /// Why the instance was solved again; whoever asks for another solve counts it here.
+  /// The counts of further solves by reason. The caller that requests a further solve increments them.
   [[nodiscard]] Resolves& resolves() { return record_.resolves; }
   /// Whether the last solve found a path.
   [[nodiscard]] bool found() const { return found_; }
@@ -379,27 +379,27 @@ class Level {
   [[nodiscard]] LevelGuidance& guidance() { return guidance_; }
   [[nodiscard]] const LevelRecord& record() const { return record_; }
   [[nodiscard]] const PlannerSpec& planner() const { return planner_spec_; }
-  /// The options of its planner that the level itself goes by.
+  /// The options of its planner that the level itself uses.
   [[nodiscard]] const PlannerCommon& common() const { return common_; }
   /// The guide that made its instance from the parent's; nullptr at the root.
   [[nodiscard]] const Guide* projection() const { return lift_.get(); }
-  /// The best of what its solves found.
+  /// The best solution of all solves.
   [[nodiscard]] const Solution& solution() const { return record_.solution; }
 
  private:
   [[nodiscard]] Advance solve_own(double proposals, const Slice& slice);
   [[nodiscard]] std::unique_ptr<Planner> make_planner();
-  /// Records a path of the root that is shorter than those before it.
+  /// Records a path of the root if it is shorter than the earlier ones.
   void note_improvement(double length);
-  /// A level below is asked for its solution in the middle of this one's solve.
+  /// Ends this level's turn while a level below is solved.
   void pause();
   void end_turn(Configurations path, bool solve_ended);
-  /// Rows of this level's space lifted to the root's by the chain of h's: each step draws from the fibre.
+  /// Lifts rows of this level's space to the root's space, through all levels between. Each lift draws from the fibre.
   [[nodiscard]] Configurations lifted(const Configurations& rows, const std::string& purpose) const;
-  /// Whether the density on every fibre between this level's space and the root's is known.
+  /// Whether all fibres between this level's space and the root's have known densities.
   [[nodiscard]] bool closed_fibres() const;
-  /// A density over this level's space as that of what is lifted to the root's: at f of a configuration, times the
-  /// density on the fibre. It keeps every f that it needs.
+  /// Lifts a density over this level's space to the root's space: its value at f of a configuration, times the density
+  /// on the fibre. The result owns every f that it needs.
   [[nodiscard]] std::function<double(View)> lifted(std::function<double(View)> density) const;
 
   Run& run_;
@@ -414,10 +414,10 @@ class Level {
   std::optional<WatchedGuidance> watched_;
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
-  double work_limit_ = Budget::unlimited;  ///< of `work()`, at which the search pauses
-  bool paused_ = false;                    ///< the last solve ended at it
-  std::optional<double> solve_begun_;      ///< proposals when the unfinished solve began
-  std::size_t noted_ = 0;                  ///< proposals and nodes when its last turn ended
+  double work_limit_ = Budget::unlimited;  ///< value of `work()` at which the search pauses
+  bool paused_ = false;                    ///< the last solve reached the limit
+  std::optional<double> solve_begun_;      ///< number of proposals when the unfinished solve began
+  std::size_t noted_ = 0;                  ///< number of proposals and nodes when its last turn ended
   bool found_ = false;
 };
 

@@ -20,59 +20,60 @@ namespace trellis {
 class Level;
 struct Run;
 
-/// How a search came out that was given so much to spend.
+/// The result of a search with a limited slice.
 enum class Advance : std::uint8_t {
-  unfinished,  ///< it spent that, and would go on
-  found,       ///< a path; also where there is nothing to search
+  unfinished,  ///< it spent the slice and can continue
+  found,       ///< it found a path, or there is nothing to search
   nothing,     ///< it ended without a path
 };
 
-/// What a search may spend before it has to pause.
+/// Limits of a search before it pauses.
 struct Slice {
-  double proposals = std::numeric_limits<double>::infinity();  ///< of each level
-  double work = std::numeric_limits<double>::infinity();       ///< of a level and all below it, see `Level::work`
+  double proposals = std::numeric_limits<double>::infinity();  ///< for each level
+  double work = std::numeric_limits<double>::infinity();       ///< for a level and all below it, see `Level::work`
 };
 
-/// What a guidance found so far, in the space of the level that it guides.
+/// The results of a guidance so far, in the space of the level that it guides.
 struct Finding {
-  Configurations path;     ///< along which it guides now; empty where it has none
-  Configurations refuted;  ///< places that evidence showed no path to lead through
+  Configurations path;     ///< current guiding path; empty if none
+  Configurations refuted;  ///< places that evidence refuted
 };
 
-/// A guidance that a level can prepare (solve what is below) before it draws from it, and inform of what another found.
+/// A guidance that a level can prepare (by solving the levels below) before it draws, and that accepts the findings of
+/// other guidances.
 class Prepared : public Guidance {
  public:
-  /// Called before every proposal is drawn: solves the instances below where that is needed, the first time or because
-  /// h was refuted. Nothing is drawn while this is unfinished; called again it continues.
+  /// Called before every proposal. Solves the instances below if necessary: the first time, or after h was refuted.
+  /// While it returns `unfinished`, nothing may be drawn; the next call continues.
   virtual Advance prepare(const Slice& slice) {
     static_cast<void>(slice);
     return Advance::found;
   }
-  /// Work of all levels below, less what their progress has earned.
+  /// Work of all levels below, less the work earned by their progress.
   [[nodiscard]] virtual double work() const { return 0.0; }
-  /// How often h was refuted. Of several parts that search, how often each was at the least.
+  /// How often h was refuted; with several searching parts, the minimum over them.
   [[nodiscard]] virtual std::uint64_t refuted() const { return 0; }
-  /// Whether h is refuted for good: there are no more re-solves.
+  /// Whether h is permanently refuted: no further solves are left.
   [[nodiscard]] virtual bool spent() const { return false; }
-  /// Whether it searches a space; what does not is never refuted.
+  /// Whether it searches a space. If not, it is never refuted.
   [[nodiscard]] virtual bool searches() const { return false; }
-  /// The path in this level's space along which it guides now; empty where it has none.
+  /// The current guiding path in this level's space; empty if none.
   [[nodiscard]] virtual Configurations guiding_path() const { return {}; }
-  /// Places in this level's space through which evidence showed that no path leads.
+  /// Places in this level's space that evidence refuted.
   [[nodiscard]] virtual Configurations refuted_places() const { return {}; }
   [[nodiscard]] Finding finding() const { return {guiding_path(), refuted_places()}; }
-  /// What another guidance of this level found, for the searches below: they go along its path, and leave out the
-  /// places refuted.
+  /// Passes the findings of another guidance of this level to the searches below: they follow its path and exclude the
+  /// refuted places.
   virtual void inform(const Finding& finding) { static_cast<void>(finding); }
-  /// Called before anything is searched, where `inform` may be.
+  /// Called before any search if `inform` may be called.
   virtual void expect_findings() {}
-  /// Called with a place that this level lost because evidence above refuted it.
+  /// Called with a place that this level excluded because a level above refuted it.
   virtual void lost(View place) { static_cast<void>(place); }
-  /// Called where this level presumes validity, with a configuration that was found invalid after all.
+  /// Called with a configuration found invalid, if this level presumes validity.
   virtual void found_invalid(View q) { static_cast<void>(q); }
 };
 
-/// What mixtures and sequences share: parts, one of which draws.
+/// Shared by combinators: several parts, of which one draws each proposal.
 class PartsGuidance : public Prepared {
  public:
   explicit PartsGuidance(std::vector<std::unique_ptr<Prepared>> parts) : parts_(std::move(parts)) {
@@ -93,7 +94,7 @@ class PartsGuidance : public Prepared {
   void restart() override {
     for (auto& part : parts_) part->restart();
   }
-  /// The least of what the parts say.
+  /// The minimum over the parts.
   [[nodiscard]] double edge_factor(View a, View b) const override {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& part : parts_) least = std::min(least, part->edge_factor(a, b));
@@ -159,7 +160,7 @@ class PartsGuidance : public Prepared {
   }
 
  protected:
-  /// Prepares every part: a path is found where any has one.
+  /// Prepares every part. Returns `found` if any part has a path.
   Advance prepare_all(const Slice& slice) {
     Advance best = Advance::nothing;
     bool unfinished = false;
@@ -182,7 +183,7 @@ class PartsGuidance : public Prepared {
   std::vector<std::string> sources_;
 };
 
-/// Of guides whose parts are there. The weights are those of the mixture's terms.
+/// These functions combine guides. A mixture's weights are those of its terms.
 std::unique_ptr<Prepared> make_mixture(const std::vector<double>& weights,
                                        std::vector<std::unique_ptr<Prepared>> parts);
 std::unique_ptr<Prepared> make_sequence(const SequenceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
@@ -190,9 +191,10 @@ std::unique_ptr<Prepared> make_blend(const BlendSettings& settings, const Instan
                                      std::vector<std::unique_ptr<Prepared>> parts);
 std::unique_ptr<Prepared> make_schedule(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
 std::unique_ptr<Prepared> make_race(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
-/// A component at work, with the levels below it. \param key  the place in the hierarchy
+/// Makes the guidance of a component, with the levels below it.
+/// \param key  location in the hierarchy
 std::unique_ptr<Prepared> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key);
-/// The guide of a level at work, with the levels below it.
+/// Makes the guidance of a level, with the levels below it.
 std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec);
 
 }  // namespace trellis

@@ -9,13 +9,14 @@
 
 namespace trellis {
 
-/// All components that a script can name, planners first, then guides, in a fixed order. The one description from which
-/// validation, messages, help and the reference are made.
+/// All components that a script can name: planners, then guides, in a fixed order. The single source of validation,
+/// messages, help and the reference.
 const std::vector<const Component*>& components();
 
-/// The component of that kind and name; throws Error with the nearest right name.
+/// The component of that kind and name.
+/// \throws Error with the nearest existing name
 const Component& component(Component::Kind kind, std::string_view name);
-/// nullptr where there is none.
+/// As `component`, but nullptr if there is none.
 const Component* find_component(Component::Kind kind, std::string_view name);
 
 }  // namespace trellis

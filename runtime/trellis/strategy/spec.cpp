@@ -19,8 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The options that differ from their defaults, "name = value" each. Positional ones are what a component is known by:
-/// they come first, without their names, and always.
+/// The options that differ from their defaults, as "name = value". Positional options come first, always, and without
+/// names, because they identify the component.
 std::vector<std::string> written_options(const Component& component, const Options& options,
                                          std::vector<std::string> unnamed, bool& named) {
   std::vector<std::string> rest;
@@ -78,7 +78,7 @@ double total_weight(const GuideSpec& guide) {
   return total;
 }
 
-/// The normalised weights of a mixture, with as many digits as it takes to read the same mixture back.
+/// The normalised weights of a mixture, with enough digits to parse to an equal mixture.
 std::vector<std::string> written_weights(const GuideSpec& guide) {
   const double total = total_weight(guide);
   const auto write = [&](const char* format) {
@@ -95,7 +95,7 @@ std::vector<std::string> written_weights(const GuideSpec& guide) {
   return written;
 }
 
-/// Whether it is written with an operator, so that it needs parentheses amid others.
+/// Whether its text contains an operator and so needs parentheses inside other expressions.
 bool is_open(const GuideSpec& guide) {
   switch (guide.kind()) {
     case GuideSpec::Kind::component: return guide.below() != nullptr;
@@ -111,7 +111,7 @@ bool is_open(const GuideSpec& guide) {
 
 std::string bracketed(const GuideSpec& guide) { return is_open(guide) ? "(" + guide.text() + ")" : guide.text(); }
 
-/// In front of `>>`, which binds weaker than all that guides are combined with, and associates.
+/// The text before `>>`. This operator is associative and binds weaker than the combining operators.
 std::string in_front(const GuideSpec& guide) {
   return guide.kind() == GuideSpec::Kind::component ? guide.text() : bracketed(guide);
 }
@@ -239,13 +239,14 @@ struct GuideSpec::Node {
   Options options;
   std::shared_ptr<const CustomGuide> custom;
   std::optional<PlannerSpec> planner;
-  bool planner_given = false;  ///< by whoever wrote it
+  bool planner_given = false;  ///< the author of the spec chose it
   std::optional<GuideSpec> below;
   Origin origin;
   std::vector<Term> terms;
 
-  /// Settles by what planner its space is searched.
-  /// \param either  a graph or not, as the planner has it  \param given  by whoever writes it
+  /// Selects the planner of its space's search.
+  /// \param either  whether the space has an optional graph, which the planner may search or ignore
+  /// \param given  the author's choice, if any
   void search_by(const std::string& default_planner, bool either, std::optional<PlannerSpec> given);
 };
 
@@ -303,7 +304,7 @@ GuideSpec GuideSpec::with_parts(const std::vector<GuideSpec>& parts) const {
   if (kind() != Kind::mixture) return combine(kind(), parts, options());
   std::optional<GuideSpec> sum;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    // A mixture in a part's place has that part's share as a whole.
+    // A mixture that replaces a part gets that part's weight in total.
     const double within = parts[i].kind() == Kind::mixture ? total_weight(parts[i]) : 1.0;
     const GuideSpec weighted = (terms()[i].weight / within) * parts[i];
     sum = sum ? *sum + weighted : weighted;
@@ -311,12 +312,13 @@ GuideSpec GuideSpec::with_parts(const std::vector<GuideSpec>& parts) const {
   return *sum;
 }
 
-/// A combinator of one guide is that guide, but for blends, whose options say how it is counted, and sequences.
+/// Combines guides. A schedule or race of one guide is that guide; a blend, whose options also apply to a single guide,
+/// and a sequence are not.
 GuideSpec GuideSpec::combine(Kind kind, const std::vector<GuideSpec>& parts, Options options) {
   const std::string& name = combinator(kind).name;
   if (parts.empty()) throw Error(name + ": needs at least one guide");
   if (parts.size() == 1 && (kind == Kind::schedule || kind == Kind::race)) return parts.front();
-  // The turns of a schedule within one would not be the same, so it is flat only where there are none.
+  // Nested schedules are flattened only without turns: otherwise the turns would change.
   const bool flat =
       kind == Kind::sequence || (kind == Kind::schedule && std::isinf(schedule_settings().read(options).turn));
   auto node = std::make_shared<Node>();
@@ -397,7 +399,7 @@ bool operator==(const GuideSpec& a, const GuideSpec& b) {
   const double total_a = total_weight(a);
   const double total_b = total_weight(b);
   for (std::size_t i = 0; i < a.terms().size(); ++i) {
-    // Weights are equal when they are once normalised, up to rounding: 0.5*a + 0.5*b is a + b.
+    // Weights are equal if they are equal after normalisation, up to rounding: 0.5*a + 0.5*b is a + b.
     if (std::abs(a.terms()[i].weight / total_a - b.terms()[i].weight / total_b) > 1e-12) return false;
     if (!(a.terms()[i].guide == b.terms()[i].guide)) return false;
   }
@@ -533,7 +535,7 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
 std::string GuideSpec::tree() const {
   std::string drawn;
   draw(*this, "", "", true, drawn);
-  // As it hangs below nothing, the branch that would lead to it goes, and its width from every line.
+  // The root has no parent, so its branch symbol and the indentation of all lines are removed.
   constexpr std::string_view branch = "└─ ";
   constexpr std::string_view blank = "   ";
   std::string out = drawn.substr(branch.size(), drawn.find('\n') + 1 - branch.size());

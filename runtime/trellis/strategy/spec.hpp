@@ -20,34 +20,35 @@ class CustomGuide;
 //   guide >> strategy = strategy    guide + guide = guide           guide .. guide = guide (sequence)
 //   split { planner } = planner     blend, schedule, race { guide, ... } = guide
 //
-// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)`, and so with `..`, blend, schedule and race; sums, sequences and
-// schedules are flat, blends and races are not; a schedule or race of one guide is that guide; `(a >> b) >> c` and
-// `a >> (b >> c)` are the same value; `split { a >> p }` is `a >> split { p }`. Laws: `>>` associates (with the planner
-// at the end too), `+` and `..` associate, weights are normalised where they are used, nesting distributes over every
-// way of combining guides.
+// Normal form: `a >> (b + c)` is `(a >> b) + (a >> c)`; the same applies to `..`, blend, schedule and race. Sums,
+// sequences and schedules are flat; blends and races are not. A schedule or race of one guide is that guide. `(a >> b)
+// >> c` and `a >> (b >> c)` are the same value. `split { a >> p }` is `a >> split { p }`.
+//
+// Laws: `>>` is associative (also with a planner at the end), `+` and `..` are associative, weights are normalised at
+// use, and nesting distributes over every combination of guides.
 
-/// Where a spec was written. Not part of its value, hash or JSON.
+/// Where a spec was written. Its equality, hash and JSON ignore it.
 struct Origin {
-  std::string script;  ///< "" when built through C++
+  std::string script;  ///< "" for a spec built in C++
   int line = 0;
 };
 
 /// A planner with its validated options.
 class PlannerSpec {
  public:
-  /// Throws Error for an unknown planner (with the nearest name) or a wrong option.
+  /// \throws Error for an unknown planner (with the nearest name) or an invalid option
   static PlannerSpec make(const std::string& name, const std::vector<Options::Entry>& given, Origin origin = {});
 
-  /// The planner that searches in the end; of a split that of the undivided halves.
+  /// The name of the planner that searches; for a split, the planner of its undivided halves.
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] const Origin& origin() const { return origin_; }
-  /// How it divides its instances; nullptr where it does not.
+  /// The options of a split; nullptr for other planners.
   [[nodiscard]] const Options* dividing() const;
-  /// Of a split: what solves an instance that was divided as often as it may be, and what solves one of its halves.
+  /// For a split: the planner of an instance at the maximum depth, and the planner of a half.
   [[nodiscard]] const PlannerSpec& undivided() const;
   [[nodiscard]] PlannerSpec half() const;
-  /// "rrt { step = 0.5 }": the options that differ from their defaults.
+  /// "rrt { step = 0.5 }": with the options that differ from their defaults.
   [[nodiscard]] std::string text() const;
 
   friend bool operator==(const PlannerSpec& a, const PlannerSpec& b);
@@ -62,63 +63,62 @@ class PlannerSpec {
   std::shared_ptr<const Division> division_;
 };
 
-/// A planner that divides its instances at sub-goals and solves each half by `part`. A split of a split with the same
-/// options, but for their depths, is one of both depths. Throws Error for settings out of their range, or for a planner
-/// of explicit graphs.
+/// A planner that divides its instances at sub-goals and solves each half by `part`. A split of a split with equal
+/// options except for depth is one split with the sum of their depths.
+/// \throws Error for a setting out of range, or for a planner of explicit graphs
 PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings = {});
 
-/// A guide: a component (f, h) with the guide of its own search, or several guides combined.
+/// A guide: a component (f, h) with the guide of its own search, or a combination of guides.
 class GuideSpec {
  public:
   enum class Kind { component, mixture, sequence, blend, schedule, race };
   struct Term;
 
-  /// A component without a guide of its own. `planner`: of its own search; none: the component's default.
-  /// Throws Error for an unknown guide, a wrong option, or a planner that the guide's space cannot use.
+  /// A component without a guide of its own.
+  /// \param planner  of its own search; none: the component's default
+  /// \throws Error for an unknown guide, an invalid option, or a planner that cannot search the guide's space
   static GuideSpec make(const std::string& name, const std::vector<Options::Entry>& given,
                         std::optional<PlannerSpec> planner = {}, Origin origin = {});
-  /// The same of a guide that is no component of the registry.
+  /// The same for a custom guide, which is not in the registry.
   static GuideSpec make(std::shared_ptr<const CustomGuide> custom, std::optional<PlannerSpec> planner = {},
                         Origin origin = {});
 
   [[nodiscard]] Kind kind() const;
   /// "shrink", "mixture", "schedule".
   [[nodiscard]] const std::string& name() const;
-  /// Of a component of the registry, or of the combinator that is neither component nor mixture; none of a custom
-  /// guide.
+  /// For a component of the registry or a combinator with options; not for a mixture or custom guide.
   [[nodiscard]] const Options& options() const;
-  // Of a component:
-  /// nullptr for a guide of the registry.
+  // For components:
+  /// nullptr for a guide in the registry.
   [[nodiscard]] const std::shared_ptr<const CustomGuide>& custom() const;
-  /// The component without a guide of its own, its planner the default one: what a level is called by.
+  /// The component without its guide and with its default planner. Its text is the name of its level.
   [[nodiscard]] GuideSpec alone() const;
   /// The text of `alone()`.
   [[nodiscard]] std::string text_alone() const;
-  /// The planner of its own search (the default filled in); none where S = {0}.
+  /// The planner of its own search, or the default; none if S = {0}.
   [[nodiscard]] const std::optional<PlannerSpec>& planner() const;
-  /// Whether that planner was chosen by whoever wrote the guide.
+  /// Whether the author of the guide chose that planner.
   [[nodiscard]] bool planner_given() const;
-  /// The guide of its own search, nullptr without.
+  /// The guide of its own search; nullptr if none.
   [[nodiscard]] const GuideSpec* below() const;
   [[nodiscard]] const Origin& origin() const;
-  // Of any other (weights other than a mixture's are 1):
+  // For combinations (weights are 1 except in a mixture):
   [[nodiscard]] const std::vector<Term>& terms() const;
-  /// The same way of combining, with its options, for other guides; a mixture keeps its weights. Not of a component.
+  /// The same combinator with its options for other guides; a mixture keeps its weights. Not for a component.
   [[nodiscard]] GuideSpec with_parts(const std::vector<GuideSpec>& parts) const;
 
-  /// Whether any component in it searches a space of its own (S other than {0}).
+  /// Whether it contains a component that searches a space (S other than {0}).
   [[nodiscard]] bool searches() const;
 
-  /// One line in the language, options that differ from their defaults: "skeleton() >> shrink(0.5) >> lazy()".
+  /// One line in the language, with the options that differ from their defaults: "skeleton() >> shrink(0.5) >> lazy()".
   [[nodiscard]] std::string text() const;
-  /// What it is made of as a tree, one line for each level, that of the guide nearest to the root first; ends with a
-  /// newline.
+  /// Its components as a tree, one line per level, the guide nearest to the root first; ends with a newline.
   [[nodiscard]] std::string tree() const;
 
   friend bool operator==(const GuideSpec& a, const GuideSpec& b);
   friend GuideSpec operator>>(const GuideSpec& above, const GuideSpec& guided);
   friend GuideSpec operator+(const GuideSpec& a, const GuideSpec& b);
-  /// Throws Error for a weight that is not finite and positive.
+  /// \throws Error for a weight that is not finite and positive
   friend GuideSpec operator*(double weight, const GuideSpec& guide);
   friend GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn);
   friend GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings);
@@ -138,20 +138,21 @@ struct GuideSpec::Term {
   GuideSpec guide;
 };
 
-/// `a .. b .. c`: each space serves a turn and informs the next. `a .. b` in Lua is sequence({a, b}).
+/// `a .. b .. c`: the spaces take turns, and each passes what it found to the next. `a .. b` in Lua is sequence({a,
+/// b}).
 GuideSpec sequence(const std::vector<GuideSpec>& parts, std::int64_t turn = default_turn);
-/// A mixture whose weights follow what each part's proposals achieved. Throws Error without parts, or for settings out
-/// of their range.
+/// A mixture whose weights adapt to the results of its parts.
+/// \throws Error without parts, or for a setting out of range
 GuideSpec blend(const std::vector<GuideSpec>& parts, const BlendSettings& settings = {});
-/// Guides that serve in order, each until it is refuted.
+/// Guides in order, each until it is refuted.
 GuideSpec schedule(const std::vector<GuideSpec>& parts, const ScheduleSettings& settings = {});
-/// Guides whose spaces are searched in turn, by growing budgets; the first path found guides until it is refuted.
+/// Guides whose spaces are searched alternately with growing budgets. The first path found guides until it is refuted.
 GuideSpec race(const std::vector<GuideSpec>& parts, const RaceSettings& settings = {});
 
-/// A planner at the root, with or without a guide: what can be executed.
+/// An executable strategy: a planner at the root, with or without a guide.
 class StrategySpec {
  public:
-  /// Throws Error for a planner that searches explicit graphs only.
+  /// \throws Error for a planner that searches only explicit graphs
   StrategySpec(PlannerSpec planner);  // NOLINT(google-explicit-constructor): a planner is a strategy
   StrategySpec(PlannerSpec planner, GuideSpec guide);
 
@@ -162,7 +163,7 @@ class StrategySpec {
   [[nodiscard]] std::string text() const;
   /// The hierarchy as a tree, one level per line, the root first; ends with a newline.
   [[nodiscard]] std::string tree() const;
-  /// The spec as JSON text, every option included; canonical (equal specs give equal bytes).
+  /// The spec as canonical JSON with every option: equal specs give equal bytes.
   [[nodiscard]] std::string json() const;
   /// A stable hash of json().
   [[nodiscard]] std::uint64_t hash() const;
@@ -176,7 +177,7 @@ class StrategySpec {
 };
 
 StrategySpec operator>>(const GuideSpec& above, const PlannerSpec& planner);
-/// `split { guide >> planner }` is `guide >> split { planner }`: each half is guided as the whole.
+/// `split { guide >> planner }` is `guide >> split { planner }`: the guide applies to each half.
 StrategySpec split(const StrategySpec& part, const SplitSettings& settings = {});
 
 }  // namespace trellis

@@ -17,7 +17,7 @@ namespace trellis {
 
 namespace {
 
-/// Appends what a half's search did to that of the whole, whose nodes, proposals and densities are those of its halves.
+/// Appends a half's search to that of the whole, whose nodes, proposals and densities are those of its halves.
 void absorb(const Search& half, Search& whole) {
   const auto offset = static_cast<std::uint32_t>(whole.nodes.size());
   const auto moved = [offset](std::uint32_t row) { return row == no_node ? no_node : row + offset; };
@@ -40,7 +40,7 @@ void absorb(const Search& half, Search& whole) {
   whole.expands = whole.expands && half.expands;
 }
 
-/// Appends how the second half is driven, which starts where the first one ended.
+/// Appends the trajectory of the second half, which starts at the end of the first.
 void append(const Trajectory& half, Trajectory& whole) {
   if (half.steps.empty()) return;
   if (whole.steps.empty()) {
@@ -51,8 +51,8 @@ void append(const Trajectory& half, Trajectory& whole) {
   whole.steps.insert(whole.steps.end(), half.steps.begin(), half.steps.end());
 }
 
-/// Divides an instance at a sub-goal on the way that its guide found, or among valid proposals, and has both halves
-/// solved by the same strategy; tries other sub-goals where a half is not solved, and in the end solves it undivided.
+/// Divides an instance at a sub-goal, which lies on the guiding path or is a valid proposal, and solves both halves by
+/// the same strategy. If a half is not solved, tries other sub-goals; finally solves the undivided instance.
 class SplitSearch final : public Planner {
  public:
   SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, Task task)
@@ -95,7 +95,7 @@ class SplitSearch final : public Planner {
     return path;
   }
 
-  /// What is left of a budget for the next half.
+  /// The remaining budget.
   [[nodiscard]] Budget left(const Budget& budget) const {
     Budget rest;
     rest.proposals = budget.proposals - static_cast<double>(task_.search.proposals.size());
@@ -107,13 +107,13 @@ class SplitSearch final : public Planner {
     const Budget rest = left(budget);
     if (rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0) return Status::budget_spent;
     if (task_.interrupted && task_.interrupted()) return Status::interrupted;
-    // Has the guide's space searched, too.
+    // The call also lets the guide's space be searched.
     if (task_.paused && task_.paused()) return Status::budget_spent;
     return {};
   }
 
-  /// The place for this try: on the path that guides in the middle of what is not tried yet, as valid as it is or near
-  /// by; without a path, or where nothing near by is valid, among proposals.
+  /// The sub-goal of this try: the point of the guiding path in the middle of a gap between earlier tries, or a valid
+  /// configuration near it. Without a path, or if none near it is valid: a proposal.
   std::optional<Configuration> sub_goal(const Budget& budget) {
     if (guide_ != nullptr) {
       const Configurations path = level_.guidance().guide()->guiding_path();
@@ -124,7 +124,7 @@ class SplitSearch final : public Planner {
     return proposed(budget);
   }
 
-  /// 1/2, 1/4, 3/4, 1/8, ...: van der Corput's sequence.
+  /// 1/2, 1/4, 3/4, 1/8, ...: the van der Corput sequence.
   static double share(std::int64_t number) {
     double result = 0.0;
     double digit = 0.5;
@@ -151,7 +151,7 @@ class SplitSearch final : public Planner {
     return {end.begin(), end.end()};
   }
 
-  /// q, or the nearest to it of some configurations about it that are valid.
+  /// q if valid, else the first valid sample in shells of increasing radius about q.
   std::optional<Configuration> near(const Configuration& q) {
     Instance& instance = task_.instance;
     if (instance.space.contains(q) && instance.valid(q)) return q;
@@ -173,7 +173,7 @@ class SplitSearch final : public Planner {
     return {};
   }
 
-  /// Of some valid proposals the one whose longer half is the shortest.
+  /// The valid proposal, of several, that minimises the longer of the distances to start and goal.
   std::optional<Configuration> proposed(const Budget& budget) {
     constexpr int wanted = 8;
     constexpr int most = 200;
@@ -204,7 +204,7 @@ class SplitSearch final : public Planner {
     return best;
   }
 
-  /// The way by the sub-goal; none where a half was not solved.
+  /// The path through the sub-goal; none if a half was not solved.
   std::optional<Solution> join(const Configuration& goal, const Budget& budget) {
     Solution whole;
     whole.status = Status::solved;
@@ -212,7 +212,7 @@ class SplitSearch final : public Planner {
     for (std::size_t i = 0; i < names.size(); ++i) {
       auto half = std::make_unique<Instance>(task_.instance);
       half->checks = {};
-      // What the first half reached, which its goal's tolerance may keep from the sub-goal.
+      // The second half starts where the first one ended, within the goal tolerance of the sub-goal.
       if (i == 0) {
         half->goal = goal;
         half->further_goals.clear();
@@ -249,7 +249,7 @@ class SplitSearch final : public Planner {
   SplitSettings settings_;
   Task task_;
   std::shared_ptr<const Guide> lift_;
-  std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken when the run is over
+  std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken after the run
   std::unique_ptr<Planner> undivided_;
   Checks halves_;
   double seconds_ = 0.0;

@@ -7,8 +7,8 @@
 
 namespace trellis {
 
-/// The planner of a level that divides its instance at sub-goals.
-/// \param guide  of the level, nullptr without; each half has the same
+/// Makes the planner of a level that divides its instance at sub-goals.
+/// \param guide  of the level and of each half; nullptr: none
 std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
                                            Planner::Task task);
 
