@@ -239,7 +239,7 @@ TEST_CASE("the own score is that of the run's samples on the tube about its path
     // Other points of the same tube.
     const Target target(
         record.space, run.run.path, {0, 1}, TubeSettings{}, [&](View q) { return instance->validity->state(q); }, 1);
-    const Efficiency nodes = efficiency(target, record.search.nodes, {.held = Held::valid_only});
+    const Efficiency nodes = efficiency(target, record.search.nodes, {.support = SampleSupport::valid_only});
     const Scores& own = *root_of(run).own;
     CHECK(own.tree.uniform == Approx(nodes.uniform).margin(0.02));
     CHECK(own.tree.value == Approx(nodes.value).margin(0.1));

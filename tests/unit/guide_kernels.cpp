@@ -86,7 +86,7 @@ TEST_CASE("the sum of tubes' densities is one density, whatever overlaps", "[gui
         terms.push_back({kernels.back().density(), stream.uniform(0.0, 3.0)});
       }
     }
-    for (const auto& term : terms) CHECK(terms.front().density->akin(*term.density));
+    for (const auto& term : terms) CHECK(terms.front().density->mergeable(*term.density));
     const auto whole = terms.front().density->sum(terms);
     // A sum may be summed again.
     const auto twice = whole->sum({{whole, 0.5}, {terms.front().density, 2.0}});
@@ -109,8 +109,8 @@ TEST_CASE("tubes of another radius or space have no common sum", "[guide][kernel
   Stream stream(3, "", "kin");
   const auto path = random_path(space, 3, stream);
   const TubeKernel a(space, path, 0.1);
-  CHECK_FALSE(a.density()->akin(*TubeKernel(space, path, 0.2).density()));
-  CHECK_FALSE(a.density()->akin(*TubeKernel(Space::euclidean({{0, 2}, {0, 1}}), path, 0.1).density()));
+  CHECK_FALSE(a.density()->mergeable(*TubeKernel(space, path, 0.2).density()));
+  CHECK_FALSE(a.density()->mergeable(*TubeKernel(Space::euclidean({{0, 2}, {0, 1}}), path, 0.1).density()));
 }
 
 TEST_CASE("what no stretch covers has no mass at all", "[guide][kernel]") {

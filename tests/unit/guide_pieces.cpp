@@ -85,7 +85,7 @@ TEST_CASE("a density over S that is lifted integrates to 1 over C, whatever S we
     const LiftedDensity lifted(f, 2, tube);
     const auto [mean, error] = mass(se2, [&](View q) { return lifted.at(q); });
     CHECK(std::abs(mean - 1.0) < error);
-    CHECK(lifted.akin(LiftedDensity(f, 2, tube)));
+    CHECK(lifted.mergeable(LiftedDensity(f, 2, tube)));
     const auto sum = lifted.sum({{std::make_shared<LiftedDensity>(f, 2, tube), 0.25}});
     CHECK(sum->at(Configuration{3, 3, 0}) == Approx(0.25 * lifted.at(Configuration{3, 3, 0})));
   }

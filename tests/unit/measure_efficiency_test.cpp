@@ -354,7 +354,7 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (half(drawn[i])) valid.push(drawn[i]);
   }
-  const Efficiency tree = efficiency(target, valid, {.held = Held::valid_only});
+  const Efficiency tree = efficiency(target, valid, {.support = SampleSupport::valid_only});
   CHECK(std::isinf(tree.undefended));
   CHECK(std::find(tree.flags.begin(), tree.flags.end(), "cannot reach") != tree.flags.end());
   // The defended value stays finite, and pays log(1/eps) for the share that is out of reach.
@@ -363,5 +363,6 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   // With the support "free" the same tree has nothing that it cannot reach.
   settings.support = "free";
   CHECK(std::isfinite(
-      efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, {.held = Held::valid_only}).undefended));
+      efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, {.support = SampleSupport::valid_only})
+          .undefended));
 }

@@ -30,7 +30,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 Efficiency by(const EstimatorSpec& spec, const Target& target, const Configurations& samples, std::size_t points = 0,
               const std::function<double(View)>& density = {}) {
   return efficiency(target, samples,
-                    {.held = Held::anything, .estimators = {spec}, .density = density, .points = points});
+                    {.support = SampleSupport::anything, .estimators = {spec}, .density = density, .points = points});
 }
 
 EstimatorSpec knn_plain(std::int64_t k, bool boundary) {

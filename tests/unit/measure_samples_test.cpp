@@ -64,7 +64,8 @@ std::vector<EstimatorSpec> all_kinds() {
 }
 
 Efficiency by(const EstimatorSpec& spec, const Target& target, const Configurations& samples, std::size_t points = 0) {
-  return efficiency(target, samples, {.held = Held::anything, .estimators = {spec}, .density = {}, .points = points});
+  return efficiency(target, samples,
+                    {.support = SampleSupport::anything, .estimators = {spec}, .density = {}, .points = points});
 }
 
 bool flagged(const Efficiency& e, const std::string& flag) {
@@ -139,7 +140,7 @@ Efficiency made(double value, double undefended, std::size_t in_target) {
 TEST_CASE("The order of the samples does not matter, to the last bit") {
   Configurations samples = cloud(400, 1);
   for (int i = 0; i < 20; ++i) samples.push(i % 2 == 0 ? std::vector{9.0, 5.0} : std::vector{1.0, 5.0});
-  const Scoring scoring{.held = Held::anything,
+  const Scoring scoring{.support = SampleSupport::anything,
                         .estimators = all_kinds(),
                         .density = [](View x) { return 0.01 + 1e-4 * x[0]; },
                         .points = 512};
@@ -229,7 +230,8 @@ TEST_CASE("Translation and scale change no divergence") {
   kinds.push_back(EstimatorSpec::make("histogram", {{"bin", 0.625}}));
   kinds_of_twice.push_back(EstimatorSpec::make("histogram", {{"bin", 1.25}}));
   const auto score = [](const Target& target, const Configurations& rows, const std::vector<EstimatorSpec>& specs) {
-    return efficiency(target, rows, {.held = Held::anything, .estimators = specs, .density = {}, .points = 512});
+    return efficiency(target, rows,
+                      {.support = SampleSupport::anything, .estimators = specs, .density = {}, .points = 512});
   };
   const Efficiency here = score(capsule(), samples, kinds);
   check_same(here, score(moved, shifted, kinds), 1e-9);

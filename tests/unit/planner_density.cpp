@@ -20,7 +20,7 @@ class Constant final : public Density {
  public:
   explicit Constant(double value) : value_(value) {}
   [[nodiscard]] double at(View) const override { return value_; }
-  [[nodiscard]] bool akin(const Density& other) const override {
+  [[nodiscard]] bool mergeable(const Density& other) const override {
     return dynamic_cast<const Constant*>(&other) != nullptr;
   }
   [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override {

@@ -10,7 +10,7 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 #include "support/catch.hpp"
 #include "support/outcomes.hpp"
@@ -32,7 +32,7 @@ bool same(const Configurations& a, const Configurations& b) {
 }
 
 /// A scripted part of a sequence, which records its input.
-struct Part final : Prepared {
+struct Part final : SearchedGuidance {
   Advance advance = Advance::found;
   std::uint64_t times_refuted = 0;
   bool is_spent = false;
@@ -60,11 +60,11 @@ struct Part final : Prepared {
 /// A sequence of three such parts.
 struct Three {
   std::vector<Part*> parts;
-  std::unique_ptr<Prepared> sequence;
+  std::unique_ptr<SearchedGuidance> sequence;
   Stream stream{1, "", "sequence"};
 
   explicit Three(std::int64_t turn) {
-    std::vector<std::unique_ptr<Prepared>> owned;
+    std::vector<std::unique_ptr<SearchedGuidance>> owned;
     for (int i = 0; i < 3; ++i) {
       owned.push_back(std::make_unique<Part>());
       parts.push_back(static_cast<Part*>(owned.back().get()));

@@ -72,7 +72,7 @@ Measured measure(const Case& c, std::size_t n, std::size_t repetitions, const Es
   const auto& targets = targets_of(c);
   in_parallel(repetitions, jobs(), [&](std::size_t r) {
     found[r] = efficiency(*targets[r % targets.size()], c.samples(n, first + r),
-                          {.held = Held::anything, .estimators = {estimator}});
+                          {.support = SampleSupport::anything, .estimators = {estimator}});
   });
   Measured m;
   std::vector<double> plain;

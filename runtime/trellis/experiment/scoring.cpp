@@ -227,9 +227,9 @@ class ProblemScoring {
   struct Sets {
     PreparedSamples tree;
     PreparedSamples expansion;
-    Held held = Held::anything;                ///< of the tree
-    std::function<double(View)> density = {};  ///< of the expansion
-    bool brief = false;                        ///< uses the headline's estimator and `knn` only
+    SampleSupport support = SampleSupport::anything;  ///< of the tree
+    std::function<double(View)> density = {};         ///< of the expansion
+    bool brief = false;                               ///< uses the headline's estimator and `knn` only
     /// The unsorted samples; a script's function receives them as context.
     Configurations nodes = {};
     Configurations proposals = {};
@@ -237,7 +237,7 @@ class ProblemScoring {
   [[nodiscard]] static Sets own_sets(const LevelRecord& record) {
     return {.tree = {record.space, record.search.tree_samples(record.search.nodes)},
             .expansion = {record.space, expansion(record, record.search.proposals)},
-            .held = held(record),
+            .support = sample_support(record),
             .density = record.proposal_density,
             .brief = record.level != 0};
   }
@@ -246,7 +246,7 @@ class ProblemScoring {
     // Tree nodes are valid in the level's own space; lifted to the root they may be invalid.
     Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes)},
               .expansion = {root, expansion(record, record.root_proposals)},
-              .held = record.level == 0 ? held(record) : Held::anything,
+              .support = record.level == 0 ? sample_support(record) : SampleSupport::anything,
               .density = record.root_proposal_density,
               .brief = record.level != 0};
     tell(run, record);
@@ -273,7 +273,7 @@ class ProblemScoring {
     occasion_->samples = &samples;
   }
 
-  [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, Held held,
+  [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, SampleSupport support,
                                   const std::function<double(View)>& density, bool brief) const {
     poll();
     if (samples.total() == 0) {
@@ -283,7 +283,7 @@ class ProblemScoring {
       return result;
     }
     return efficiency(target, samples,
-                      {.held = held,
+                      {.support = support,
                        .estimators = measure_.estimators,
                        .brief = brief,
                        .headline_only = headline_only_,
@@ -295,9 +295,9 @@ class ProblemScoring {
   [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {
     Scores found;
     tell("node", sets.nodes);
-    found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+    found.tree = figure(target, sets.tree, sets.support, {}, sets.brief);
     tell("proposal", sets.proposals);
-    found.expansion = figure(target, sets.expansion, Held::anything, sets.density, sets.brief);
+    found.expansion = figure(target, sets.expansion, SampleSupport::anything, sets.density, sets.brief);
     return found;
   }
 
@@ -309,7 +309,7 @@ class ProblemScoring {
     const auto score = [&](const Configurations& rows, const std::function<double(View)>& density) {
       if (rows.empty()) return none(0, "there are no samples", false);
       return efficiency(target, {space, rows},
-                        {.held = Held::anything,
+                        {.support = SampleSupport::anything,
                          .estimators = measure_.estimators,
                          .headline_only = true,
                          .density = density,
@@ -346,8 +346,8 @@ class ProblemScoring {
     return record.search.expands ? rows : Configurations(rows.dimension());
   }
 
-  static Held held(const LevelRecord& record) {
-    return find_planner(record.planner)->unverified ? Held::anything : Held::valid_only;
+  static SampleSupport sample_support(const LevelRecord& record) {
+    return find_planner(record.planner)->unverified ? SampleSupport::anything : SampleSupport::valid_only;
   }
 
   template <class Score>
@@ -449,7 +449,7 @@ class ProblemScoring {
             rank_motions(level.record, tree, settings, measure_seed + result.seed, model_of(level.record));
         Efficiency& role = tree ? found.tree : found.expansion;
         role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
-                                            Held::anything, {}, level.record.level != 0)
+                                            SampleSupport::anything, {}, level.record.level != 0)
                                    : none(ranks.samples.size(), ranks.target.reason, false);
       }
       level.own = found;
@@ -501,8 +501,10 @@ class ProblemScoring {
       total += weight;
     }
     if (first == nullptr) return {.tree = {Space(), {}}, .expansion = {Space(), {}}};
-    Sets sets{
-        .tree = {first->space, nodes}, .expansion = {first->space, proposals}, .held = held(*first), .brief = true};
+    Sets sets{.tree = {first->space, nodes},
+              .expansion = {first->space, proposals},
+              .support = sample_support(*first),
+              .brief = true};
     if (closed && !known.empty()) {
       sets.density = [known, total](View x) {
         double sum = 0.0;
@@ -597,7 +599,7 @@ class ProblemScoring {
     // The recorded density does not depend on the number of samples: only estimates do.
     const Sets sets{.tree = {record.space, nodes},
                     .expansion = {record.space, proposals},
-                    .held = held(record),
+                    .support = sample_support(record),
                     .density = {},
                     .brief = true,
                     .nodes = nodes,
@@ -605,9 +607,10 @@ class ProblemScoring {
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores found;
       tell("node", sets.nodes);
-      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.held, {}, sets.brief);
+      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.support, {}, sets.brief);
       tell("proposal", sets.proposals);
-      if (equal_proposals_ > 0) found.expansion = figure(target, sets.expansion, Held::anything, {}, sets.brief);
+      if (equal_proposals_ > 0)
+        found.expansion = figure(target, sets.expansion, SampleSupport::anything, {}, sets.brief);
       return found;
     });
   }

@@ -105,7 +105,7 @@ class TriangleDensity final : public Density {
       return mass == masses_.end() || mass->first != triangle ? 0.0 : mass->second;
     });
   }
-  [[nodiscard]] bool akin(const Density& other) const override {
+  [[nodiscard]] bool mergeable(const Density& other) const override {
     const auto* same = dynamic_cast<const TriangleDensity*>(&other);
     return same != nullptr && same->decomposition_ == decomposition_;
   }

@@ -300,7 +300,7 @@ double TubeDensity::at(View q) const {
   return mass * height_;
 }
 
-bool TubeDensity::akin(const Density& other) const {
+bool TubeDensity::mergeable(const Density& other) const {
   const auto* tubes = dynamic_cast<const TubeDensity*>(&other);
   return tubes != nullptr && tubes->radius_ == radius_ && tubes->space_ == space_;
 }

@@ -80,7 +80,7 @@ class TubeDensity final : public Density {
 
   [[nodiscard]] double at(View q) const override;
   /// True for another tube density with the same space and radius.
-  [[nodiscard]] bool akin(const Density& other) const override;
+  [[nodiscard]] bool mergeable(const Density& other) const override;
   /// Adds the weights of equal tubes, interval by interval.
   [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override;
 

@@ -38,9 +38,9 @@ double LiftedDensity::at(View q) const {
   return p > 0.0 ? p * std::exp(projection_->log_fibre_density(q)) : p;
 }
 
-bool LiftedDensity::akin(const Density& other) const {
+bool LiftedDensity::mergeable(const Density& other) const {
   const auto* lifted = dynamic_cast<const LiftedDensity*>(&other);
-  return lifted != nullptr && lifted->projection_ == projection_ && density_->akin(*lifted->density_);
+  return lifted != nullptr && lifted->projection_ == projection_ && density_->mergeable(*lifted->density_);
 }
 
 std::shared_ptr<const Density> LiftedDensity::sum(const std::vector<Term>& terms) const {

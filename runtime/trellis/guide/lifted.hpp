@@ -52,7 +52,7 @@ class LiftedDensity final : public Density {
                 std::shared_ptr<const Density> density);
 
   [[nodiscard]] double at(View q) const override;
-  [[nodiscard]] bool akin(const Density& other) const override;
+  [[nodiscard]] bool mergeable(const Density& other) const override;
   [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override;
 
  private:

@@ -189,7 +189,7 @@ class MedialAxis final : public Heuristic {
 
   Instance& parent_;
   MedialAxisSettings settings_;
-  WayOut ray_;
+  SurfaceRay ray_;
   Configuration from_;
   Configuration probe_;
   Configuration slope_;  ///< gradient, metres of clearance per metre of the metric

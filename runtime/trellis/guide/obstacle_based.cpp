@@ -49,7 +49,7 @@ class ObstacleBased final : public Heuristic {
  private:
   Instance& parent_;
   ObstacleBasedSettings settings_;
-  WayOut ray_;
+  SurfaceRay ray_;
   Configuration inside_;
 };
 

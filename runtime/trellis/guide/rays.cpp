@@ -7,9 +7,9 @@
 
 namespace trellis {
 
-WayOut::WayOut(Instance& instance) : instance_(instance), direction_(instance.space.dimension(), 0.0) {}
+SurfaceRay::SurfaceRay(Instance& instance) : instance_(instance), direction_(instance.space.dimension(), 0.0) {}
 
-void WayOut::draw_direction(Stream& stream) {
+void SurfaceRay::draw_direction(Stream& stream) {
   const auto& axes = instance_.space.axes();
   double squares = 0.0;
   while (squares <= 0.0) {
@@ -22,7 +22,7 @@ void WayOut::draw_direction(Stream& stream) {
   for (std::size_t j = 0; j < direction_.size(); ++j) direction_[j] /= std::sqrt(squares) * axes[j].weight;
 }
 
-void WayOut::set_direction(double angle) {
+void SurfaceRay::set_direction(double angle) {
   const auto& axes = instance_.space.axes();
   std::fill(direction_.begin(), direction_.end(), 0.0);
   const std::size_t x = instance_.position_axes[0];
@@ -31,13 +31,13 @@ void WayOut::set_direction(double angle) {
   direction_[y] = std::sin(angle) / axes[y].weight;
 }
 
-bool WayOut::at(View q, double distance, MutableView out) const {
+bool SurfaceRay::at(View q, double distance, MutableView out) const {
   for (std::size_t j = 0; j < out.size(); ++j) out[j] = q[j] + distance * direction_[j];
   instance_.space.normalise(out);
   return instance_.space.contains(out);
 }
 
-double WayOut::walk(View q, MutableView out) {
+double SurfaceRay::walk(View q, MutableView out) {
   const double farthest = instance_.space.diameter();
   double inside = 0.0;
   double outside = instance_.resolution;

@@ -10,9 +10,9 @@
 namespace trellis {
 
 /// Follows a straight ray from an invalid configuration to the surface of the obstacle. The instance counts the checks.
-class WayOut {
+class SurfaceRay {
  public:
-  explicit WayOut(Instance& instance);
+  explicit SurfaceRay(Instance& instance);
 
   /// Draws a uniform direction of length 1 m in the metric.
   void draw_direction(Stream& stream);

@@ -142,7 +142,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       scoring.points > 0 ? std::min(scoring.points, target.evaluation_points()) : target.evaluation_points();
   std::vector<double> squared(points * neighbours);
   std::vector<char> unreachable;
-  if (scoring.held == Held::valid_only && target.holds_invalid()) {
+  if (scoring.support == SampleSupport::valid_only && target.holds_invalid()) {
     unreachable.reserve(target.pool().size());
     for (std::size_t i = 0; i < target.pool().size(); ++i) {
       unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);

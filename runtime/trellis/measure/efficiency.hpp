@@ -58,11 +58,11 @@ struct Efficiency : Estimate {
 
 /// The possible support of Q: a tree has no density on invalid configurations, so its divergence is infinite for a
 /// target with the support "all".
-enum class Held : std::uint8_t { anything, valid_only };
+enum class SampleSupport : std::uint8_t { anything, valid_only };
 
 /// How to score samples.
 struct Scoring {
-  Held held = Held::anything;
+  SampleSupport support = SampleSupport::anything;
   /// The first estimator that has a value gives the headline; `others` stores the rest.
   std::vector<EstimatorSpec> estimators = default_estimators();
   /// Whether to compute, of the other estimators, `knn` only.

@@ -41,8 +41,8 @@ class BestPath {
  public:
   /// \param improve  proposals that a solve spends after it found its first path; if a path is known when the solve
   ///     begins, proposals of the whole solve
-  BestPath(Planner::Task& task, double improve)
-      : task_(task), improve_(improve), straight_(task.instance.to_goal(task.instance.start)) {}
+  BestPath(PlannerContext& context, double improve)
+      : context_(context), improve_(improve), straight_(context.instance.to_goal(context.instance.start)) {}
 
   /// Begins a solve.
   void begin() {
@@ -52,15 +52,15 @@ class BestPath {
   /// Discards the path: the instance changed, so the path may be invalid now.
   void forget() {
     length_ = std::numeric_limits<double>::infinity();
-    straight_ = task_.instance.to_goal(task_.instance.start);
+    straight_ = context_.instance.to_goal(context_.instance.start);
   }
   /// Stores a path that is shorter than the stored one, and reports its length to the guidance.
   void keep(Configurations path) {
     if (!known()) from_ = drawn();
     path_ = std::move(path);
-    length_ = path_length(task_.instance.space, path_);
+    length_ = path_length(context_.instance.space, path_);
     kept_ = true;
-    task_.guidance.found(length_);
+    context_.guidance.found(length_);
   }
 
   [[nodiscard]] bool known() const { return length_ < std::numeric_limits<double>::infinity(); }
@@ -78,9 +78,9 @@ class BestPath {
   }
 
  private:
-  [[nodiscard]] double drawn() const { return static_cast<double>(task_.search.proposals.size()); }
+  [[nodiscard]] double drawn() const { return static_cast<double>(context_.search.proposals.size()); }
 
-  Planner::Task& task_;
+  PlannerContext& context_;
   double improve_;
   double straight_;
   double length_ = std::numeric_limits<double>::infinity();

@@ -49,8 +49,8 @@ const Settings<BestFirstSettings>& best_first_settings() {
 
 class BestFirst final : public Planner {
  public:
-  BestFirst(const BestFirstSettings& settings, Task task)
-      : settings_(settings), task_(std::move(task)), evaluated_(task_) {
+  BestFirst(const BestFirstSettings& settings, PlannerContext context)
+      : settings_(settings), context_(std::move(context)), evaluated_(context_) {
     if (settings_.model.empty()) return;
     model_ = known_search_model(settings_.model);
     if (!model_) {
@@ -60,25 +60,25 @@ class BestFirst final : public Planner {
   }
 
   Solution solve(const Budget& budget) override {
-    const Graph& graph = *task_.instance.graph;
+    const Graph& graph = *context_.instance.graph;
     if (model_ && graph.vertices.dimension() != 2) {
       throw Error(
           fmt::format("best_first: option 'model' needs a graph in the plane; this space ({}) has {} coordinates",
-                      task_.instance.space.name(), graph.vertices.dimension()));
+                      context_.instance.space.name(), graph.vertices.dimension()));
     }
     if (evaluated_.begin()) {
       costs_.clear();
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
     }
     if (!graph.verified) {
-      if (auto found = invalid_ends(task_.instance)) return *found;
+      if (auto found = invalid_ends(context_.instance)) return *found;
       evaluated_.renew();
     }
-    Meter drawing(task_, budget);
+    BudgetMonitor drawing(context_, budget);
     const std::vector<double> factors = priority_factors(drawing);
     const auto priority = [&](const SearchState& state, std::uint32_t v) {
       const double ahead = model_ ? model_->cost_to_go(state, v)
-                                  : task_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
+                                  : context_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
       return factors.empty() ? ahead : factors[v] * ahead;
     };
     const auto evaluate = [&](std::uint32_t e, std::uint32_t to) -> View {
@@ -95,10 +95,10 @@ class BestFirst final : public Planner {
     // The search draws no more proposals, so the limit of proposals must not end it.
     Budget searching = budget;
     searching.proposals = Budget::unlimited;
-    Meter meter(task_, searching);
+    BudgetMonitor monitor(context_, searching);
     std::optional<Status> ended;
     while (!search.reached_goal() && !search.open().empty()) {
-      if ((ended = meter.spent())) break;
+      if ((ended = monitor.spent())) break;
       const std::uint32_t v = search.open().begin()->vertex;
       if (search.expand(*search.open().begin()) && !graph.verified) evaluated_.add_node(v, search.state().at(v).edge);
     }
@@ -119,7 +119,7 @@ class BestFirst final : public Planner {
   /// The increase of each edge's cost since the graph was made. Greedy search ignores costs: without these penalties a
   /// continued search would find the same path again.
   [[nodiscard]] std::vector<double> penalties() const {
-    const auto& edges = task_.instance.graph->edges;
+    const auto& edges = context_.instance.graph->edges;
     std::vector<double> grown(edges.size(), 0.0);
     bool any = false;
     for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -131,9 +131,9 @@ class BestFirst final : public Planner {
 
   /// Factors on the vertices' priorities: 1 / (1 + s * vertices) for a vertex nearest to a share s of the guidance's
   /// proposals. Empty without proposals.
-  std::vector<double> priority_factors(Meter& meter) {
-    if (!task_.guided) return {};
-    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, meter);
+  std::vector<double> priority_factors(BudgetMonitor& monitor) {
+    if (!context_.guided) return {};
+    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, monitor);
     if (proposals.drawn == 0.0) return {};
     const auto n = static_cast<double>(proposals.hits.size());
     std::vector<double> factors;
@@ -143,7 +143,7 @@ class BestFirst final : public Planner {
   }
 
   BestFirstSettings settings_;
-  Task task_;
+  PlannerContext context_;
   EvaluatedGraph evaluated_;
   std::shared_ptr<const SearchModel> model_;
   std::vector<double> costs_;  ///< initial costs of the edges
@@ -153,9 +153,9 @@ class BestFirst final : public Planner {
 
 PlannerKind best_first_kind() {
   return {&best_first_settings().component(), [](const Options& o) { return common_of(best_first_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-            if (!task.instance.graph) throw Fault("best_first needs an instance with an explicit graph");
-            return std::make_unique<BestFirst>(best_first_settings().read(o), std::move(task));
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            if (!context.instance.graph) throw Fault("best_first needs an instance with an explicit graph");
+            return std::make_unique<BestFirst>(best_first_settings().read(o), std::move(context));
           },
           true};
 }

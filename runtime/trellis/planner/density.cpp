@@ -87,7 +87,7 @@ void DensityRecord::compact() {
   for (auto& term : terms_) {
     if (term.weight <= 0.0) continue;
     const auto family = std::find_if(families.begin(), families.end(),
-                                     [&](const auto& f) { return f.front().density->akin(*term.density); });
+                                     [&](const auto& f) { return f.front().density->mergeable(*term.density); });
     if (family == families.end()) {
       families.push_back({std::move(term)});
     } else {

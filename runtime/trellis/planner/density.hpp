@@ -30,7 +30,7 @@ class Density {
 
   [[nodiscard]] virtual double at(View q) const = 0;
   /// Whether a weighted sum of the two densities has a closed form that costs less to evaluate than its terms.
-  [[nodiscard]] virtual bool akin(const Density& other) const {
+  [[nodiscard]] virtual bool mergeable(const Density& other) const {
     static_cast<void>(other);
     return false;
   }

@@ -65,14 +65,14 @@ void EvaluatedGraph::record(std::uint32_t e) {
   }
 }
 
-EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, Meter& meter) {
+EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonitor& monitor) {
   const Graph& graph = *task_.instance.graph;
   NearestIndex index(task_.instance.space);
   for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index.add(graph.vertices[v]);
   Proposals proposals{std::vector<double>(graph.vertices.size(), 0.0), 0.0};
   Configuration q(task_.instance.space.dimension());
   const std::vector<char> connected = reachable();
-  for (std::int64_t i = 0; i < samples && !meter.spent(); ++i) {
+  for (std::int64_t i = 0; i < samples && !monitor.spent(); ++i) {
     propose(task_, q);
     const auto near = index.nearest(q);
     proposals.hits[near.id] += 1.0;

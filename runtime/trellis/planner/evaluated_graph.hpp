@@ -12,12 +12,12 @@
 namespace trellis {
 
 /// Shared by the planners that search explicit graphs: the results of edge evaluations, which remain from one solve to
-/// the next, and the level's record. The referenced task outlives this object.
+/// the next, and the level's record. The referenced context outlives this object.
 class EvaluatedGraph {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  explicit EvaluatedGraph(Planner::Task& task) : task_(task) {}
+  explicit EvaluatedGraph(PlannerContext& context) : context_(context) {}
 
   /// Begins a search of the instance's graph. If the graph is another one than before, discards the results and returns
   /// true.
@@ -44,7 +44,7 @@ class EvaluatedGraph {
     double drawn = 0.0;
   };
   /// Draws `samples` proposals; fewer if the budget ends.
-  Proposals draw(std::int64_t samples, Meter& meter);
+  Proposals draw(std::int64_t samples, BudgetMonitor& monitor);
 
   /// The solution from the search tree: its path to the goal, or to the reached vertex nearest to the goal.
   /// \param parent  for each reached vertex, the tree's edge to it
@@ -62,7 +62,7 @@ class EvaluatedGraph {
   /// graph, and edges presumed valid, count as connections.
   [[nodiscard]] std::vector<char> reachable() const;
 
-  Planner::Task& task_;
+  PlannerContext& context_;
   std::shared_ptr<Graph> graph_;  ///< the graph that the other members refer to
   std::vector<char> seen_;        ///< per edge: whether it was recorded, or the result of its evaluation
   std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge

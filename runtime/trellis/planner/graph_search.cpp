@@ -35,13 +35,13 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
 
 class GraphSearch final : public Planner {
  public:
-  GraphSearch(const GraphSearchSettings& settings, Task task)
-      : settings_(settings), task_(std::move(task)), evaluated_(task_) {}
+  GraphSearch(const GraphSearchSettings& settings, PlannerContext context)
+      : settings_(settings), context_(std::move(context)), evaluated_(context_) {}
 
   Solution solve(const Budget& budget) override {
-    const Graph& graph = *task_.instance.graph;
-    Meter meter(task_, budget);
-    const std::vector<double> cost = weighed(meter);
+    const Graph& graph = *context_.instance.graph;
+    BudgetMonitor monitor(context_, budget);
+    const std::vector<double> cost = weighed(monitor);
     const auto n = graph.vertices.size();
     std::vector<std::vector<std::uint32_t>> adjacency(n);
     for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
@@ -55,11 +55,11 @@ class GraphSearch final : public Planner {
     if (graph.verified) {
       dijkstra(graph, cost, adjacency, parent, done);
     } else {
-      if (auto found = invalid_ends(task_.instance)) return *found;
+      if (auto found = invalid_ends(context_.instance)) return *found;
       // The search draws no more proposals, so the limit of proposals must not end it.
       Budget looks = budget;
       looks.proposals = Budget::unlimited;
-      Meter looking(task_, looks);
+      BudgetMonitor looking(context_, looks);
       ended = verify(graph, cost, adjacency, parent, done, looking);
     }
     return evaluated_.solution(parent, done, ended.value_or(Status::no_path));
@@ -98,8 +98,8 @@ class GraphSearch final : public Planner {
   /// validity.
   /// \return the reason if it stops early, else none
   std::optional<Status> verify(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
-                               std::vector<std::uint32_t>& parent, std::vector<char>& done, Meter& meter) {
-    const Instance& instance = task_.instance;
+                               std::vector<std::uint32_t>& parent, std::vector<char>& done, BudgetMonitor& monitor) {
+    const Instance& instance = context_.instance;
     evaluated_.renew();
     // The remaining path costs at least its length times the lowest rate.
     double rate = 1.0;
@@ -125,7 +125,7 @@ class GraphSearch final : public Planner {
       queue.pop();
       const std::uint32_t v = entry.vertex;
       if (done[v] != 0) continue;
-      if (const auto status = meter.spent()) return status;
+      if (const auto status = monitor.spent()) return status;
       if (entry.edge != EvaluatedGraph::none && !evaluated_.valid(entry.edge, v)) continue;
       done[v] = 1;
       parent[v] = entry.edge;
@@ -141,12 +141,12 @@ class GraphSearch final : public Planner {
 
   /// The edges' costs, reduced near the guidance's proposals: an edge whose ends are nearest to a share s of them costs
   /// length / (1 + s * vertices). With the share of the mean vertex it costs half.
-  std::vector<double> weighed(Meter& meter) {
-    const Graph& graph = *task_.instance.graph;
+  std::vector<double> weighed(BudgetMonitor& monitor) {
+    const Graph& graph = *context_.instance.graph;
     std::vector<double> cost;
     for (const auto& edge : graph.edges) cost.push_back(edge.cost);
-    if (!task_.guided) return cost;
-    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, meter);
+    if (!context_.guided) return cost;
+    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, monitor);
     if (proposals.drawn == 0.0) return cost;
     const auto n = static_cast<double>(graph.vertices.size());
     for (std::size_t e = 0; e < cost.size(); ++e) {
@@ -158,7 +158,7 @@ class GraphSearch final : public Planner {
   }
 
   GraphSearchSettings settings_;
-  Task task_;
+  PlannerContext context_;
   EvaluatedGraph evaluated_;
 };
 
@@ -167,9 +167,9 @@ class GraphSearch final : public Planner {
 PlannerKind graph_search_kind() {
   return {&graph_search_settings().component(),
           [](const Options& o) { return common_of(graph_search_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-            if (!task.instance.graph) throw Fault("graph_search needs an instance with an explicit graph");
-            return std::make_unique<GraphSearch>(graph_search_settings().read(o), std::move(task));
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            if (!context.instance.graph) throw Fault("graph_search needs an instance with an explicit graph");
+            return std::make_unique<GraphSearch>(graph_search_settings().read(o), std::move(context));
           },
           true};
 }

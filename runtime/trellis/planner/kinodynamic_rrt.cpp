@@ -46,10 +46,10 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
 
 class KinodynamicRrt final : public Planner {
  public:
-  KinodynamicRrt(const KinodynamicRrtSettings& settings, Task task)
+  KinodynamicRrt(const KinodynamicRrtSettings& settings, PlannerContext context)
       : settings_(settings),
-        task_(std::move(task)),
-        model_holder_(task_.instance.motion_model),
+        context_(std::move(context)),
+        model_holder_(context_.instance.motion_model),
         model_(*model_holder_),
         most_steps_(static_cast<std::size_t>(
             std::clamp(std::floor(settings.longest / model_.dt() + 1e-9), 1.0, most_steps_allowed))),
@@ -59,8 +59,8 @@ class KinodynamicRrt final : public Planner {
         best_control_(model_.controls().size()) {}
 
   Solution solve(const Budget& budget) override {
-    auto& instance = task_.instance;
-    Meter meter(task_, budget);
+    auto& instance = context_.instance;
+    BudgetMonitor monitor(context_, budget);
     if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
@@ -68,14 +68,14 @@ class KinodynamicRrt final : public Planner {
       if (tree_) begin_repair();
     }
     if (tree_ && repair_ && !solved_) {
-      if (const auto reason = repair(meter))
+      if (const auto reason = repair(monitor))
         return {*reason, path_of_start(instance), {Configurations(model_.controls().size()), {}, model_.dt()}};
     } else if (!tree_ || solved_) {
       // A tree that reached the goal is replaced by a new one, to find another path. Another tree continues to grow.
       plant();
     }
     while (!solved_) {
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = monitor.spent()) return finish(*reason);
       iterate();
     }
     return finish(Status::solved);
@@ -91,12 +91,12 @@ class KinodynamicRrt final : public Planner {
     std::uint32_t steps = 0;
   };
 
-  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
 
   /// Called when the instance changed, so that validity of the tree is unknown. If the goal may still be reachable,
   /// checks the branch to it first; the search ends if that branch is valid.
   void begin_repair() {
-    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+    if (!std::equal(context_.instance.start.begin(), context_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
       return;
     }
@@ -106,16 +106,16 @@ class KinodynamicRrt final : public Planner {
 
   /// Solves the instance if the branch to the goal is still valid; else removes all invalid branches. Returns the
   /// reason if it stops early, else none.
-  std::optional<Status> repair(Meter& meter) {
+  std::optional<Status> repair(BudgetMonitor& monitor) {
     const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
-    if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
+    if (best_distance_ <= context_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
       solved_ = true;
       return std::nullopt;
     }
-    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    if (const auto reason = repair_->check_all(*tree_, monitor, edge_valid)) return reason;
     const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
-    task_.guidance.restart();
-    report_nodes(task_, *tree_, false);
+    context_.guidance.restart();
+    report_nodes(context_, *tree_, false);
     std::vector<Edge> kept(tree_->size());
     for (std::uint32_t id = 0; id < ids.size(); ++id) {
       if (ids[id] == no_node) continue;
@@ -125,7 +125,7 @@ class KinodynamicRrt final : public Planner {
     edges_ = std::move(kept);
     repair_.reset();
     find_best();
-    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+    solved_ = best_distance_ <= context_.instance.goal_tolerance;
     return std::nullopt;
   }
 
@@ -136,8 +136,8 @@ class KinodynamicRrt final : public Planner {
     std::copy(from.begin(), from.end(), state_.begin());
     Configuration next(dimension());
     for (std::uint32_t k = 0; k < edge.steps; ++k) {
-      model_.step(task_.instance.space, state_, std::as_const(controls_)[edge.control], next);
-      if (!motion_still_valid(task_, state_, next)) return false;
+      model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
+      if (!motion_still_valid(context_, state_, next)) return false;
       std::swap(state_, next);
     }
     return true;
@@ -147,9 +147,9 @@ class KinodynamicRrt final : public Planner {
   void find_best() {
     solved_ = false;
     best_ = 0;
-    best_distance_ = task_.instance.to_goal((*tree_)[0]);
+    best_distance_ = context_.instance.to_goal((*tree_)[0]);
     for (std::uint32_t id = 1; id < tree_->size(); ++id) {
-      const double distance = task_.instance.to_goal((*tree_)[id]);
+      const double distance = context_.instance.to_goal((*tree_)[id]);
       if (distance >= best_distance_) continue;
       best_distance_ = distance;
       best_ = id;
@@ -157,27 +157,27 @@ class KinodynamicRrt final : public Planner {
   }
 
   void plant() {
-    tree_.emplace(task_);
-    task_.guidance.restart();
+    tree_.emplace(context_);
+    context_.guidance.restart();
     edges_.clear();
     controls_ = Configurations(model_.controls().size());
     repair_.reset();
     solved_ = false;
-    best_ = tree_->add(task_.instance.start, 0);
+    best_ = tree_->add(context_.instance.start, 0);
     edges_.push_back({});
-    best_distance_ = task_.instance.to_goal(task_.instance.start);
-    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+    best_distance_ = context_.instance.to_goal(context_.instance.start);
+    solved_ = best_distance_ <= context_.instance.goal_tolerance;
   }
 
   /// Samples controls and durations, and returns the control whose end state is nearest to the proposal. Makes no
   /// validity check.
   std::uint32_t choose_control(View from) {
-    const auto& space = task_.instance.space;
+    const auto& space = context_.instance.space;
     double least = std::numeric_limits<double>::infinity();
     std::uint32_t chosen = 0;
     for (std::int64_t i = 0; i < settings_.controls; ++i) {
-      model_.sample_control(task_.proposals, control_);
-      const auto steps = static_cast<std::uint32_t>(1 + task_.proposals.below(most_steps_));
+      model_.sample_control(context_.proposals, control_);
+      const auto steps = static_cast<std::uint32_t>(1 + context_.proposals.below(most_steps_));
       std::copy(from.begin(), from.end(), state_.begin());
       for (std::uint32_t k = 0; k < steps; ++k) model_.step(space, state_, control_, state_);
       const double distance = space.squared_distance(state_, sample_);
@@ -199,7 +199,7 @@ class KinodynamicRrt final : public Planner {
 
   /// Drives a trajectory until it is invalid, reaches the goal, or has taken `most` steps.
   Driven drive(View from, const Trajectory& way, std::size_t most) {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     Driven driven{Configurations(dimension()), {}, false, {}};
     Configuration at(from.begin(), from.end());
     for (std::size_t i = 0; i < way.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
@@ -236,7 +236,7 @@ class KinodynamicRrt final : public Planner {
   /// The trajectory from a node towards the proposal.
   Trajectory way_from(View from) {
     if (settings_.extend == "curves") {
-      auto curve = steer_at(model_, from, sample_, task_.proposals.uniform());
+      auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
     }
     Trajectory way{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
@@ -245,9 +245,9 @@ class KinodynamicRrt final : public Planner {
   }
 
   void iterate() {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const auto& space = instance.space;
-    propose(task_, sample_);
+    propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
     const Trajectory way = way_from(from);
@@ -257,14 +257,14 @@ class KinodynamicRrt final : public Planner {
     outcome.near = from;
     outcome.blocked_at = driven.blocked;
     if (driven.ends.empty()) {
-      settle(task_, outcome, tree_->row(near.id));
+      settle(context_, outcome, tree_->row(near.id));
       return;
     }
     const std::uint32_t id = add(near.id, driven, way);
     const View added = std::as_const(driven.states)[driven.ends.back() - 1];
     outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
     outcome.added = added;
-    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
     report_pieces(driven, id, driven.ends.size() - 1, sample_);
     if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
   }
@@ -280,14 +280,14 @@ class KinodynamicRrt final : public Planner {
       const auto id = last - static_cast<std::uint32_t>(driven.ends.size() - 1 - i);
       outcome.near = (*tree_)[edges_[id].parent];
       outcome.added_row = tree_->row(id);
-      task_.guidance.observe(outcome, false);
+      context_.guidance.observe(outcome, false);
     }
   }
 
   /// Drives the shortest curve from a node to the goal. Adds it to the tree if it arrives.
   void connect(std::uint32_t id, View from) {
-    const View goal = task_.instance.goal_at(task_.instance.nearest_goal(from).goal);
-    if (!task_.guidance.worth_connecting(from, goal)) return;
+    const View goal = context_.instance.goal_at(context_.instance.nearest_goal(from).goal);
+    if (!context_.guidance.worth_connecting(from, goal)) return;
     const auto arrives = [&](const std::optional<Trajectory>& way) {
       if (!way) return false;
       const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
@@ -298,23 +298,23 @@ class KinodynamicRrt final : public Planner {
         outcome.proposal = goal;
         outcome.near = from;
         outcome.blocked_at = driven.blocked;
-        task_.guidance.observe(outcome, false);
+        context_.guidance.observe(outcome, false);
       }
       return driven.arrived;
     };
     if (!arrives(steer(model_, from, goal)) && settings_.extend == "curves") {
-      arrives(steer_at(model_, from, goal, task_.proposals.uniform()));
+      arrives(steer_at(model_, from, goal, context_.proposals.uniform()));
     }
   }
 
   /// Updates the node nearest to the goal.
   void note(std::uint32_t id) {
-    const double distance = task_.instance.to_goal((*tree_)[id]);
+    const double distance = context_.instance.to_goal((*tree_)[id]);
     if (distance < best_distance_) {
       best_distance_ = distance;
       best_ = id;
     }
-    if (distance <= task_.instance.goal_tolerance) solved_ = true;
+    if (distance <= context_.instance.goal_tolerance) solved_ = true;
   }
 
   [[nodiscard]] Solution finish(Status status) const {
@@ -326,13 +326,13 @@ class KinodynamicRrt final : public Planner {
       solution.trajectory.controls.push(controls_[edges_[*it].control]);
       solution.trajectory.steps.push_back(edges_[*it].steps);
     }
-    const auto& instance = task_.instance;
+    const auto& instance = context_.instance;
     solution.path = replay(model_, instance.space, instance.start, solution.trajectory);
     return solution;
   }
 
   KinodynamicRrtSettings settings_;
-  Task task_;
+  PlannerContext context_;
   std::shared_ptr<const MotionModel> model_holder_;  ///< outlives a replaced instance
   const MotionModel& model_;
   std::size_t most_steps_;  ///< longest duration of a control, in steps
@@ -357,9 +357,9 @@ PlannerKind kinodynamic_rrt_kind() {
   PlannerKind kind;
   kind.component = &kinodynamic_rrt_settings().component();
   kind.common = [](const Options& o) { return common_of(kinodynamic_rrt_settings().read(o)); };
-  kind.make = [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-    if (!task.instance.motion_model) throw Fault("kinodynamic_rrt needs an instance with a motion model");
-    return std::make_unique<KinodynamicRrt>(kinodynamic_rrt_settings().read(o), std::move(task));
+  kind.make = [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+    if (!context.instance.motion_model) throw Fault("kinodynamic_rrt needs an instance with a motion model");
+    return std::make_unique<KinodynamicRrt>(kinodynamic_rrt_settings().read(o), std::move(context));
   };
   kind.kinodynamic = true;
   return kind;

@@ -62,32 +62,32 @@ Settings<S> with_common(Settings<S> settings) {
 }
 
 /// Monitors a budget during one solve.
-class Meter {
+class BudgetMonitor {
  public:
-  Meter(const Planner::Task& task, const Budget& budget)
-      : task_(task), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
+  BudgetMonitor(const PlannerContext& context, const Budget& budget)
+      : context_(context), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
 
   /// The reason to stop, or none. Its cost permits a call before every proposal.
   [[nodiscard]] std::optional<Status> spent() {
-    if (static_cast<double>(task_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
+    if (static_cast<double>(context_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
     return spent_without_proposals();
   }
   /// The same without the limit of proposals, for work that draws none.
   [[nodiscard]] std::optional<Status> spent_without_proposals() {
-    if (static_cast<double>(task_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
+    if (static_cast<double>(context_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
     // Called every time, so that a caller that counts proposals can stop a run at any of them. Reading the clock costs
     // more.
-    if (task_.interrupted && task_.interrupted()) return Status::interrupted;
-    if (task_.paused && task_.paused()) return Status::budget_spent;
+    if (context_.interrupted && context_.interrupted()) return Status::interrupted;
+    if (context_.paused && context_.paused()) return Status::budget_spent;
     if ((asked_++ & 63U) == 0 && budget_.seconds < Budget::unlimited) {
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-      if (task_.search.seconds + elapsed.count() >= budget_.seconds) return Status::budget_spent;
+      if (context_.search.seconds + elapsed.count() >= budget_.seconds) return Status::budget_spent;
     }
     return std::nullopt;
   }
 
  private:
-  const Planner::Task& task_;
+  const PlannerContext& context_;
   Budget budget_;
   std::chrono::steady_clock::time_point begin_;
   unsigned asked_ = 0;
@@ -95,22 +95,23 @@ class Meter {
 
 /// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the
 /// extension, by the function below.
-inline void propose(Planner::Task& task, MutableView q) {
-  const Guidance::Source source = task.guidance.sample(task.proposals, q);
-  task.search.density.served(task.guidance);
-  task.search.proposals.push(q);
-  task.search.proposal_sources.push_back(source);
+inline void propose(PlannerContext& context, MutableView q) {
+  const Guidance::Source source = context.guidance.sample(context.proposals, q);
+  context.search.density.served(context.guidance);
+  context.search.proposals.push(q);
+  context.search.proposal_sources.push_back(source);
 }
 
 /// Records the result of the last proposal and reports it to the guidance.
 /// \param near  row of the node that was extended
 /// \param added  row of the node that was added
-inline void settle(Planner::Task& task, Outcome outcome, std::uint32_t near = no_node, std::uint32_t added = no_node) {
-  task.search.fates.push_back(outcome.fate);
-  task.search.near.push_back(near);
-  task.search.added.push_back(added);
+inline void settle(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
+                   std::uint32_t added = no_node) {
+  context.search.fates.push_back(outcome.fate);
+  context.search.near.push_back(near);
+  context.search.added.push_back(added);
   outcome.added_row = added;
-  task.guidance.observe(outcome, true);
+  context.guidance.observe(outcome, true);
 }
 
 /// Motions found invalid while the planner inserted a node. The guidance receives them after the result of the proposal
@@ -129,13 +130,13 @@ class BlockedMotions {
     at_.push(at);
   }
   /// Reports all motions to the guidance as outcomes without a proposal, then clears the list.
-  void report(Planner::Task& task) {
+  void report(PlannerContext& context) {
     for (std::size_t i = 0; i < at_.size(); ++i) {
       Outcome outcome;
       outcome.proposal = std::as_const(to_)[i];
       outcome.near = std::as_const(from_)[i];
       outcome.blocked_at = std::as_const(at_)[i];
-      task.guidance.observe(outcome, false);
+      context.guidance.observe(outcome, false);
     }
     from_.clear();
     to_.clear();

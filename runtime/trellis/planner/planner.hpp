@@ -95,23 +95,23 @@ struct Solution {
   [[nodiscard]] bool solved() const { return status == Status::solved; }
 };
 
+/// The context of a planner. The referenced objects outlive the planner.
+struct PlannerContext {
+  Instance& instance;
+  Guidance& guidance;
+  Stream proposals;  ///< random stream that h draws from
+  Search& search;    ///< the planner appends to it
+  bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
+                     ///< draws no proposal
+  std::function<bool()> interrupted;
+  /// Called before every proposal; returns whether the search pauses. A paused search ends with Status::budget_spent,
+  /// and the next call of `solve` continues it. Empty: the search never pauses.
+  std::function<bool()> paused = {};
+};
+
 /// A planner of one instance with one guidance. It does not depend on guides.
 class Planner {
  public:
-  /// The context of a planner. The referenced objects outlive the planner.
-  struct Task {
-    Instance& instance;
-    Guidance& guidance;
-    Stream proposals;  ///< random stream that h draws from
-    Search& search;    ///< the planner appends to it
-    bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
-                       ///< draws no proposal
-    std::function<bool()> interrupted;
-    /// Called before every proposal; returns whether the search pauses. A paused search ends with Status::budget_spent,
-    /// and the next call of `solve` continues it. Empty: the search never pauses.
-    std::function<bool()> paused = {};
-  };
-
   virtual ~Planner() = default;
 
   /// Searches until solved or until the budget is spent. Each further call continues the search. If the instance
@@ -136,7 +136,7 @@ struct PlannerCommon {
 struct PlannerKind {
   const Component* component = nullptr;
   PlannerCommon (*common)(const Options&) = nullptr;
-  std::unique_ptr<Planner> (*make)(const Options&, Planner::Task) = nullptr;
+  std::unique_ptr<Planner> (*make)(const Options&, PlannerContext) = nullptr;
   /// Whether it searches explicit graphs, and only these.
   bool graph = false;
   /// Whether its nodes may be invalid, because it checks few of them.

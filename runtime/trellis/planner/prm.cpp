@@ -77,17 +77,17 @@ const Settings<LazyPrmSettings>& lazy_prm_settings() {
 
 PlannerKind prm_kind() {
   return {&prm_settings().component(), [](const Options& o) { return common_of(prm_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
             const PrmSettings settings = prm_settings().read(o);
             return std::make_unique<RoadmapPlanner>(settings.connection(),
-                                                    RoadmapPlanner::Mode{.again = settings.batch}, std::move(task));
+                                                    RoadmapPlanner::Mode{.again = settings.batch}, std::move(context));
           },
           false};
 }
 
 PlannerKind lazy_prm_kind() {
   return {&lazy_prm_settings().component(), [](const Options& o) { return common_of(lazy_prm_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
             const LazyPrmSettings settings = lazy_prm_settings().read(o);
             return std::make_unique<RoadmapPlanner>(
                 settings.connection(),
@@ -101,7 +101,7 @@ PlannerKind lazy_prm_kind() {
                                      .coarse_to_fine = settings.edges == "coarse_to_fine",
                                      .enhance = settings.enhance,
                                      .spread = settings.spread},
-                std::move(task));
+                std::move(context));
           },
           false, true};
 }

@@ -51,25 +51,27 @@ const Settings<LazyRrgStarSettings>& lazy_rrg_star_settings() {
   return settings;
 }
 
-std::unique_ptr<Planner> make(const AnytimeSettings& settings, RoadmapPlanner::Mode mode, Planner::Task task) {
+std::unique_ptr<Planner> make(const AnytimeSettings& settings, RoadmapPlanner::Mode mode, PlannerContext context) {
   mode.improve = settings.improve;
-  const Connection connection = settings.connection(task.instance.space);
-  return std::make_unique<RoadmapPlanner>(connection, mode, std::move(task));
+  const Connection connection = settings.connection(context.instance.space);
+  return std::make_unique<RoadmapPlanner>(connection, mode, std::move(context));
 }
 
 }  // namespace
 
 PlannerKind prm_star_kind() {
   return {&prm_star_settings().component(), [](const Options& o) { return common_of(prm_star_settings().read(o)); },
-          [](const Options& o, Planner::Task task) { return make(prm_star_settings().read(o), {}, std::move(task)); },
+          [](const Options& o, PlannerContext context) {
+            return make(prm_star_settings().read(o), {}, std::move(context));
+          },
           false};
 }
 
 PlannerKind lazy_prm_star_kind() {
   return {&lazy_prm_star_settings().component(),
           [](const Options& o) { return common_of(lazy_prm_star_settings().read(o)); },
-          [](const Options& o, Planner::Task task) {
-            return make(lazy_prm_star_settings().read(o), {.lazy_edges = true}, std::move(task));
+          [](const Options& o, PlannerContext context) {
+            return make(lazy_prm_star_settings().read(o), {.lazy_edges = true}, std::move(context));
           },
           false};
 }
@@ -77,9 +79,9 @@ PlannerKind lazy_prm_star_kind() {
 PlannerKind lazy_rrg_star_kind() {
   return {&lazy_rrg_star_settings().component(),
           [](const Options& o) { return common_of(lazy_rrg_star_settings().read(o)); },
-          [](const Options& o, Planner::Task task) {
+          [](const Options& o, PlannerContext context) {
             const LazyRrgStarSettings settings = lazy_rrg_star_settings().read(o);
-            return make(settings, {.lazy_edges = true, .step = settings.step}, std::move(task));
+            return make(settings, {.lazy_edges = true, .step = settings.step}, std::move(context));
           },
           false};
 }

@@ -17,27 +17,27 @@ std::size_t outside_in(std::size_t i, std::size_t n) { return i % 2 == 0 ? i / 2
 
 }  // namespace
 
-RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, Task task)
+RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerContext context)
     : mode_(mode),
-      task_(std::move(task)),
+      context_(std::move(context)),
       connection_(connection),
-      best_(task_, mode.improve),
-      index_(task_.instance.space),
+      best_(context_, mode.improve),
+      index_(context_.instance.space),
       blocked_motions_(dimension()),
       sample_(dimension()),
       target_(dimension()),
       blocked_(dimension()) {
   // If validity is presumed, validation of a node costs no checks.
-  presumed_ = !task_.instance.validity->spends_checks();
+  presumed_ = !context_.instance.validity->spends_checks();
   judged_ = mode_.lazy_nodes && !presumed_;
   // Without a guide, no level receives presumed connectivity.
-  tracked_ = task_.guided || !presumed_;
-  task_.search.expands = !judged_ || task_.guided;
+  tracked_ = context_.guided || !presumed_;
+  context_.search.expands = !judged_ || context_.guided;
 }
 
 Solution RoadmapPlanner::solve(const Budget& budget) {
-  auto& instance = task_.instance;
-  Meter meter(task_, budget);
+  auto& instance = context_.instance;
+  BudgetMonitor monitor(context_, budget);
   best_.begin();
   begin_evaluation();
   bool repaired = false;
@@ -45,8 +45,8 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
       Solution solution{Status::solved, Configurations(dimension())};
-      task_.search.nodes.push(instance.start);
-      task_.search.parents.push_back(no_node);
+      context_.search.nodes.push(instance.start);
+      context_.search.parents.push_back(no_node);
       solution.path.push(instance.start);
       return solution;
     }
@@ -61,7 +61,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   solved_ = false;
   for (;;) {
     for (; owed_ > 0; --owed_) {
-      if (const auto reason = meter.spent()) {
+      if (const auto reason = monitor.spent()) {
         // The repaired roadmap may contain another path.
         if (repaired) return without_proposals(budget, lacks_proposals());
         return lacks_proposals() && !paths_.search() ? without_proposals(budget) : finish(*reason);
@@ -71,7 +71,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     const std::uint32_t end = next_candidate();
     if (end == no_node) {
-      if (task_.guided && mode_.lazy_edges) validate_ahead();
+      if (context_.guided && mode_.lazy_edges) validate_ahead();
       owed_ = mode_.batch;
       continue;
     }
@@ -81,7 +81,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
       if (!valid || end != goal) {
         // Each round removes at least one edge, so the loop terminates without new proposals. The budget of checks
         // applies.
-        if (const auto reason = meter.spent()) {
+        if (const auto reason = monitor.spent()) {
           return lacks_proposals() ? without_proposals(budget) : finish(*reason);
         }
         continue;
@@ -98,7 +98,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
 }
 
 void RoadmapPlanner::begin_evaluation() {
-  auto* presumed = dynamic_cast<EvaluatedValidity*>(task_.instance.validity.get());
+  auto* presumed = dynamic_cast<EvaluatedValidity*>(context_.instance.validity.get());
   evaluator_ = mode_.lazy_edges && presumed != nullptr ? presumed->evaluator() : nullptr;
   if (evaluator_ == nullptr) return;
   how_ = evaluator_->how();
@@ -121,14 +121,14 @@ std::uint32_t RoadmapPlanner::next_candidate() {
 bool RoadmapPlanner::is_event(std::uint32_t vertex) {
   using Event = LazyEvaluation::Event;
   const bool progress = how_.event == Event::heuristic_progress;
-  if (progress && task_.instance.to_goal(node(vertex)) >= nearest_evaluated_) return false;
+  if (progress && context_.instance.to_goal(node(vertex)) >= nearest_evaluated_) return false;
   paths_.path(vertex, path_);
   std::int64_t edges = 0;
   double length = 0.0;
   for (const std::uint32_t id : path_) {
     if (edges_[id] == Known::evaluated) continue;
     ++edges;
-    length += task_.instance.space.distance(node(paths_.edge(id).a), node(paths_.edge(id).b));
+    length += context_.instance.space.distance(node(paths_.edge(id).a), node(paths_.edge(id).b));
   }
   switch (how_.event) {
     case Event::shortest_path: return false;
@@ -140,12 +140,12 @@ bool RoadmapPlanner::is_event(std::uint32_t vertex) {
 }
 
 double RoadmapPlanner::mean_valid_length() const {
-  const auto& instance = task_.instance;
+  const auto& instance = context_.instance;
   return (instance.to_goal(instance.start) + evaluated_length_) / (1.0 + evaluated_invalid_);
 }
 
 void RoadmapPlanner::begin() {
-  const auto& instance = task_.instance;
+  const auto& instance = context_.instance;
   epoch_ = instance.epoch();
   goals_end_ = goal + static_cast<std::uint32_t>(instance.goals());
   insert(instance.start, Known::valid);
@@ -156,15 +156,15 @@ void RoadmapPlanner::begin() {
     edges_.push_back(Known::valid);
     passes_.push_back(0);
   }
-  blocked_motions_.report(task_);
+  blocked_motions_.report(context_);
   report_joined();
   // A guide proposes samples ahead of connected vertices, so the planner reports the first vertices after one batch.
-  owed_ = task_.guided ? std::min(mode_.samples, mode_.batch) : mode_.samples;
+  owed_ = context_.guided ? std::min(mode_.samples, mode_.batch) : mode_.samples;
   validated_ahead_ = goals_end_;
 }
 
 void RoadmapPlanner::repair() {
-  auto& instance = task_.instance;
+  auto& instance = context_.instance;
   best_.forget();
   best_cost_ = std::numeric_limits<double>::infinity();
   const auto same = [](View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); };
@@ -225,7 +225,7 @@ void RoadmapPlanner::repair() {
 }
 
 void RoadmapPlanner::recheck_edges() {
-  auto& instance = task_.instance;
+  auto& instance = context_.instance;
   // If a change lists what became invalid, no edge is checked again; else only edges of the next paths are.
   bool free = true;
   for (std::uint32_t id = 0; id < paths_.edges(); ++id) {
@@ -234,7 +234,7 @@ void RoadmapPlanner::recheck_edges() {
     const auto& edge = paths_.edge(id);
     if (free) {
       const std::uint64_t before = instance.checks.validity;
-      const bool valid = motion_still_valid(task_, node(edge.a), node(edge.b));
+      const bool valid = motion_still_valid(context_, node(edge.a), node(edge.b));
       free = instance.checks.validity == before;
       edges_[id] = valid ? Known::valid : Known::invalid;
       if (!valid) refuted_.push_back(id);
@@ -257,12 +257,12 @@ void RoadmapPlanner::remove_goal(std::uint32_t vertex) {
 }
 
 void RoadmapPlanner::grow() {
-  auto& instance = task_.instance;
-  propose(task_, sample_);
+  auto& instance = context_.instance;
+  propose(context_, sample_);
   Outcome outcome;
   outcome.proposal = sample_;
   const bool grows = mode_.step < std::numeric_limits<double>::infinity();
-  if (!grows && mode_.lazy_nodes && !task_.guided) {
+  if (!grows && mode_.lazy_nodes && !context_.guided) {
     // The search for neighbours also finds whether the node exists.
     if (insert(sample_, Known::unknown, true)) {
       outcome.fate = Fate::reached;
@@ -270,9 +270,9 @@ void RoadmapPlanner::grow() {
       const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
       outcome.connected = connectivity_.connected(id, Connectivity::to_start);
       if (outcome.connected) reported_[id] |= Connectivity::to_start;
-      settle(task_, outcome, no_node, rows_.back());
+      settle(context_, outcome, no_node, rows_.back());
     } else {
-      settle(task_, outcome);
+      settle(context_, outcome);
     }
     report_joined();
     return;
@@ -284,11 +284,11 @@ void RoadmapPlanner::grow() {
       steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance), mode_.step, target_);
   if (!mode_.lazy_nodes && !instance.valid(target_)) {
     outcome.blocked_at = target_;
-    settle(task_, outcome, from);
+    settle(context_, outcome, from);
     return;
   }
   if (near.squared_distance == 0.0) {
-    settle(task_, outcome, from);
+    settle(context_, outcome, from);
     return;
   }
   insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
@@ -298,20 +298,20 @@ void RoadmapPlanner::grow() {
   const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
   outcome.connected = connectivity_.connected(id, Connectivity::to_start);
   if (outcome.connected) reported_[id] |= Connectivity::to_start;
-  settle(task_, outcome, from, rows_.back());
-  blocked_motions_.report(task_);
+  settle(context_, outcome, from, rows_.back());
+  blocked_motions_.report(context_);
   report_joined();
 }
 
 void RoadmapPlanner::enhance() {
   if (seeds_.empty()) return;
-  const auto& space = task_.instance.space;
+  const auto& space = context_.instance.space;
   for (enhancements_ += mode_.enhance; enhancements_ >= 1.0; enhancements_ -= 1.0) {
-    const auto& [a, b] = seeds_[task_.proposals.below(seeds_.size())];
+    const auto& [a, b] = seeds_[context_.proposals.below(seeds_.size())];
     space.interpolate(node(a), node(b), 0.5, sample_);
     const double sigma = mode_.spread * space.distance(node(a), node(b));
     for (std::size_t j = 0; j < sample_.size(); ++j) {
-      sample_[j] += sigma * task_.proposals.normal() / space.axes()[j].weight;
+      sample_[j] += sigma * context_.proposals.normal() / space.axes()[j].weight;
     }
     space.reflect(sample_);
     if (!space.contains(sample_) || index_.nearest(sample_).squared_distance == 0.0) continue;
@@ -322,14 +322,14 @@ void RoadmapPlanner::enhance() {
     outcome.added = sample_;
     outcome.added_row = rows_.back();
     outcome.connected = false;
-    task_.guidance.observe(outcome, false);
+    context_.guidance.observe(outcome, false);
     report_joined();
   }
 }
 
 bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   if (disconnected_) rebuild_connectivity();
-  if (mode_.lazy_nodes && (task_.guided || presumed_)) {
+  if (mode_.lazy_nodes && (context_.guided || presumed_)) {
     // Without a guide, invalid nodes count as neighbours, as in the published algorithm.
     connection_.find(index_, q, neighbours_, [&](std::uint32_t id) { return nodes_[id] != Known::invalid; });
   } else {
@@ -339,15 +339,15 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
                                   [](const auto& neighbour) { return neighbour.squared_distance == 0.0; })) {
     return false;
   }
-  rows_.push_back(task_.search.nodes.push(q));
-  task_.search.parents.push_back(no_node);
+  rows_.push_back(context_.search.nodes.push(q));
+  context_.search.parents.push_back(no_node);
   nodes_.push_back(known);
-  if (judged_) task_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
+  if (judged_) context_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
   // The bound is 0 for several goals, because an edge between goals costs less than the difference of their distances
   // to the start.
-  const double to_goal = task_.instance.to_goal(q);
-  double to_start = task_.instance.goals() > 1 ? 0.0 : task_.instance.space.distance(task_.instance.start, q);
+  const double to_goal = context_.instance.to_goal(q);
+  double to_start = context_.instance.goals() > 1 ? 0.0 : context_.instance.space.distance(context_.instance.start, q);
   // A search that grows only the tree from the start uses the full bound.
   if (how_.event != LazyEvaluation::Event::shortest_path) to_start = -to_goal;
   const std::uint32_t id = paths_.add_vertex(to_goal, to_start);
@@ -357,9 +357,9 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
     const double length = std::sqrt(neighbour.squared_distance);
     if (nodes_[neighbour.id] == Known::invalid) continue;
     if (!mode_.lazy_edges) {
-      const MotionReport report = task_.instance.motion(node(neighbour.id), node(id));
+      const MotionReport report = context_.instance.motion(node(neighbour.id), node(id));
       if (!report.valid) {
-        blocked_motions_.add(task_.instance.space, node(neighbour.id), node(id), report.invalid_at);
+        blocked_motions_.add(context_.instance.space, node(neighbour.id), node(id), report.invalid_at);
         continue;
       }
     }
@@ -371,14 +371,14 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
 double RoadmapPlanner::cost_factor(View a, View b) const {
   // An eager roadmap is searched for the shortest path.
   if (!mode_.lazy_edges) return 1.0;
-  double factor = task_.instance.validity->effort_factor(a, b);
-  if (task_.guided) factor *= task_.guidance.edge_factor(a, b);
+  double factor = context_.instance.validity->effort_factor(a, b);
+  if (context_.guided) factor *= context_.guidance.edge_factor(a, b);
   return factor;
 }
 
 void RoadmapPlanner::add_edge(std::uint32_t a, std::uint32_t b, double length, Known known) {
   const std::uint32_t edge = paths_.add_edge(a, b, length * cost_factor(node(a), node(b)));
-  task_.search.edges.push_back({rows_[a], rows_[b]});
+  context_.search.edges.push_back({rows_[a], rows_[b]});
   edges_.push_back(known);
   passes_.push_back(0);
   if (known == Known::valid && presumed_) looked_at_.push_back(edge);
@@ -437,8 +437,8 @@ std::size_t RoadmapPlanner::reconnect() {
 Solution RoadmapPlanner::without_proposals(const Budget& budget, bool reconnects) {
   Budget rest = budget;
   rest.proposals = Budget::unlimited;
-  Meter meter(task_, rest);
-  if (const auto reason = meter.spent()) return finish(*reason);
+  BudgetMonitor monitor(context_, rest);
+  if (const auto reason = monitor.spent()) return finish(*reason);
   for (;;) {
     while (paths_.search()) {
       const bool valid = validated(goal);
@@ -448,7 +448,7 @@ Solution RoadmapPlanner::without_proposals(const Budget& budget, bool reconnects
         best_.keep(way_to(goal));
         return best_.solution(Status::solved);
       }
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = monitor.spent()) return finish(*reason);
     }
     if (!reconnects) return finish(Status::budget_spent);
     if (!std::exchange(reconnecting_, true)) {
@@ -488,18 +488,18 @@ bool RoadmapPlanner::evaluated(std::uint32_t end) {
     if (edges_[id] != Known::evaluated || is_jump(id)) continue;
     const View a = node(paths_.edge(id).a);
     const View b = node(paths_.edge(id).b);
-    paths_.set_cost(id, task_.instance.space.distance(a, b) * cost_factor(a, b));
+    paths_.set_cost(id, context_.instance.space.distance(a, b) * cost_factor(a, b));
   }
   // The part removed from S belongs to no other path that is known to be valid.
-  epoch_ = task_.instance.epoch();
-  if (valid) nearest_evaluated_ = std::min(nearest_evaluated_, task_.instance.to_goal(node(end)));
+  epoch_ = context_.instance.epoch();
+  if (valid) nearest_evaluated_ = std::min(nearest_evaluated_, context_.instance.to_goal(node(end)));
   return valid;
 }
 
 bool RoadmapPlanner::nodes_evaluated() {
   // A presumed invalid configuration costs no checks to detect.
   const auto holds = [&](std::uint32_t id) {
-    if (!task_.instance.validity->state(node(id))) return false;
+    if (!context_.instance.validity->state(node(id))) return false;
     if (!evaluator_->sparse_first() || evaluator_->exhausted()) return true;
     if (!evaluator_->state(node(id))) return false;
     nodes_[id] = Known::evaluated;
@@ -518,8 +518,8 @@ bool RoadmapPlanner::nodes_evaluated() {
 }
 
 bool RoadmapPlanner::edges_evaluated() {
-  auto& validity = *task_.instance.validity;
-  const auto& space = task_.instance.space;
+  auto& validity = *context_.instance.validity;
+  const auto& space = context_.instance.space;
   std::vector<std::size_t> order(path_.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = selected(i, order.size());
   if (how_.selector == LazyEvaluation::Selector::fail_fast) {
@@ -572,9 +572,9 @@ std::size_t RoadmapPlanner::selected(std::size_t i, std::size_t n) const {
 }
 
 bool RoadmapPlanner::node_valid(std::uint32_t id) {
-  auto& instance = task_.instance;
+  auto& instance = context_.instance;
   if (nodes_[id] == Known::valid || nodes_[id] == Known::evaluated) return true;
-  if (judged_) task_.search.looked_at[rows_[id]] = 1;
+  if (judged_) context_.search.looked_at[rows_[id]] = 1;
   // A single configuration is checked as a motion to itself.
   if (nodes_[id] == Known::stale ? instance.motion_still_valid(node(id), node(id)) : instance.valid(node(id))) {
     nodes_[id] = Known::valid;
@@ -602,7 +602,7 @@ void RoadmapPlanner::remove_refuted_nodes() {
 }
 
 bool RoadmapPlanner::edge_valid(std::size_t at) {
-  auto& instance = task_.instance;
+  auto& instance = context_.instance;
   const std::uint32_t id = path_[at];
   if (edges_[id] == Known::valid || edges_[id] == Known::evaluated) return true;
   const View from = node(stops_[at]);
@@ -620,7 +620,7 @@ bool RoadmapPlanner::edge_valid(std::size_t at) {
 }
 
 bool RoadmapPlanner::coarsely_valid() {
-  auto& instance = task_.instance;
+  auto& instance = context_.instance;
   for (std::uint8_t pass = 1; pass < 32; ++pass) {
     const std::uint32_t pieces = std::uint32_t{1} << pass;
     bool looked = false;
@@ -651,7 +651,7 @@ void RoadmapPlanner::remove_edge(std::size_t at, double t) {
   const std::uint32_t id = path_[at];
   disconnected_ = disconnected_ || checked(id);
   edges_[id] = Known::invalid;
-  task_.instance.space.interpolate(node(stops_[at]), node(stops_[at + 1]), t, blocked_);
+  context_.instance.space.interpolate(node(stops_[at]), node(stops_[at + 1]), t, blocked_);
   paths_.remove_edge(id);
   if (mode_.enhance > 0.0) seeds_.push_back({stops_[at], stops_[at + 1]});
   report_blocked(node(stops_[at]), node(stops_[at + 1]));
@@ -662,7 +662,7 @@ void RoadmapPlanner::report_blocked(View from, View to) {
   outcome.proposal = to;
   outcome.near = from;
   outcome.blocked_at = blocked_;
-  task_.guidance.observe(outcome, false);
+  context_.guidance.observe(outcome, false);
 }
 
 void RoadmapPlanner::join(std::uint32_t edge) {
@@ -680,7 +680,7 @@ void RoadmapPlanner::report_joined() {
     outcome.added = node(vertex);
     outcome.added_row = rows_[vertex];
     outcome.from_goal = side == Connectivity::to_goal;
-    task_.guidance.observe(outcome, false);
+    context_.guidance.observe(outcome, false);
   }
   joined_.clear();
 }
@@ -712,14 +712,14 @@ Configurations RoadmapPlanner::way_to(std::uint32_t end) {
 Solution RoadmapPlanner::finish(Status status) {
   if (best_.known() && mode_.improve > 0.0) return best_.solution(status);
   // A search that only pauses does not extend its tree.
-  const bool pauses = status == Status::budget_spent && task_.paused && task_.paused();
+  const bool pauses = status == Status::budget_spent && context_.paused && context_.paused();
   // Ends at the node of the search tree that is nearest to the goal.
   if (!pauses) paths_.search_all();
   std::uint32_t end = LifelongSearch::start;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) {
     if (!paths_.reached(id) || id == goal) continue;
-    const double distance = task_.instance.to_goal(node(id));
+    const double distance = context_.instance.to_goal(node(id));
     if (distance < least) {
       least = distance;
       end = id;

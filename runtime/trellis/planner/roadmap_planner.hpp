@@ -37,7 +37,7 @@ class RoadmapPlanner final : public Planner {
     double spread = 0.25;
   };
 
-  RoadmapPlanner(Connection connection, const Mode& mode, Task task);
+  RoadmapPlanner(Connection connection, const Mode& mode, PlannerContext context);
 
   Solution solve(const Budget& budget) override;
   /// Vertices expanded so far by the graph search.
@@ -51,8 +51,8 @@ class RoadmapPlanner final : public Planner {
   /// Cost of an edge that represents no motion: too small to change the order of paths.
   static constexpr double jump_cost = 1e-12;
 
-  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
-  [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
+  [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
 
   /// Inserts the start and the goals as the first vertices.
   void begin();
@@ -111,7 +111,7 @@ class RoadmapPlanner final : public Planner {
   std::size_t reconnect();
   /// Whether the roadmap is lazy and has spent its own limit of proposals.
   [[nodiscard]] bool lacks_proposals() const {
-    return mode_.lazy_nodes && static_cast<double>(task_.search.proposals.size()) >= mode_.proposals;
+    return mode_.lazy_nodes && static_cast<double>(context_.search.proposals.size()) >= mode_.proposals;
   }
   /// Searches the roadmap without new proposals.
   /// \param reconnects  while start and goal are not connected, adds edges between existing nodes, until valid motions
@@ -148,7 +148,7 @@ class RoadmapPlanner final : public Planner {
   [[nodiscard]] Solution finish(Status status);
 
   Mode mode_;
-  Task task_;
+  PlannerContext context_;
   Connection connection_;
   BestPath best_;
   NearestIndex index_;

@@ -27,16 +27,16 @@ const Settings<RrtSettings>& rrt_settings() {
 
 class Rrt final : public Planner {
  public:
-  Rrt(const RrtSettings& settings, Task task)
+  Rrt(const RrtSettings& settings, PlannerContext context)
       : settings_(settings),
-        task_(std::move(task)),
+        context_(std::move(context)),
         target_(dimension()),
         sample_(dimension()),
         blocked_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
-    auto& instance = task_.instance;
-    Meter meter(task_, budget);
+    auto& instance = context_.instance;
+    BudgetMonitor monitor(context_, budget);
     if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
@@ -44,25 +44,25 @@ class Rrt final : public Planner {
       if (tree_) begin_repair();
     }
     if (tree_ && repair_ && !solved_) {
-      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+      if (const auto reason = repair(monitor)) return {*reason, path_of_start(instance)};
     } else if (!tree_ || solved_) {
       // A tree that reached the goal is replaced by a new one, to find another path. Another tree continues to grow.
       plant();
     }
     while (!solved_) {
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = monitor.spent()) return finish(*reason);
       iterate();
     }
     return finish(Status::solved);
   }
 
  private:
-  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
 
   /// Called when the instance changed, so that validity of the tree is unknown. If the goal may still be reachable,
   /// checks the branch to it first; the search ends if that branch is valid.
   void begin_repair() {
-    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+    if (!std::equal(context_.instance.start.begin(), context_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
       return;
     }
@@ -72,33 +72,33 @@ class Rrt final : public Planner {
 
   /// Solves the instance if the branch to the goal is still valid; else removes all invalid branches. Returns the
   /// reason if it stops early, else none.
-  std::optional<Status> repair(Meter& meter) {
+  std::optional<Status> repair(BudgetMonitor& monitor) {
     const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
-    if (best_distance_ <= task_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
+    if (best_distance_ <= context_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
       solved_ = true;
       return std::nullopt;
     }
-    if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+    if (const auto reason = repair_->check_all(*tree_, monitor, edge_valid)) return reason;
     repair_->prune(*tree_);
     repair_.reset();
-    task_.guidance.restart();
-    report_nodes(task_, *tree_, false);
+    context_.guidance.restart();
+    report_nodes(context_, *tree_, false);
     find_best();
-    solved_ = best_distance_ <= task_.instance.goal_tolerance;
+    solved_ = best_distance_ <= context_.instance.goal_tolerance;
     return std::nullopt;
   }
 
   bool edge_still_valid(std::uint32_t id) {
-    return motion_still_valid(task_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
+    return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
   }
 
   /// Finds the node nearest to the goal.
   void find_best() {
     solved_ = false;
     best_ = 0;
-    best_distance_ = task_.instance.to_goal((*tree_)[0]);
+    best_distance_ = context_.instance.to_goal((*tree_)[0]);
     for (std::uint32_t id = 1; id < tree_->size(); ++id) {
-      const double distance = task_.instance.to_goal((*tree_)[id]);
+      const double distance = context_.instance.to_goal((*tree_)[id]);
       if (distance >= best_distance_) continue;
       best_distance_ = distance;
       best_ = id;
@@ -106,26 +106,26 @@ class Rrt final : public Planner {
   }
 
   void plant() {
-    tree_.emplace(task_);
+    tree_.emplace(context_);
     repair_.reset();
-    task_.guidance.restart();
+    context_.guidance.restart();
     solved_ = false;
-    best_ = tree_->add(task_.instance.start, 0);
-    best_distance_ = task_.instance.to_goal(task_.instance.start);
-    if (best_distance_ <= task_.instance.goal_tolerance) solved_ = true;
+    best_ = tree_->add(context_.instance.start, 0);
+    best_distance_ = context_.instance.to_goal(context_.instance.start);
+    if (best_distance_ <= context_.instance.goal_tolerance) solved_ = true;
   }
 
   void iterate() {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const auto& space = instance.space;
-    propose(task_, sample_);
+    propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const double distance = std::sqrt(near.squared_distance);
     Outcome outcome;
     outcome.proposal = sample_;
     outcome.near = (*tree_)[near.id];
     if (distance == 0.0) {
-      settle(task_, outcome, tree_->row(near.id));
+      settle(context_, outcome, tree_->row(near.id));
       return;
     }
     const bool reaches = steer(space, outcome.near, sample_, distance, settings_.step, target_);
@@ -133,7 +133,7 @@ class Rrt final : public Planner {
     if (!report.valid) {
       space.interpolate(outcome.near, target_, report.invalid_at, blocked_);
       outcome.blocked_at = blocked_;
-      settle(task_, outcome, tree_->row(near.id));
+      settle(context_, outcome, tree_->row(near.id));
       return;
     }
     const std::uint32_t id = tree_->add(target_, near.id);
@@ -141,15 +141,15 @@ class Rrt final : public Planner {
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
     outcome.added = target_;
-    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
+    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
     if (!solved_ && settings_.connect_goal && last_distance_ <= settings_.step) connect_goal(id);
   }
 
   /// Tries the motion from the node at target_ to the goal.
   void connect_goal(std::uint32_t id) {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const View goal = instance.goal_at(instance.nearest_goal(target_).goal);
-    if (!task_.guidance.worth_connecting(target_, goal)) return;
+    if (!context_.guidance.worth_connecting(target_, goal)) return;
     const MotionReport report = instance.motion(target_, goal);
     Outcome outcome;
     outcome.proposal = goal;
@@ -164,23 +164,23 @@ class Rrt final : public Planner {
       instance.space.interpolate(target_, goal, report.invalid_at, blocked_);
       outcome.blocked_at = blocked_;
     }
-    task_.guidance.observe(outcome, false);
+    context_.guidance.observe(outcome, false);
   }
 
   /// Updates the node nearest to the goal.
   void note(std::uint32_t id) {
-    last_distance_ = task_.instance.to_goal((*tree_)[id]);
+    last_distance_ = context_.instance.to_goal((*tree_)[id]);
     if (last_distance_ < best_distance_) {
       best_distance_ = last_distance_;
       best_ = id;
     }
-    if (last_distance_ <= task_.instance.goal_tolerance) solved_ = true;
+    if (last_distance_ <= context_.instance.goal_tolerance) solved_ = true;
   }
 
   [[nodiscard]] Solution finish(Status status) const { return {status, tree_->branch(best_)}; }
 
   RrtSettings settings_;
-  Task task_;
+  PlannerContext context_;
   std::optional<Tree> tree_;
   std::optional<TreeRepair> repair_;  ///< active after a change of the instance
   Configuration target_;
@@ -198,8 +198,8 @@ class Rrt final : public Planner {
 
 PlannerKind rrt_kind() {
   return {&rrt_settings().component(), [](const Options& o) { return common_of(rrt_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-            return std::make_unique<Rrt>(rrt_settings().read(o), std::move(task));
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            return std::make_unique<Rrt>(rrt_settings().read(o), std::move(context));
           },
           false};
 }

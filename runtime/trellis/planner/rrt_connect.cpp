@@ -30,16 +30,16 @@ const Settings<RrtConnectSettings>& rrt_connect_settings() {
 
 class RrtConnect final : public Planner {
  public:
-  RrtConnect(const RrtConnectSettings& settings, Task task)
+  RrtConnect(const RrtConnectSettings& settings, PlannerContext context)
       : settings_(settings),
-        task_(std::move(task)),
+        context_(std::move(context)),
         sample_(dimension()),
         target_(dimension()),
         blocked_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
-    auto& instance = task_.instance;
-    Meter meter(task_, budget);
+    auto& instance = context_.instance;
+    BudgetMonitor monitor(context_, budget);
     if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
       ends_checked_ = true;
@@ -47,12 +47,12 @@ class RrtConnect final : public Planner {
       if (trees_[0]) begin_repair();
     }
     if (trees_[0] && repairing_) {
-      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+      if (const auto reason = repair(monitor)) return {*reason, path_of_start(instance)};
     } else if (!trees_[0] || bridge_) {
       plant();
     }
     while (!bridge_) {
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = monitor.spent()) return finish(*reason);
       iterate();
     }
     return finish(Status::solved);
@@ -64,13 +64,13 @@ class RrtConnect final : public Planner {
     std::uint32_t goal_side = 0;
   };
 
-  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
 
   void plant() {
-    auto& instance = task_.instance;
-    trees_[0].emplace(task_);
-    trees_[1].emplace(task_);
-    task_.guidance.restart();
+    auto& instance = context_.instance;
+    trees_[0].emplace(context_);
+    trees_[1].emplace(context_);
+    context_.guidance.restart();
     trees_[0]->add(instance.start, 0);
     for (std::uint32_t i = 0; i < instance.goals(); ++i) trees_[1]->add(instance.goal_at(i), i);
     bridge_.reset();
@@ -86,9 +86,9 @@ class RrtConnect final : public Planner {
   /// Called when the instance changed, so that validity of the trees is unknown. Replaces a tree whose root is no
   /// longer the start, removes roots that are no longer goals, and adds new goals as roots.
   void begin_repair() {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     if (!same((*trees_[0])[0], instance.start)) {
-      trees_[0].emplace(task_);
+      trees_[0].emplace(context_);
       trees_[0]->add(instance.start, 0);
       bridge_.reset();
     }
@@ -114,9 +114,9 @@ class RrtConnect final : public Planner {
 
   /// Solves the instance if the path is still valid; else removes all invalid branches. Returns the reason if it stops
   /// early, else none.
-  std::optional<Status> repair(Meter& meter) {
+  std::optional<Status> repair(BudgetMonitor& monitor) {
     const auto edge_valid = [&](const Tree& tree) {
-      return [&](std::uint32_t id) { return motion_still_valid(task_, tree[tree.parent(id)], tree[id]); };
+      return [&](std::uint32_t id) { return motion_still_valid(context_, tree[tree.parent(id)], tree[id]); };
     };
     const auto branch_valid = [&](std::size_t side, std::uint32_t id) {
       return repairs_[side]->branch_valid(*trees_[side], id, edge_valid(*trees_[side]));
@@ -128,19 +128,20 @@ class RrtConnect final : public Planner {
     }
     bridge_.reset();
     for (std::size_t side = 0; side < 2; ++side) {
-      if (const auto reason = repairs_[side]->check_all(*trees_[side], meter, edge_valid(*trees_[side]))) return reason;
+      if (const auto reason = repairs_[side]->check_all(*trees_[side], monitor, edge_valid(*trees_[side])))
+        return reason;
     }
     for (std::size_t side = 0; side < 2; ++side) repairs_[side]->prune(*trees_[side]);
     repairing_ = false;
-    task_.guidance.restart();
-    for (std::size_t side = 0; side < 2; ++side) report_nodes(task_, *trees_[side], side == 1);
+    context_.guidance.restart();
+    for (std::size_t side = 0; side < 2; ++side) report_nodes(context_, *trees_[side], side == 1);
     find_best();
     return std::nullopt;
   }
 
   /// Finds the node nearest to the goal.
   void find_best() {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const Tree& tree = *trees_[0];
     best_ = 0;
     best_distance_ = instance.to_goal(tree[0]);
@@ -162,7 +163,7 @@ class RrtConnect final : public Planner {
     bool there = false;    ///< the tree already contains q
   };
   Step extend(std::size_t side, NearestIndex::Neighbour near, View q) {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     Tree& tree = *trees_[side];
     const double distance = std::sqrt(near.squared_distance);
     Step step;
@@ -210,11 +211,11 @@ class RrtConnect final : public Planner {
   void iterate() {
     const std::size_t side = active_;
     active_ = 1 - active_;
-    task_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
-    propose(task_, sample_);
+    context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
+    propose(context_, sample_);
     const Step step = extend(side, trees_[side]->to_extend(sample_), sample_);
     const Outcome outcome = outcome_of(step, side, sample_);
-    settle(task_, outcome, trees_[side]->row(step.near), outcome.added_row);
+    settle(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
     if (step.fate == Fate::rejected && !step.there) return;
     const View q = (*trees_[side])[step.added];
     connect(side, step.added, Configuration(q.begin(), q.end()));
@@ -225,9 +226,9 @@ class RrtConnect final : public Planner {
     const std::size_t other = 1 - side;
     for (;;) {
       const auto near = trees_[other]->nearest(q);
-      if (near.squared_distance > 0.0 && !task_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
+      if (near.squared_distance > 0.0 && !context_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
       const Step step = extend(other, near, q);
-      if (!step.there) task_.guidance.observe(outcome_of(step, other, q), false);
+      if (!step.there) context_.guidance.observe(outcome_of(step, other, q), false);
       if (step.fate == Fate::reached || step.there) {
         bridge_ = side == 0 ? Bridge{from, step.added} : Bridge{step.added, from};
         return;
@@ -246,7 +247,7 @@ class RrtConnect final : public Planner {
   }
 
   RrtConnectSettings settings_;
-  Task task_;
+  PlannerContext context_;
   std::array<std::optional<Tree>, 2> trees_;
   std::array<std::optional<TreeRepair>, 2> repairs_;
   bool repairing_ = false;  ///< active after a change of the instance
@@ -266,8 +267,8 @@ class RrtConnect final : public Planner {
 PlannerKind rrt_connect_kind() {
   return {&rrt_connect_settings().component(),
           [](const Options& o) { return common_of(rrt_connect_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-            return std::make_unique<RrtConnect>(rrt_connect_settings().read(o), std::move(task));
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            return std::make_unique<RrtConnect>(rrt_connect_settings().read(o), std::move(context));
           },
           false};
 }

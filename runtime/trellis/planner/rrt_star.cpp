@@ -29,19 +29,19 @@ const Settings<RrtStarSettings>& rrt_star_settings() {
 
 class RrtStar final : public Planner {
  public:
-  RrtStar(const RrtStarSettings& settings, Task task)
+  RrtStar(const RrtStarSettings& settings, PlannerContext context)
       : settings_(settings),
-        task_(std::move(task)),
-        connection_(settings.connection(task_.instance.space)),
-        best_(task_, settings.improve),
+        context_(std::move(context)),
+        connection_(settings.connection(context_.instance.space)),
+        best_(context_, settings.improve),
         sample_(dimension()),
         target_(dimension()),
         blocked_(dimension()),
         blocked_motions_(dimension()) {}
 
   Solution solve(const Budget& budget) override {
-    auto& instance = task_.instance;
-    Meter meter(task_, budget);
+    auto& instance = context_.instance;
+    BudgetMonitor monitor(context_, budget);
     best_.begin();
     if (!ends_checked_ || epoch_ != instance.epoch()) {
       if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
@@ -53,29 +53,29 @@ class RrtStar final : public Planner {
     if (!tree_) plant();
     if (repair_) {
       const bool known = best_.known();
-      if (const auto reason = repair(meter)) return {*reason, path_of_start(instance)};
+      if (const auto reason = repair(monitor)) return {*reason, path_of_start(instance)};
       if (!known && best_.known()) return finish(Status::solved);
     }
     bool another = best_.known();
     while (another || !best_.done()) {
       another = false;
-      if (const auto reason = meter.spent()) return finish(*reason);
+      if (const auto reason = monitor.spent()) return finish(*reason);
       iterate();
     }
     return finish(Status::solved);
   }
 
  private:
-  [[nodiscard]] std::size_t dimension() const { return task_.instance.space.dimension(); }
-  [[nodiscard]] double to_goal(View q) const { return task_.instance.to_goal(q); }
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
+  [[nodiscard]] double to_goal(View q) const { return context_.instance.to_goal(q); }
 
   void plant() {
-    tree_.emplace(task_);
+    tree_.emplace(context_);
     repair_.reset();
-    task_.guidance.restart();
+    context_.guidance.restart();
     best_.forget();
     best_cost_ = std::numeric_limits<double>::infinity();
-    tree_->add(task_.instance.start, 0);
+    tree_->add(context_.instance.start, 0);
     costs_ = {0.0};
     lengths_ = {0.0};
     children_.assign(1, {});
@@ -85,7 +85,7 @@ class RrtStar final : public Planner {
 
   /// Called when the instance changed, so that validity of the tree is unknown.
   void begin_repair() {
-    if (!std::equal(task_.instance.start.begin(), task_.instance.start.end(), (*tree_)[0].begin())) {
+    if (!std::equal(context_.instance.start.begin(), context_.instance.start.end(), (*tree_)[0].begin())) {
       tree_.reset();
       return;
     }
@@ -97,9 +97,9 @@ class RrtStar final : public Planner {
 
   /// Stops if the shortest path is still valid, without a check of the remaining tree. Else, or if that holds already,
   /// removes all invalid branches. Returns the reason if it stops early, else none.
-  std::optional<Status> repair(Meter& meter) {
+  std::optional<Status> repair(BudgetMonitor& monitor) {
     const auto edge_valid = [&](std::uint32_t id) {
-      return motion_still_valid(task_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
+      return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
     };
     if (!best_.known()) {
       const auto end = shortest_end();
@@ -109,12 +109,12 @@ class RrtStar final : public Planner {
       }
     }
     do {
-      if (const auto reason = repair_->check_all(*tree_, meter, edge_valid)) return reason;
+      if (const auto reason = repair_->check_all(*tree_, monitor, edge_valid)) return reason;
     } while (reconnect_orphans());
     const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
     repair_.reset();
-    task_.guidance.restart();
-    report_nodes(task_, *tree_, false);
+    context_.guidance.restart();
+    report_nodes(context_, *tree_, false);
     std::vector<double> lengths(tree_->size(), 0.0);
     for (std::uint32_t id = 0; id < ids.size(); ++id) {
       if (ids[id] != no_node) lengths[ids[id]] = lengths_[id];
@@ -132,7 +132,7 @@ class RrtStar final : public Planner {
   /// Rewires each node whose motion from a valid parent is invalid to one of its neighbours, by the rule for
   /// insertions. Returns whether there were such nodes.
   bool reconnect_orphans() {
-    const auto& space = task_.instance.space;
+    const auto& space = context_.instance.space;
     bool any = false;
     for (std::uint32_t id = 0; id < tree_->size(); ++id) {
       if (!repair_->known_invalid(id) || !repair_->known_valid(tree_->parent(id))) continue;
@@ -165,22 +165,22 @@ class RrtStar final : public Planner {
   /// Finds the nodes at a goal, and the node nearest to a goal.
   void note_all() {
     ends_.clear();
-    goals_.assign(task_.instance.goals(), no_node);
+    goals_.assign(context_.instance.goals(), no_node);
     nearest_distance_ = std::numeric_limits<double>::infinity();
     for (std::uint32_t id = 0; id < tree_->size(); ++id) note(id);
   }
 
   void iterate() {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const auto& space = instance.space;
-    propose(task_, sample_);
+    propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const double distance = std::sqrt(near.squared_distance);
     Outcome outcome;
     outcome.proposal = sample_;
     outcome.near = (*tree_)[near.id];
     if (distance == 0.0) {
-      settle(task_, outcome, tree_->row(near.id));
+      settle(context_, outcome, tree_->row(near.id));
       return;
     }
     const bool reaches = steer(space, outcome.near, sample_, distance, settings_.step, target_);
@@ -188,15 +188,15 @@ class RrtStar final : public Planner {
     if (!report.valid) {
       space.interpolate(outcome.near, target_, report.invalid_at, blocked_);
       outcome.blocked_at = blocked_;
-      settle(task_, outcome, tree_->row(near.id));
+      settle(context_, outcome, tree_->row(near.id));
       return;
     }
     const std::uint32_t id = insert(target_, near.id);
     outcome.fate = reaches ? Fate::reached : Fate::advanced;
     outcome.near = (*tree_)[near.id];
     outcome.added = target_;
-    settle(task_, outcome, tree_->row(near.id), tree_->row(id));
-    blocked_motions_.report(task_);
+    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
+    blocked_motions_.report(context_);
     const auto goal = instance.nearest_goal(target_);
     if (goals_[goal.goal] == no_node && goal.distance <= settings_.step) connect_goal(id, goal.goal);
     keep_best();
@@ -204,9 +204,9 @@ class RrtStar final : public Planner {
 
   /// Tries the motion from the node at target_ to a goal.
   void connect_goal(std::uint32_t id, std::size_t index) {
-    auto& instance = task_.instance;
+    auto& instance = context_.instance;
     const View goal = instance.goal_at(index);
-    if (!task_.guidance.worth_connecting(target_, goal)) return;
+    if (!context_.guidance.worth_connecting(target_, goal)) return;
     const MotionReport report = instance.motion(target_, goal);
     Outcome outcome;
     outcome.proposal = goal;
@@ -219,14 +219,14 @@ class RrtStar final : public Planner {
       instance.space.interpolate(target_, goal, report.invalid_at, blocked_);
       outcome.blocked_at = blocked_;
     }
-    task_.guidance.observe(outcome, false);
-    blocked_motions_.report(task_);
+    context_.guidance.observe(outcome, false);
+    blocked_motions_.report(context_);
   }
 
   /// Inserts a node at q and rewires. The motion to q from `from` is valid. The node's parent gives it the shortest
   /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
   std::uint32_t insert(View q, std::uint32_t from) {
-    const auto& space = task_.instance.space;
+    const auto& space = context_.instance.space;
     connection_.find(tree_->index(), q, near_);
     joints_.clear();
     for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
@@ -263,8 +263,8 @@ class RrtStar final : public Planner {
   }
 
   bool motion_valid(View a, View b) {
-    const MotionReport report = task_.instance.motion(a, b);
-    if (!report.valid) blocked_motions_.add(task_.instance.space, a, b, report.invalid_at);
+    const MotionReport report = context_.instance.motion(a, b);
+    if (!report.valid) blocked_motions_.add(context_.instance.space, a, b, report.invalid_at);
     return report.valid;
   }
 
@@ -307,8 +307,8 @@ class RrtStar final : public Planner {
 
   /// Updates the node nearest to the goal and the nodes at a goal.
   void note(std::uint32_t id) {
-    const auto [goal, distance] = task_.instance.nearest_goal((*tree_)[id]);
-    if (distance <= task_.instance.goal_tolerance) ends_.push_back(id);
+    const auto [goal, distance] = context_.instance.nearest_goal((*tree_)[id]);
+    if (distance <= context_.instance.goal_tolerance) ends_.push_back(id);
     if (distance == 0.0) goals_[goal] = id;
     if (distance < nearest_distance_) {
       nearest_distance_ = distance;
@@ -335,7 +335,7 @@ class RrtStar final : public Planner {
   }
 
   RrtStarSettings settings_;
-  Task task_;
+  PlannerContext context_;
   Connection connection_;
   BestPath best_;
   std::optional<Tree> tree_;
@@ -362,8 +362,8 @@ class RrtStar final : public Planner {
 
 PlannerKind rrt_star_kind() {
   return {&rrt_star_settings().component(), [](const Options& o) { return common_of(rrt_star_settings().read(o)); },
-          [](const Options& o, Planner::Task task) -> std::unique_ptr<Planner> {
-            return std::make_unique<RrtStar>(rrt_star_settings().read(o), std::move(task));
+          [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
+            return std::make_unique<RrtStar>(rrt_star_settings().read(o), std::move(context));
           },
           false};
 }

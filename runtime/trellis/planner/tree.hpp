@@ -17,35 +17,35 @@ namespace trellis {
 /// A tree of configurations: rows of the level's nodes, their parents, and an index of nearest neighbours.
 class Tree {
  public:
-  explicit Tree(Planner::Task& task) : task_(task), index_(task.instance.space) {}
+  explicit Tree(PlannerContext& context) : context_(context), index_(context.instance.space) {}
 
   std::uint32_t add(View q, std::uint32_t parent) {
-    rows_.push_back(task_.search.nodes.push(q));
-    task_.search.parents.push_back(rows_[parent]);
+    rows_.push_back(context_.search.nodes.push(q));
+    context_.search.parents.push_back(rows_[parent]);
     parents_.push_back(parent);
     return index_.add(q);
   }
   /// Rewires a node to another parent. The parent is no descendant of the node; its id may be larger than the node's.
   void hang(std::uint32_t id, std::uint32_t parent) {
-    task_.search.parents[rows_[id]] = rows_[parent];
+    context_.search.parents[rows_[id]] = rows_[parent];
     parents_[id] = parent;
   }
   [[nodiscard]] std::uint32_t parent(std::uint32_t id) const { return parents_[id]; }
   [[nodiscard]] const NearestIndex& index() const { return index_; }
   /// The node's row in Search::nodes.
   [[nodiscard]] std::uint32_t row(std::uint32_t id) const { return rows_[id]; }
-  [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(task_.search.nodes)[rows_[id]]; }
+  [[nodiscard]] View operator[](std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const { return index_.nearest(q); }
   /// The node to extend towards the last proposal q: the node that the guidance selects if this tree contains it, else
   /// the nearest node.
   [[nodiscard]] NearestIndex::Neighbour to_extend(View q) const {
-    const std::uint32_t row = task_.guidance.vertex();
+    const std::uint32_t row = context_.guidance.vertex();
     if (row != no_node) {
       // Rows are in ascending order.
       const auto it = std::lower_bound(rows_.begin(), rows_.end(), row);
       if (it != rows_.end() && *it == row) {
         const auto id = static_cast<std::uint32_t>(it - rows_.begin());
-        return {id, task_.instance.space.squared_distance((*this)[id], q)};
+        return {id, context_.instance.space.squared_distance((*this)[id], q)};
       }
     }
     return nearest(q);
@@ -57,7 +57,7 @@ class Tree {
   /// \return for each node its new id, or no_node
   std::vector<std::uint32_t> prune(const std::vector<std::uint8_t>& keep) {
     std::vector<std::uint32_t> ids(size(), no_node);
-    NearestIndex index(task_.instance.space);
+    NearestIndex index(context_.instance.space);
     for (std::uint32_t id = 0; id < size(); ++id) {
       if (keep[id] != 0) ids[id] = index.add((*this)[id]);
     }
@@ -81,29 +81,29 @@ class Tree {
       ids.push_back(at);
       if (at == parents_[at]) break;
     }
-    Configurations path(task_.instance.space.dimension());
+    Configurations path(context_.instance.space.dimension());
     for (auto it = ids.rbegin(); it != ids.rend(); ++it) path.push((*this)[*it]);
     return path;
   }
 
  private:
-  Planner::Task& task_;
+  PlannerContext& context_;
   NearestIndex index_;
   std::vector<std::uint32_t> rows_;
   std::vector<std::uint32_t> parents_;  ///< a root is its own parent
 };
 
 /// Whether a motion that was valid at an earlier epoch is still valid. Reports an invalid one to the guidance.
-inline bool motion_still_valid(Planner::Task& task, View from, View to) {
-  const MotionReport report = task.instance.recheck_motion(from, to);
+inline bool motion_still_valid(PlannerContext& context, View from, View to) {
+  const MotionReport report = context.instance.recheck_motion(from, to);
   if (report.valid) return true;
   Configuration blocked(from.size());
-  task.instance.space.interpolate(from, to, report.invalid_at, blocked);
+  context.instance.space.interpolate(from, to, report.invalid_at, blocked);
   Outcome outcome;
   outcome.proposal = to;
   outcome.near = from;
   outcome.blocked_at = blocked;
-  task.guidance.observe(outcome, false);
+  context.guidance.observe(outcome, false);
   return false;
 }
 
@@ -145,10 +145,10 @@ class TreeRepair {
   }
   /// Checks the branches of all nodes in order of insertion. Returns the reason if it stops early, else none.
   template <class EdgeValid>
-  std::optional<Status> check_all(const Tree& tree, Meter& meter, const EdgeValid& edge_valid) {
+  std::optional<Status> check_all(const Tree& tree, BudgetMonitor& monitor, const EdgeValid& edge_valid) {
     for (; next_ < branches_.size(); ++next_) {
       if (branches_[next_] != Branch::unknown) continue;
-      if (const auto reason = meter.spent_without_proposals()) return reason;
+      if (const auto reason = monitor.spent_without_proposals()) return reason;
       branch_valid(tree, next_, edge_valid);
     }
     return std::nullopt;
@@ -169,7 +169,7 @@ class TreeRepair {
 };
 
 /// Reports the nodes of a tree that lost some of them, after Guidance::restart.
-inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) {
+inline void report_nodes(PlannerContext& context, const Tree& tree, bool from_goal) {
   Outcome outcome;
   outcome.fate = Fate::reached;
   outcome.from_goal = from_goal;
@@ -178,7 +178,7 @@ inline void report_nodes(Planner::Task& task, const Tree& tree, bool from_goal) 
     outcome.near = tree[tree.parent(id)];
     outcome.added = tree[id];
     outcome.added_row = tree.row(id);
-    task.guidance.observe(outcome, false);
+    context.guidance.observe(outcome, false);
   }
 }
 

@@ -9,10 +9,11 @@ namespace trellis {
 
 namespace {
 
-std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
+std::unique_ptr<SearchedGuidance> make_guidance_at(Run& run, Level& level, const GuideSpec& spec,
+                                                   const std::string& key) {
   if (spec.kind() == GuideSpec::Kind::component) return make_component(run, level, spec, key);
   std::vector<double> weights;
-  std::vector<std::unique_ptr<Prepared>> parts;
+  std::vector<std::unique_ptr<SearchedGuidance>> parts;
   for (const auto& term : spec.terms()) {
     weights.push_back(term.weight);
     // The key is the location in the hierarchy, so that no level's random stream depends on its neighbours.
@@ -32,7 +33,7 @@ std::unique_ptr<Prepared> make_guidance_at(Run& run, Level& level, const GuideSp
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec) {
+std::unique_ptr<SearchedGuidance> make_guidance(Run& run, Level& level, const GuideSpec& spec) {
   return make_guidance_at(run, level, spec, level.record().key + "/0");
 }
 

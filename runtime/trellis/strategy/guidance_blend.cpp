@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -12,7 +12,8 @@ namespace {
 /// A mixture whose weights adapt to the results of its parts (BlendSettings).
 class BlendGuidance final : public PartsGuidance {
  public:
-  BlendGuidance(const BlendSettings& settings, const Instance& instance, std::vector<std::unique_ptr<Prepared>> parts)
+  BlendGuidance(const BlendSettings& settings, const Instance& instance,
+                std::vector<std::unique_ptr<SearchedGuidance>> parts)
       : PartsGuidance(std::move(parts)),
         settings_(settings),
         instance_(instance),
@@ -34,10 +35,10 @@ class BlendGuidance final : public PartsGuidance {
     return source;
   }
   [[nodiscard]] double density(View q) const override {
-    return sum([&](const Prepared& part) { return part.density(q); });
+    return sum([&](const SearchedGuidance& part) { return part.density(q); });
   }
   [[nodiscard]] double atom_mass() const override {
-    return sum([](const Prepared& part) { return part.atom_mass(); });
+    return sum([](const SearchedGuidance& part) { return part.atom_mass(); });
   }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double of) const override {
@@ -169,8 +170,8 @@ class BlendGuidance final : public PartsGuidance {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_blend(const BlendSettings& settings, const Instance& instance,
-                                     std::vector<std::unique_ptr<Prepared>> parts) {
+std::unique_ptr<SearchedGuidance> make_blend(const BlendSettings& settings, const Instance& instance,
+                                             std::vector<std::unique_ptr<SearchedGuidance>> parts) {
   return std::make_unique<BlendGuidance>(settings, instance, std::move(parts));
 }
 

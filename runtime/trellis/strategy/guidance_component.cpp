@@ -16,7 +16,7 @@ namespace {
 
 /// The guidance of a component: f makes the level below, whose solution gives h. h draws samples, receives outcomes,
 /// and is made again after further solves.
-class ComponentGuidance final : public Prepared {
+class ComponentGuidance final : public SearchedGuidance {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
       : parent_(parent),
@@ -336,7 +336,8 @@ class ComponentGuidance final : public Prepared {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key) {
+std::unique_ptr<SearchedGuidance> make_component(Run& run, Level& level, const GuideSpec& spec,
+                                                 const std::string& key) {
   return std::make_unique<ComponentGuidance>(run, level, spec, key);
 }
 

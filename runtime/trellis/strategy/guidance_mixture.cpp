@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <utility>
 
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -10,7 +10,7 @@ namespace {
 /// A mixture of guides.
 class MixtureGuidance final : public PartsGuidance {
  public:
-  MixtureGuidance(const std::vector<double>& weights, std::vector<std::unique_ptr<Prepared>> parts)
+  MixtureGuidance(const std::vector<double>& weights, std::vector<std::unique_ptr<SearchedGuidance>> parts)
       : PartsGuidance(std::move(parts)) {
     double total = 0.0;
     for (const double w : weights) total += w;
@@ -82,8 +82,8 @@ class MixtureGuidance final : public PartsGuidance {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_mixture(const std::vector<double>& weights,
-                                       std::vector<std::unique_ptr<Prepared>> parts) {
+std::unique_ptr<SearchedGuidance> make_mixture(const std::vector<double>& weights,
+                                               std::vector<std::unique_ptr<SearchedGuidance>> parts) {
   return std::make_unique<MixtureGuidance>(weights, std::move(parts));
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -14,7 +14,7 @@ namespace {
 /// guides.
 class RaceGuidance final : public PartsGuidance {
  public:
-  RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
+  RaceGuidance(const RaceSettings& settings, std::vector<std::unique_ptr<SearchedGuidance>> parts)
       : PartsGuidance(std::move(parts)), slice_(static_cast<double>(settings.slice)), out_(parts_.size(), false) {}
 
   Advance prepare(const Slice& slice) override {
@@ -92,7 +92,8 @@ class RaceGuidance final : public PartsGuidance {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_race(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts) {
+std::unique_ptr<SearchedGuidance> make_race(const RaceSettings& settings,
+                                            std::vector<std::unique_ptr<SearchedGuidance>> parts) {
   return std::make_unique<RaceGuidance>(settings, std::move(parts));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <utility>
 
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -11,7 +11,7 @@ namespace {
 /// search of a part finds no path, the next part starts at once.
 class ScheduleGuidance final : public PartsGuidance {
  public:
-  ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts)
+  ScheduleGuidance(const ScheduleSettings& settings, std::vector<std::unique_ptr<SearchedGuidance>> parts)
       : PartsGuidance(std::move(parts)), settings_(settings) {
     if (parts_.size() > 1) expect_findings();
   }
@@ -60,8 +60,8 @@ class ScheduleGuidance final : public PartsGuidance {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_schedule(const ScheduleSettings& settings,
-                                        std::vector<std::unique_ptr<Prepared>> parts) {
+std::unique_ptr<SearchedGuidance> make_schedule(const ScheduleSettings& settings,
+                                                std::vector<std::unique_ptr<SearchedGuidance>> parts) {
   return std::make_unique<ScheduleGuidance>(settings, std::move(parts));
 }
 

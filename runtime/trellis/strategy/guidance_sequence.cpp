@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <utility>
 
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -11,7 +11,7 @@ namespace {
 /// what it found to the search of the next part's space. The first part follows the last.
 class SequenceGuidance final : public PartsGuidance {
  public:
-  SequenceGuidance(std::vector<std::unique_ptr<Prepared>> parts, std::int64_t turn)
+  SequenceGuidance(std::vector<std::unique_ptr<SearchedGuidance>> parts, std::int64_t turn)
       : PartsGuidance(std::move(parts)), turn_(turn) {
     if (parts_.size() > 1) expect_findings();
   }
@@ -55,8 +55,8 @@ class SequenceGuidance final : public PartsGuidance {
 
 }  // namespace
 
-std::unique_ptr<Prepared> make_sequence(const SequenceSettings& settings,
-                                        std::vector<std::unique_ptr<Prepared>> parts) {
+std::unique_ptr<SearchedGuidance> make_sequence(const SequenceSettings& settings,
+                                                std::vector<std::unique_ptr<SearchedGuidance>> parts) {
   return std::make_unique<SequenceGuidance>(std::move(parts), settings.turn);
 }
 

@@ -85,21 +85,21 @@ Advance Level::advance(double proposals, const Slice& slice) {
 std::unique_ptr<Planner> Level::make_planner() {
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  Planner::Task task{*instance_,
-                     *h,
-                     Stream(run_.seed, record_.key, "proposals"),
-                     record_.search,
-                     guidance_.guided(),
-                     run_.interrupted,
-                     [this] {
-                       guidance_.prepare();
-                       // If the run ended during the search of the levels below, the planner stops before it draws a
-                       // proposal.
-                       if (run_.interrupted && run_.interrupted()) return true;
-                       return paused_ = work_limit_ < Budget::unlimited && work() >= work_limit_;
-                     }};
-  if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(task));
-  return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(task));
+  PlannerContext context{*instance_,
+                         *h,
+                         Stream(run_.seed, record_.key, "proposals"),
+                         record_.search,
+                         guidance_.guided(),
+                         run_.interrupted,
+                         [this] {
+                           guidance_.prepare();
+                           // If the run ended during the search of the levels below, the planner stops before it draws
+                           // a proposal.
+                           if (run_.interrupted && run_.interrupted()) return true;
+                           return paused_ = work_limit_ < Budget::unlimited && work() >= work_limit_;
+                         }};
+  if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));
+  return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));
 }
 
 Advance Level::solve_own(double proposals, const Slice& slice) {

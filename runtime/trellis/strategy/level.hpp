@@ -14,7 +14,7 @@
 #include <trellis/guide/custom.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/informed_path.hpp>
-#include <trellis/strategy/prepared.hpp>
+#include <trellis/strategy/searched_guidance.hpp>
 
 namespace trellis {
 
@@ -71,8 +71,8 @@ class LevelGuidance final : public Guidance {
         goal_(instance),
         informed_(instance) {}
 
-  void set_guide(std::unique_ptr<Prepared> guide) { guide_ = std::move(guide); }
-  [[nodiscard]] Prepared* guide() const { return guide_.get(); }
+  void set_guide(std::unique_ptr<SearchedGuidance> guide) { guide_ = std::move(guide); }
+  [[nodiscard]] SearchedGuidance* guide() const { return guide_.get(); }
   /// Called before the search begins if `inform` may be called later.
   void expect_paths() { informed_.expect(); }
   void inform(Configurations path) { informed_.follow(std::move(path)); }
@@ -284,7 +284,7 @@ class LevelGuidance final : public Guidance {
   UniformGuidance uniform_;
   GoalGuidance goal_;
   InformedPath informed_;
-  std::unique_ptr<Prepared> guide_;
+  std::unique_ptr<SearchedGuidance> guide_;
   std::function<double()> slice_left_;
   std::function<void(double)> path_found_;
   double direct_ = instance_.to_goal(instance_.start);

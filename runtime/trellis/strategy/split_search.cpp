@@ -55,19 +55,19 @@ void append(const Trajectory& half, Trajectory& whole) {
 /// the same strategy. If a half is not solved, tries other sub-goals; finally solves the undivided instance.
 class SplitSearch final : public Planner {
  public:
-  SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, Task task)
+  SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, PlannerContext context)
       : run_(run),
         level_(level),
         planner_(planner),
         guide_(guide),
         settings_(split_settings().read(*planner.dividing())),
-        task_(std::move(task)),
+        context_(std::move(context)),
         lift_(find_guide("identity")->make(GuideSpec::make("identity", {}).options())) {}
 
   Solution solve(const Budget& budget) override {
     if (undivided_) return undivided_->solve(budget);
     if (!ends_checked_) {
-      if (auto nothing = invalid_ends(task_.instance)) return std::move(*nothing);
+      if (auto nothing = invalid_ends(context_.instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     while (tries_ < settings_.tries) {
@@ -78,37 +78,37 @@ class SplitSearch final : public Planner {
       if (auto found = join(*goal, budget)) return std::move(*found);
     }
     const PlannerSpec& leaf = planner_.undivided();
-    Task task = task_;
-    task.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
+    PlannerContext context = context_;
+    context.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
     if (leaf.dividing() != nullptr) {
-      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(task));
+      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(context));
     } else {
-      undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(task));
+      undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(context));
     }
     return undivided_->solve(budget);
   }
 
  private:
   [[nodiscard]] Configurations start() const {
-    Configurations path(task_.instance.space.dimension());
-    path.push(task_.instance.start);
+    Configurations path(context_.instance.space.dimension());
+    path.push(context_.instance.start);
     return path;
   }
 
   /// The remaining budget.
   [[nodiscard]] Budget left(const Budget& budget) const {
     Budget rest;
-    rest.proposals = budget.proposals - static_cast<double>(task_.search.proposals.size());
-    rest.checks = budget.checks - static_cast<double>(task_.instance.checks.validity + halves_.validity);
-    rest.seconds = budget.seconds - task_.search.seconds - seconds_;
+    rest.proposals = budget.proposals - static_cast<double>(context_.search.proposals.size());
+    rest.checks = budget.checks - static_cast<double>(context_.instance.checks.validity + halves_.validity);
+    rest.seconds = budget.seconds - context_.search.seconds - seconds_;
     return rest;
   }
   [[nodiscard]] std::optional<Status> spent(const Budget& budget) const {
     const Budget rest = left(budget);
     if (rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0) return Status::budget_spent;
-    if (task_.interrupted && task_.interrupted()) return Status::interrupted;
+    if (context_.interrupted && context_.interrupted()) return Status::interrupted;
     // The call also lets the guide's space be searched.
-    if (task_.paused && task_.paused()) return Status::budget_spent;
+    if (context_.paused && context_.paused()) return Status::budget_spent;
     return {};
   }
 
@@ -136,7 +136,7 @@ class SplitSearch final : public Planner {
   }
 
   [[nodiscard]] Configuration point(const Configurations& path, double share) const {
-    const Space& space = task_.instance.space;
+    const Space& space = context_.instance.space;
     double ahead = share * path_length(space, path);
     Configuration q(space.dimension());
     for (std::size_t i = 1; i < path.size(); ++i) {
@@ -153,7 +153,7 @@ class SplitSearch final : public Planner {
 
   /// q if valid, else the first valid sample in shells of increasing radius about q.
   std::optional<Configuration> near(const Configuration& q) {
-    Instance& instance = task_.instance;
+    Instance& instance = context_.instance;
     if (instance.space.contains(q) && instance.valid(q)) return q;
     constexpr int rings = 8;
     constexpr int each = 8;
@@ -177,13 +177,13 @@ class SplitSearch final : public Planner {
   std::optional<Configuration> proposed(const Budget& budget) {
     constexpr int wanted = 8;
     constexpr int most = 200;
-    Instance& instance = task_.instance;
+    Instance& instance = context_.instance;
     std::optional<Configuration> best;
     double shortest = 0.0;
     Configuration q(instance.space.dimension());
     int valid = 0;
     for (int i = 0; i < most && valid < wanted && !spent(budget); ++i) {
-      propose(task_, q);
+      propose(context_, q);
       Outcome outcome;
       outcome.proposal = q;
       const double to_goal = instance.to_goal(q);
@@ -199,7 +199,7 @@ class SplitSearch final : public Planner {
           outcome.blocked_at = q;
         }
       }
-      settle(task_, outcome);
+      settle(context_, outcome);
     }
     return best;
   }
@@ -208,9 +208,9 @@ class SplitSearch final : public Planner {
   std::optional<Solution> join(const Configuration& goal, const Budget& budget) {
     Solution whole;
     whole.status = Status::solved;
-    whole.path = Configurations(task_.instance.space.dimension());
+    whole.path = Configurations(context_.instance.space.dimension());
     for (std::size_t i = 0; i < names.size(); ++i) {
-      auto half = std::make_unique<Instance>(task_.instance);
+      auto half = std::make_unique<Instance>(context_.instance);
       half->checks = {};
       // The second half starts where the first one ended, within the goal tolerance of the sub-goal.
       if (i == 0) {
@@ -230,7 +230,7 @@ class SplitSearch final : public Planner {
       if (allowed.proposals <= 0.0 || allowed.checks <= 0.0 || allowed.seconds <= 0.0) return {};
       level.limit(allowed);
       const Solution& found = level.solve();
-      absorb(level.record().search, task_.search);
+      absorb(level.record().search, context_.search);
       halves_.validity += level.instance().checks.validity;
       seconds_ += level.record().search.seconds;
       if (!found.solved()) return {};
@@ -247,7 +247,7 @@ class SplitSearch final : public Planner {
   PlannerSpec planner_;
   const GuideSpec* guide_;
   SplitSettings settings_;
-  Task task_;
+  PlannerContext context_;
   std::shared_ptr<const Guide> lift_;
   std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken after the run
   std::unique_ptr<Planner> undivided_;
@@ -260,8 +260,8 @@ class SplitSearch final : public Planner {
 }  // namespace
 
 std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
-                                           Planner::Task task) {
-  return std::make_unique<SplitSearch>(run, level, planner, guide, std::move(task));
+                                           PlannerContext context) {
+  return std::make_unique<SplitSearch>(run, level, planner, guide, std::move(context));
 }
 
 }  // namespace trellis

@@ -10,6 +10,6 @@ namespace trellis {
 /// Makes the planner of a level that divides its instance at sub-goals.
 /// \param guide  of the level and of each half; nullptr: none
 std::unique_ptr<Planner> make_split_search(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide,
-                                           Planner::Task task);
+                                           PlannerContext context);
 
 }  // namespace trellis

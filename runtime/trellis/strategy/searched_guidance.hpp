@@ -41,7 +41,7 @@ struct Finding {
 
 /// A guidance that a level can prepare (by solving the levels below) before it draws, and that accepts the findings of
 /// other guidances.
-class Prepared : public Guidance {
+class SearchedGuidance : public Guidance {
  public:
   /// Called before every proposal. Solves the instances below if necessary: the first time, or after h was refuted.
   /// While it returns `unfinished`, nothing may be drawn; the next call continues.
@@ -74,9 +74,9 @@ class Prepared : public Guidance {
 };
 
 /// Shared by combinators: several parts, of which one draws each proposal.
-class PartsGuidance : public Prepared {
+class PartsGuidance : public SearchedGuidance {
  public:
-  explicit PartsGuidance(std::vector<std::unique_ptr<Prepared>> parts) : parts_(std::move(parts)) {
+  explicit PartsGuidance(std::vector<std::unique_ptr<SearchedGuidance>> parts) : parts_(std::move(parts)) {
     for (const auto& part : parts_) {
       first_source_.push_back(static_cast<Source>(sources_.size()));
       for (auto& name : part->sources()) sources_.push_back(std::move(name));
@@ -175,7 +175,7 @@ class PartsGuidance : public Prepared {
     return static_cast<Source>(first_source_[drawn_] + parts_[drawn_]->sample(stream, out));
   }
 
-  std::vector<std::unique_ptr<Prepared>> parts_;
+  std::vector<std::unique_ptr<SearchedGuidance>> parts_;
   std::size_t drawn_ = 0;
 
  private:
@@ -184,17 +184,20 @@ class PartsGuidance : public Prepared {
 };
 
 /// These functions combine guides. A mixture's weights are those of its terms.
-std::unique_ptr<Prepared> make_mixture(const std::vector<double>& weights,
-                                       std::vector<std::unique_ptr<Prepared>> parts);
-std::unique_ptr<Prepared> make_sequence(const SequenceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
-std::unique_ptr<Prepared> make_blend(const BlendSettings& settings, const Instance& instance,
-                                     std::vector<std::unique_ptr<Prepared>> parts);
-std::unique_ptr<Prepared> make_schedule(const ScheduleSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
-std::unique_ptr<Prepared> make_race(const RaceSettings& settings, std::vector<std::unique_ptr<Prepared>> parts);
+std::unique_ptr<SearchedGuidance> make_mixture(const std::vector<double>& weights,
+                                               std::vector<std::unique_ptr<SearchedGuidance>> parts);
+std::unique_ptr<SearchedGuidance> make_sequence(const SequenceSettings& settings,
+                                                std::vector<std::unique_ptr<SearchedGuidance>> parts);
+std::unique_ptr<SearchedGuidance> make_blend(const BlendSettings& settings, const Instance& instance,
+                                             std::vector<std::unique_ptr<SearchedGuidance>> parts);
+std::unique_ptr<SearchedGuidance> make_schedule(const ScheduleSettings& settings,
+                                                std::vector<std::unique_ptr<SearchedGuidance>> parts);
+std::unique_ptr<SearchedGuidance> make_race(const RaceSettings& settings,
+                                            std::vector<std::unique_ptr<SearchedGuidance>> parts);
 /// Makes the guidance of a component, with the levels below it.
 /// \param key  location in the hierarchy
-std::unique_ptr<Prepared> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key);
+std::unique_ptr<SearchedGuidance> make_component(Run& run, Level& level, const GuideSpec& spec, const std::string& key);
 /// Makes the guidance of a level, with the levels below it.
-std::unique_ptr<Prepared> make_guidance(Run& run, Level& level, const GuideSpec& spec);
+std::unique_ptr<SearchedGuidance> make_guidance(Run& run, Level& level, const GuideSpec& spec);
 
 }  // namespace trellis
