@@ -9,8 +9,8 @@
 namespace trellis {
 
 bool EvaluatedGraph::begin() {
-  if (graph_ == task_.instance.graph) return false;
-  graph_ = task_.instance.graph;
+  if (graph_ == context_.instance.graph) return false;
+  graph_ = context_.instance.graph;
   seen_.assign(graph_->edges.size(), 0);
   blocked_.clear();
   rows_.assign(graph_->vertices.size(), no_node);
@@ -18,8 +18,8 @@ bool EvaluatedGraph::begin() {
 }
 
 void EvaluatedGraph::renew() {
-  if (task_.instance.epoch() == epoch_) return;
-  epoch_ = task_.instance.epoch();
+  if (context_.instance.epoch() == epoch_) return;
+  epoch_ = context_.instance.epoch();
   for (char& seen : seen_) seen = seen == found_valid || seen == stale ? stale : char{0};
 }
 
@@ -28,17 +28,17 @@ bool EvaluatedGraph::valid(std::uint32_t e, std::uint32_t to) {
     const std::uint32_t from = graph_->edges[e].from == to ? graph_->edges[e].to : graph_->edges[e].from;
     const View a = std::as_const(graph_->vertices)[from];
     const View b = std::as_const(graph_->vertices)[to];
-    const MotionReport report = seen_[e] == stale ? task_.instance.recheck_motion(a, b) : task_.instance.motion(a, b);
+    const MotionReport report = seen_[e] == stale ? context_.instance.recheck_motion(a, b) : context_.instance.motion(a, b);
     seen_[e] = report.valid ? found_valid : found_invalid;
     if (!report.valid) {
       Configuration& blocked = blocked_[e];
       blocked.resize(a.size());
-      task_.instance.space.interpolate(a, b, report.invalid_at, blocked);
+      context_.instance.space.interpolate(a, b, report.invalid_at, blocked);
       Outcome outcome;
       outcome.proposal = b;
       outcome.near = a;
       outcome.blocked_at = blocked;
-      task_.guidance.observe(outcome, false);
+      context_.guidance.observe(outcome, false);
     }
   }
   return seen_[e] == found_valid;
@@ -46,7 +46,7 @@ bool EvaluatedGraph::valid(std::uint32_t e, std::uint32_t to) {
 
 void EvaluatedGraph::add_node(std::uint32_t v, std::uint32_t edge) {
   if (rows_[v] != no_node) return;
-  auto& search = task_.search;
+  auto& search = context_.search;
   rows_[v] = search.nodes.push(graph_->vertices[v]);
   search.parents.push_back(no_node);
   if (edge == none) return;
@@ -57,7 +57,7 @@ void EvaluatedGraph::add_node(std::uint32_t v, std::uint32_t edge) {
 void EvaluatedGraph::record(std::uint32_t e) {
   if (seen_[e] != 0) return;
   seen_[e] = 1;
-  auto& search = task_.search;
+  auto& search = context_.search;
   for (std::size_t i = 0; i < graph_->edges[e].points.size(); ++i) {
     const std::uint32_t row = search.nodes.push(graph_->edges[e].points[i]);
     search.parents.push_back(no_node);
@@ -66,14 +66,14 @@ void EvaluatedGraph::record(std::uint32_t e) {
 }
 
 EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonitor& monitor) {
-  const Graph& graph = *task_.instance.graph;
-  NearestIndex index(task_.instance.space);
+  const Graph& graph = *context_.instance.graph;
+  NearestIndex index(context_.instance.space);
   for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index.add(graph.vertices[v]);
   Proposals proposals{std::vector<double>(graph.vertices.size(), 0.0), 0.0};
-  Configuration q(task_.instance.space.dimension());
+  Configuration q(context_.instance.space.dimension());
   const std::vector<char> connected = reachable();
   for (std::int64_t i = 0; i < samples && !monitor.spent(); ++i) {
-    propose(task_, q);
+    propose(context_, q);
     const auto near = index.nearest(q);
     proposals.hits[near.id] += 1.0;
     proposals.drawn += 1.0;
@@ -83,7 +83,7 @@ EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonit
     outcome.added = outcome.near;
     outcome.fate = Fate::advanced;
     outcome.connected = connected[near.id] != 0;
-    settle(task_, outcome);
+    settle(context_, outcome);
   }
   return proposals;
 }
@@ -92,14 +92,14 @@ Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, cons
                                   Status otherwise) const {
   const Graph& graph = *graph_;
   Solution solution{reached[graph.goal] != 0 ? Status::solved : otherwise,
-                    Configurations(task_.instance.space.dimension())};
+                    Configurations(context_.instance.space.dimension())};
   std::uint32_t end = graph.goal;
   if (!solution.solved()) {
     end = graph.start;
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
       if (reached[v] == 0) continue;
-      const double to_goal = task_.instance.space.distance(graph.vertices[v], task_.instance.goal);
+      const double to_goal = context_.instance.space.distance(graph.vertices[v], context_.instance.goal);
       if (to_goal < least) {
         least = to_goal;
         end = v;
@@ -126,7 +126,7 @@ Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, cons
 }
 
 std::vector<char> EvaluatedGraph::reachable() const {
-  const Graph& graph = *task_.instance.graph;
+  const Graph& graph = *context_.instance.graph;
   std::vector<std::vector<std::uint32_t>> neighbours(graph.vertices.size());
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
     if (!graph.verified && e < seen_.size() && seen_[e] == found_invalid) continue;
