@@ -151,7 +151,7 @@ int dispatch(int argc, char** argv) {
                    "the script is NAME.lua, its test NAME_test.lua; files that exist are left as they are")
       ->required();
   std::string first;
-  auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, look at them");
+  auto* repl = app.add_subcommand("repl", "an interactive session: plan, step through runs, draw them");
   repl->add_option("SCRIPT", first, "a Lua script to begin with");
   command::ScriptOptions sitting;
   add_script_options(repl, sitting);

@@ -2,7 +2,7 @@
 -- The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them
 --
 -- The lists of methods take what shall differ for each one, by its name: paper.methods { irc = { scales = {0.5} } }.
--- The methods are those of the module strategies; docs/methods.md tells what was published and what differs.
+-- The methods are those of the module strategies; docs/methods.md states what was published and what differs.
 
 local _, native = ...
 local strategies = require "strategies"

@@ -32,7 +32,7 @@ scenes.simple_passage = scene("a corridor 0.5 wide and 2 long", {
 
 -- Four gaps are 0.15 wide, too narrow for the robot; the boxes at x = 5.3 close two of width 0.5 after 0.8. The robot
 -- passes at y = 8.75.
-scenes.trap = scene("four false passages, two dead ends, and one true passage far off the direct way", {
+scenes.trap = scene("four false passages, two dead ends, and one true passage far off the direct path", {
   name = "trap",
   robot = robot.rectangle(0.6, 0.2),
   world = world {

@@ -71,7 +71,7 @@ generated("maze", "a perfect maze: exactly one route joins any two cells, which 
     count("cells", 12, "cells along each side"),
     {
       name = "branching", unit = "share of steps", default = 0, lo = 0, hi = 1,
-      doc = "steps that go on from a random cell",
+      doc = "steps that continue from a random cell",
     },
     seed,
   }, function(o, random)

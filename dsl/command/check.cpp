@@ -45,8 +45,9 @@ std::string summary(const std::string& script, const Experiment& experiment) {
   return text + fmt::format("\n  measured against {}, by {}{}{}\n", dsl::text_of(measure.target),
                             dsl::text_of(measure.estimators),
                             measure.cross > 0
-                                ? fmt::format(", on {} of other seeds too",
-                                              counted(static_cast<std::size_t>(measure.cross), "path", "paths"))
+                                ? fmt::format(", on {} of other seeds too{}",
+                                              counted(static_cast<std::size_t>(measure.cross), "path", "paths"),
+                                              measure.cross_levels ? ", at every level" : "")
                                 : "",
                             measure.metrics ? ", with metrics of the search" : "");
 }

@@ -12,7 +12,7 @@ namespace trellis::command {
 int help(const std::string& topic, const std::string& usage) {
   if (topic.empty()) {
     print_all(
-        fmt::format("{}\n{}\n'trellis help WORD' tells what is known about a word, 'trellis run --help' about a "
+        fmt::format("{}\n{}\n'trellis help WORD' explains a word, 'trellis run --help' about a "
                     "command.\n",
                     usage, dsl::vocabulary_text()));
   } else if (topic == "repl") {

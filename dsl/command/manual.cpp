@@ -120,7 +120,7 @@ runs the test's scenarios, and says what holds.
 plans, prints the report, and writes a page that replays every run.
 .TP
 .B trellis help shrink
-tells about a word of the language.
+explains a word of the language.
 )";
 
 // Shells

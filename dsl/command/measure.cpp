@@ -96,7 +96,7 @@ Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
   }
   if (target.empty()) {
     throw Error(
-        fmt::format("{}: no valid configuration lies within {:g} of the path: there is no target; look at "
+        fmt::format("{}: no valid configuration lies within {:g} of the path: there is no target; examine "
                     "'free' ('{}'), at the path and at delta",
                     c.file, c.tube.delta, c.free));
   }

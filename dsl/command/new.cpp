@@ -27,7 +27,7 @@ constexpr std::string_view script = R"LUA(-- @TITLE@: a strategy of guiding spac
 --   trellis run @NAME@ --html report.html    and writes a page that replays every run
 --   trellis test @TEST@                runs its scenarios, which say what is expected of it
 --   trellis check @NAME@                     plans nothing, prints each strategy as a tree
---   trellis help skeleton                  tells about a word of the language; `trellis help` lists all
+--   trellis help skeleton                  explains a word of the language; `trellis help` lists all
 
 -- Lengths are in metres, angles in radians. The whole robot stays inside the bounds.
 local house = world {

@@ -50,7 +50,7 @@ int repl(const std::string& script, const ScriptOptions& options) {
   std::optional<InterruptibleSession> patient;
   if (lines.interactive()) {
     patient.emplace();
-    print_all(fmt::format("Trellis {}. help() tells what there is, Ctrl-D ends.\n{}", trellis::version(), greeting));
+    print_all(fmt::format("Trellis {}. help() lists all words, Ctrl-D ends.\n{}", trellis::version(), greeting));
   }
 
   int status = success;

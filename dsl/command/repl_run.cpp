@@ -75,7 +75,7 @@ std::string fate_text(const LevelRecord& record, std::size_t row) {
     const bool there = near != no_node && record.space.distance(search.nodes[near], search.proposals[row]) == 0.0;
     text += near == no_node ? "no node: it is invalid, or there already\n"
             : there         ? "no node: it is there already\n"
-                            : "no node: the way to it is blocked\n";
+                            : "no node: the motion to it is blocked\n";
   }
   if (near == no_node) return text;
   const View end = added != no_node ? search.nodes[added] : search.proposals[row];

@@ -141,7 +141,7 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
     if (solved) continue;
     fmt::print(
         stderr,
-        "trellis: {}: no run of any strategy found a path{}; give the planners more `proposals`, or look at where "
+        "trellis: {}: no run of any strategy found a path{}; give the planners more `proposals`, or examine where "
         "they got to\n",
         problem.name, experiment.measure ? ", so there is no target and no efficiency" : "");
   }

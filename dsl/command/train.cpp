@@ -85,7 +85,7 @@ std::vector<LearningTask> tasks_of(const std::string& data, const std::vector<st
 }
 
 std::string row(const std::string& family, const Validation& found) {
-  if (found.tasks == 0) return fmt::format("{:<20}  no world with a way from start to goal\n", family);
+  if (found.tasks == 0) return fmt::format("{:<20}  no world with a path from start to goal\n", family);
   return fmt::format("{:<20}  {:>6}  {:>7.2f}  {:>7.2f}  {:>8.2f}  {:>8.2f} +- {:.2f}\n", family, found.tasks,
                      found.learned, found.uniform, found.straight, found.uniform - found.learned, found.error);
 }
@@ -184,7 +184,7 @@ int train(const TrainOptions& options) {
   write_file(options.out, model.bytes());
   if (options.quiet) return success;
   print_all(text +
-            "\nThe divergence of the cells on ways that are nearly the shortest from what each samples; lower is "
+            "\nThe divergence of the cells on nearly shortest paths from the samples of each; lower is "
             "better.\nuniform: free cells evenly. straight: less the longer the detour, obstacles ignored.\n");
   return success;
 }

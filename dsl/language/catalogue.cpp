@@ -75,7 +75,7 @@ std::string catalogue_markdown() {
       "# The catalogue of guiding spaces\n\n"
       "A guiding space is a pair (f, h): f projects the instance in C to one in another space S, and h turns what was "
       "found\nin S into a distribution over C. Every one below composes with every other by `>>`, `+` and `..`, and "
-      "each is held by the\ntests to what it says here. Options are in [the reference](reference.md).\n";
+      "the tests\ncheck each statement here. Options are in [the reference](reference.md).\n";
   constexpr std::array categories = {Category::robot,    Category::environment, Category::experience,
                                      Category::sampling, Category::trivial,     Category::combinator};
   for (const Category category : categories) {

@@ -21,6 +21,7 @@ struct ExperimentSettings {
   std::int64_t seed = 1;
   std::int64_t shortcut = 0;
   std::int64_t cross = Measure{}.cross;
+  bool cross_levels = Measure{}.cross_levels;
   bool metrics = Measure{}.metrics;
 };
 
@@ -33,6 +34,9 @@ const Settings<ExperimentSettings>& experiment_settings() {
                    "rounds of shortcutting on each found path before it is reported")
           .integer("cross", &ExperimentSettings::cross, "paths", Range::non_negative(),
                    "paths of other seeds that each run is scored on besides its own")
+          .boolean("cross_levels", &ExperimentSettings::cross_levels,
+                   "whether lower levels are scored on the paths of other seeds in their own spaces too, not only "
+                   "lifted to the root's")
           .boolean("metrics", &ExperimentSettings::metrics,
                    "whether each level's roadmap, information and wasted samples are measured too");
   return settings;
@@ -119,6 +123,7 @@ std::optional<Measure> read_measure(const Arguments& arguments, const Experiment
   Measure measure;
   measure.estimators = read_estimators(arguments);
   measure.cross = settings.cross;
+  measure.cross_levels = settings.cross_levels;
   measure.metrics = settings.metrics;
   const Value value = arguments["measure"];
   if (!value.given()) return measure;
@@ -127,7 +132,7 @@ std::optional<Measure> read_measure(const Arguments& arguments, const Experiment
     return measure;
   }
   if (value.boolean() != false) arguments.reject("measure");
-  for (const char* name : {"estimators", "cross", "metrics"}) {
+  for (const char* name : {"estimators", "cross", "cross_levels", "metrics"}) {
     if (!arguments[name].given()) continue;
     throw Error(
         fmt::format("experiment: field '{}' says how samples are measured, and 'measure = false' that they are "
@@ -362,10 +367,9 @@ const Construct& experiment_construct() {
             "what the others are compared with; by default the first strategy without a guide, else the first"},
            {"groups", "table[]", "a list of groups, as { { \"mazes\", {p, q}, tuned = true } }",
             "problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are "
-            "held "
-            "out"},
+            "held-out"},
            {"published", "trellis.Publication", "published { ... }",
-            "figures and sentences of somebody else, to set the results beside"},
+            "published figures and sentences, to compare the results with"},
            {"ablate", "boolean|string[]", "true, or a list of names of strategies",
             "adds each strategy that has a guide, or each that is named, with every guide taken out in turn", false,
             "false"}},

@@ -52,18 +52,18 @@ const Construct& guiding_space_construct() {
             "\"guiding_space\""},
            {"space", "string[]|trellis.Space|" + by_instance + "string[]|trellis.Space",
             "a space, a list of names of axes of C, or a function",
-            "S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias with no space "
-            "behind it; C's own space by default"},
+            "S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias without a "
+            "space; C's own space by default"},
            {"project", "fun(...: number): number", "a function",
             "f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes "
-            "of C, told by their names, and f picks them"},
+            "of C with their names, and f selects them"},
            {"lift", "fun(...: any): number", "a function",
             "draws from the fibre: called with the coordinates of a configuration of S and the functions random and "
             "normal, returns those of one of C that f maps to it; by default the axes that S lacks are uniform; "
             "needed with 'project'"},
            {"valid", R"("free"|"parent"|fun(...: number): boolean)",
             R"(a function, "free" (all of S is valid) or "parent" (as in C))",
-            "what is valid in S; a function is called with the coordinates of every configuration that is checked, "
+            "validity in S; a function is called with the coordinates of every configuration that is checked, "
             "which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed"},
            {"robot", "trellis.Robot|" + by_instance + "trellis.Robot", "a robot, or a function that returns one",
             "checked for collisions in S; by default C's"},
@@ -76,7 +76,7 @@ const Construct& guiding_space_construct() {
            {"planner", "trellis.Planner", "a planner", "searches S", false, "rrt(), graph_search() of a graph"},
            {"heuristic", "fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function?",
             "a function",
-            "h: called each time that S was solved, with what was found and the instance in C; returns a sum of "
+            "h: called each time that S was solved, with the path found and the instance in C; returns a sum of "
             "along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with "
             "random and normal, it returns a configuration of C, and its density may follow it; by default along the "
             "path found, lifted"},
@@ -84,7 +84,7 @@ const Construct& guiding_space_construct() {
             "of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with "
             "respect to volume in metric coordinates"},
            {"observe", "fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function?", "a function",
-            "told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on"},
+            "receives the outcome of each proposal; may return another h, as 'heuristic' does, which replaces it"},
            {"stale", "fun(): boolean", "a function",
             "whether S is to be solved again before the next proposal; called when h was made, before each proposal "
             "and "
@@ -260,7 +260,7 @@ GuideClaims claims_of(const GuideDefinition& definition) {
                                           "S = {0} has one";
     claims.fallback = GuideClaims::Fallback::own;
     claims.no_path = "'heuristic' decides";
-    claims.feedback = "what 'heuristic' returned goes on along its paths";
+    claims.feedback = "what 'heuristic' returned continues along its paths";
   }
   if (given(Slot::observe)) claims.feedback = function(Slot::observe) + " receives each outcome";
   if (given(Slot::stale)) claims.feedback += "; 'stale' decides when S is solved again";

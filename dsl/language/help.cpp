@@ -82,7 +82,7 @@ const Construct& help_construct() {
       .options = {},
       .returns = "",
       .arguments = {
-          {"subject", "any", "a word, or a value", "a strategy tells its tree; \"guide.shrink\" is the guide shrink"}}};
+          {"subject", "any", "a word, or a value", "a strategy shows its tree; \"guide.shrink\" is the guide shrink"}}};
   return construct;
 }
 

@@ -303,7 +303,7 @@ std::vector<ObjectType> measure_types() {
   types.push_back({"trellis.Target", "what samples are measured against", "", {}, {}});
   types.push_back({"trellis.Estimator", "how a density is estimated from samples", "", {}, {}});
   types.push_back(space_type());
-  types.push_back({"trellis.TargetContext", "what the functions of a target are told", "", {}, {}});
+  types.push_back({"trellis.TargetContext", "the arguments of a target's functions", "", {}, {}});
   types.back().members = {{"path", "number[][]", "", "the configurations of the run's path, in order"},
                           {"problem", "trellis.Problem", "", "the problem that was solved"},
                           {"space", "trellis.Space", "", "the space of the strategy's root"},

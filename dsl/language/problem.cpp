@@ -54,7 +54,7 @@ const Settings<ProblemSettings>& problem_settings() {
           .number("goal_tolerance", &ProblemSettings::goal_tolerance, "m", Range::non_negative(),
                   "a configuration this near to the goal in the metric is the goal; where the problem has a motion "
                   "model and "
-                  "this is not given, 0.25, as controls that are held for whole steps hit no goal exactly");
+                  "this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly");
   return settings;
 }
 

@@ -148,7 +148,7 @@ const Construct& published_construct() {
   static const Construct construct = {
       .name = "published",
       .usage = R"(published { source = "...", figures = { trap = { rrt = {9.6, 7.5} } } })",
-      .summary = "figures and sentences of somebody else, to set the results beside",
+      .summary = "published figures and sentences, to compare the results with",
       .list = "",
       .element = "",
       .fields = {{"source", "string", "a string", "a citation", true},

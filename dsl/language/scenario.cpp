@@ -341,7 +341,8 @@ const std::vector<Function>& plain_functions() {
              "has_efficiency", R"(has_efficiency("root", above(0.5)))",
              "a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better",
              {{"level", "string|integer", "a level's name or number",
-               "\"root\", \"lazy\", \"shrink(0.5)\", the way to the root as \"skeleton >> lazy\", or 0, 1, ...", true},
+               "\"root\", \"lazy\", \"shrink(0.5)\", the route to the root as \"skeleton >> lazy\", or 0, 1, ...",
+               true},
               {"criterion", criterion_type, "a criterion", "of nats; above(plain) compares two trials", true}},
              matcher_type),
          make_has_efficiency});
@@ -375,7 +376,7 @@ Scenario& current(const Book& book, const char* word) {
 void add_step(Stack& call, Scenario& scenario, Step::Kind kind, std::string text,
               std::optional<Step::Expectation> expectation = {}) {
   if (scenario.steps.size() >= most_steps) {
-    throw Error(fmt::format("a scenario has {} lines at most; is there a loop without end?", most_steps));
+    throw Error(fmt::format("a scenario has {} lines at most; does a loop not terminate?", most_steps));
   }
   Step& step = scenario.steps.emplace_back();
   step.kind = kind;
@@ -746,7 +747,7 @@ std::vector<ObjectType> scenario_types() {
   types.push_back({"trellis.Candidate", "a strategy of a setting", "", {}, {}});
   types.push_back({"trellis.Trial", "a strategy on a problem over a range of seeds", "", {}, {}});
   types.push_back({"trellis.Matcher", "what a trial is expected to do", "", {}, {}});
-  types.push_back({"trellis.Criterion", "what a figure is held against", "", {}, {}});
+  types.push_back({"trellis.Criterion", "the criterion for a figure", "", {}, {}});
   for (const Method& method : criterion_methods()) {
     types.back().members.push_back({method.name, method.type, "", method.doc});
   }

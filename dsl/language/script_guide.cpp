@@ -353,7 +353,7 @@ class ScriptValidity final : public Validity {
     return report;
   }
   [[nodiscard]] double clearance(View) override {
-    throw Error("what is valid is a function of the script's, which knows no clearance");
+    throw Error("validity is a function of the script, which has no clearance");
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   /// Records that later results may differ.

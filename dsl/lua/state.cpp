@@ -173,11 +173,11 @@ void State::look_around(lua_State* state) {
   if (work_.limits == nullptr) return;  // no run: the state is closing
   work_.looked = Clock::now();
   if (work_.spent > work_.limits->instructions) {
-    end(state, fmt::format("{} has spent {} instructions and comes to no end{}", work_.limits->subject,
+    end(state, fmt::format("{} has spent {} instructions and does not terminate{}", work_.limits->subject,
                            work_.limits->instructions, work_.limits->advice));
   }
   if (worked_too_long()) {
-    end(state, fmt::format("{} has worked for {:g} s and comes to no end{}", work_.limits->subject,
+    end(state, fmt::format("{} has worked for {:g} s and does not terminate{}", work_.limits->subject,
                            work_.limits->seconds, work_.limits->advice));
   }
   if (!options_.poll) return;
@@ -238,7 +238,7 @@ void State::watch(const std::stop_token& stop) {
     const std::uint64_t run = at_work_.load();
     const double now = run != 0 ? processor_seconds(clock_.load()) : 0.0;
     if (run != 0 && run == seen && now - begin > watched_seconds_.load() + grace) {
-      options_.stuck("the script hangs in a single instruction, far beyond the time it may take");
+      options_.stuck("the script does not terminate: a single instruction takes far longer than the limit");
     }
     if (run != seen) begin = now;
     seen = run;

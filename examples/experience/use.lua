@@ -28,7 +28,7 @@ local elsewhere = world {
 return experiment {
   problems = {
     crossing("as learnt", walls()),
-    crossing("boxes in the way", walls(box {1.3, 2.6, 2.2, 3.4}, box {4.6, 3.6, 5.4, 4.4}, box {7.8, 2.6, 8.6, 3.4})),
+    crossing("boxes on the path", walls(box {1.3, 2.6, 2.2, 3.4}, box {4.6, 3.6, 5.4, 4.4}, box {7.8, 2.6, 8.6, 3.4})),
     crossing("gaps elsewhere", elsewhere),
   },
   strategies = {

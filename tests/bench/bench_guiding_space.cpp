@@ -34,8 +34,8 @@ local root = rrt { step = 0.5, proposals = 20000 }
 local half = guiding_space {
   name = "half", robot = function(instance) return instance.robot:scaled(0.5) end,
 }
-local told = guiding_space {
-  name = "told", robot = function(instance) return instance.robot:scaled(0.5) end,
+local informed = guiding_space {
+  name = "informed", robot = function(instance) return instance.robot:scaled(0.5) end,
   observe = function(outcome) end, stale = function() return false end,
 }
 local point = guiding_space {
@@ -55,7 +55,7 @@ return experiment {
   problems = { scenes.simple_passage(), scenes.trap() },
   strategies = {
     { "shrink", shrink(0.5) >> root }, { "shrink in Lua", half >> root },
-    { "shrink, once more", shrink(0.5) >> root }, { "shrink in Lua, told of every outcome", told >> root },
+    { "shrink, once more", shrink(0.5) >> root }, { "shrink in Lua, receives every outcome", informed >> root },
     { "workspace", workspace { radius = 0.5, planner = rrt {} } >> root }, { "workspace in Lua", point >> root },
     { "uniform", uniform() >> root }, { "uniform in Lua, each sample by a function", drawn >> root },
   },

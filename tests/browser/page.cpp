@@ -234,7 +234,7 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
       {"buttons", "method=mixed", other},
       {"density", nested, digest + "view.dataset.picture = digest();"},
       {"samples", nested + "&show=samples", digest + "view.dataset.picture = digest();"},
-      {"half way", nested + "&along=500", digest + "view.dataset.picture = digest();"},
+      {"half of the path", nested + "&along=500", digest + "view.dataset.picture = digest();"},
       {"drive", nested,
        "window.requestAnimationFrame = f => setTimeout(() => f(performance.now()), 16);"
        "press('d'); await wait(1000); press('d');"},
@@ -343,8 +343,8 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   CHECK(shown.at("density")["along"].empty());
   CHECK(shown.at("samples")["show"] == "samples");
   CHECK(shown.at("samples")["picture"] != shown.at("density")["picture"]);
-  CHECK(shown.at("half way")["along"] == "500");
-  CHECK(shown.at("half way")["picture"] != shown.at("density")["picture"]);
+  CHECK(shown.at("half of the path")["along"] == "500");
+  CHECK(shown.at("half of the path")["picture"] != shown.at("density")["picture"]);
   REQUIRE_FALSE(shown.at("drive")["along"].empty());
   CHECK(std::stoul(shown.at("drive")["along"]) > 50);
   CHECK(std::stoul(shown.at("drive")["along"]) < 1000);

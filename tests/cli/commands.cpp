@@ -260,7 +260,7 @@ TEST_CASE("a script error ends with 2, names the line and writes nothing") {
 TEST_CASE("an output that cannot be written is found out before the run") {
   const Place place;
   place.script("endless.lua", endless);
-  place.script("file", "in the way");
+  place.script("file", "a file");
   for (const std::vector<std::string>& output : {std::vector<std::string>{"--json", "no/such/folder/all.json"},
                                                  {"--json", "."},
                                                  {"--json", "file/all.json"},
@@ -279,7 +279,7 @@ TEST_CASE("an output that cannot be written is found out before the run") {
     CHECK(one_message(outcome));
     CHECK(outcome.err.find("cannot write '" + output[1] + "'") != std::string::npos);
   }
-  CHECK(content(place / "file") == "in the way");
+  CHECK(content(place / "file") == "a file");
 }
 
 TEST_CASE("check validates without planning") {
@@ -289,7 +289,7 @@ TEST_CASE("check validates without planning") {
   const auto good = place.run({"check", "endless.lua"});
   CHECK(good.status == 0);
   CHECK(good.out.starts_with("endless.lua: 1 problem, 1 strategy, 1000 seeds\n\n  rrt: rrt { step = 0.001 }\n    rrt"));
-  CHECK(good.out.ends_with("\n  measured against tube {}, by exact, arc, knn, on 4 paths of other seeds too\n"));
+  CHECK(good.out.ends_with("\n  measured against tube {}, by exact, arc, knn, on 2 paths of other seeds too\n"));
   const auto both = place.run({"check", "wrong.lua", "endless.lua"});
   CHECK(both.status == 2);
   CHECK(both.err.starts_with("trellis: wrong.lua:1: the script returns 42"));
@@ -459,14 +459,14 @@ TEST_CASE("a folder gets the tables, the document, the page and the figures") {
       "pair.lua",
       "return experiment { problems = { scenes.cup(), scenes.trap() }, seeds = 2, measure = tube { points = 256, "
       "pool = 1024 }, estimators = { knn(), legacy() }, strategies = { guided = skeleton() >> rrt { step = 0.5 }, "
-      "rrt = rrt { step = 0.5 } }, published = published { source = 'Nobody', figures = { cup = { rrt = {8.5, 5.2}, "
+      "rrt = rrt { step = 0.5 } }, published = published { source = 'A. Author', figures = { cup = { rrt = {8.5, 5.2}, "
       "guided = {5.8, 18.2} } } } }");
   const auto outcome = place.run({"run", "pair.lua", "--quiet", "--out", "here"});
   INFO(outcome.err);
   CHECK(outcome.status == 0);
   CHECK(outcome.err.empty());
   const std::string table = content(place / "here/table.md");
-  CHECK(table.find("## Beside the published figures\n\nPublished: Nobody.") != std::string::npos);
+  CHECK(table.find("## Beside the published figures\n\nPublished: A. Author.") != std::string::npos);
   CHECK(table.find("| rrt | tree | 8.5 |") != std::string::npos);
   CHECK(content(place / "here/report.html").ends_with("</html>\n"));
   CHECK(Json::parse(content(place / "here/results.json"))["runs"].size() == 8);

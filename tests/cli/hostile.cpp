@@ -29,8 +29,8 @@ constexpr long most_memory = 512 * mebibyte;
 /// time limit comes first depends on the machine.
 std::string message_of(const std::string& err) {
   const std::string line = err.substr(0, err.find('\n')) + "\n";
-  return std::regex_replace(line, std::regex("has (spent [0-9]+ instructions|worked for [0-9.]+ s) and comes"),
-                            "(has done enough) and comes");
+  return std::regex_replace(line, std::regex("has (spent [0-9]+ instructions|worked for [0-9.]+ s) and does not"),
+                            "(has done enough) and does not");
 }
 
 }  // namespace

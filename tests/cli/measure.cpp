@@ -424,7 +424,7 @@ TEST_CASE("bad input gives one message with what and where, and no figure") {
       {"nothing valid",
        {{"free", "point.lua"}, {"path", {{4.5, 5}, {5.5, 5}}}, {"delta", 0.2}},
        "",
-       "case.json: no valid configuration lies within 0.2 of the path: there is no target; look at 'free' "
+       "case.json: no valid configuration lies within 0.2 of the path: there is no target; examine 'free' "
        "('point.lua')"},
       {"empty file", {}, " \n", "samples.csv: the file is empty; expected the header 'x,y' and a line for each sample"},
       {"header only", {}, "x,y\n", "samples.csv: there is no sample below the header"},

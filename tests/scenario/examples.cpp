@@ -494,7 +494,7 @@ SCENARIO("what was learnt in one world guides in others", "[examples][experience
       };
       THEN("it saves checks where the world is much the same, and costs some where it is not") {
         CHECK(checks_on("as learnt", "lightning") < 0.5 * checks_on("as learnt", "rrt"));
-        CHECK(checks_on("boxes in the way", "lightning") < checks_on("boxes in the way", "rrt"));
+        CHECK(checks_on("boxes on the path", "lightning") < checks_on("boxes on the path", "rrt"));
         CHECK(checks_on("gaps elsewhere", "lightning") > checks_on("gaps elsewhere", "rrt"));
       }
     }

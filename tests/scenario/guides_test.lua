@@ -25,7 +25,7 @@ scenario "regions along the medial axis find a doorway" (function()
   expect(guided, has_efficiency("root", above(plain)))
 end)
 
-scenario "a bias to the goal gains where nothing is in the way" (function()
+scenario "a bias to the goal gains where nothing blocks the path" (function()
   local it = given {
     problem = in_world({ box {0, 9, 1, 10} }, {1, 1, 0}, {9, 8, 0}),
     strategies = {
@@ -38,7 +38,7 @@ scenario "a bias to the goal gains where nothing is in the way" (function()
   expect(greedy, finds_paths(below(patient)))
 end)
 
-scenario "a budget that is spent before there is a path is told as it is" (function()
+scenario "a budget that is spent before there is a path is reported as it is" (function()
   local it = given {
     problem = in_world({ box {4, 0, 6, 7.5}, box {4, 8, 6, 10} }, {1, 1, 0}, {9, 1, 0}),
     strategies = { hopeless = rrt { step = 0.5, proposals = 20 } },

@@ -78,3 +78,13 @@ TEST_CASE("an arena keeps rows, even when one of its own is pushed", "[configura
   REQUIRE(rows.size() == 101);
   for (std::size_t i = 0; i < rows.size(); ++i) CHECK(std::as_const(rows)[i][2] == 3.0);
 }
+
+TEST_CASE("an option's number is printed so that it reads back, at the ends of doubles too", "[component]") {
+  for (const double x : {0.1, 1.0 / 3.0, 1e-310, 5e-324, 1e308, -1e-300, 9007199254740993.0, 0.0}) {
+    const std::string text = to_string(OptionValue(x));
+    CAPTURE(x, text);
+    CHECK(parse_number(text) == x);
+  }
+  CHECK(to_string(OptionValue(0.25)) == "0.25");
+  CHECK(std::isnan(parse_number("none")));
+}

@@ -186,7 +186,7 @@ TEST_CASE("wrapped and shortened text fits", "[draw]") {
   const Font font{.size = 8.0};
   const std::vector<std::string> texts = {"",
                                           "word",
-                                          "several words of text that go on for a while",
+                                          "several words of text that continue for a while",
                                           "ünïcödé ∞∞ «quoted» text",
                                           "a\nb\n\nc",
                                           std::string(300, 'M'),

@@ -22,7 +22,7 @@ std::vector<WorldShape> bar(double x) {
 
 MotionFigure example() {
   MotionFigure figure;
-  figure.title = "a bar on its way";
+  figure.title = "a bar on its path";
   figure.caption = "What it shows.";
   figure.world = {0, 0, 4, 3};
   figure.obstacles = {WorldDisc{{2, 2}, 0.5}};
@@ -32,7 +32,7 @@ MotionFigure example() {
   figure.start = {-1, -1};
   figure.goal = {2, 2};
   MotionRow row;
-  row.world_title = "the way";
+  row.world_title = "the path";
   row.space_title = "the space";
   row.poses = {bar(0), bar(1), bar(2)};
   row.invalid = {false, true, false};

@@ -233,7 +233,7 @@ TEST_CASE("h may be a function that draws, with its density") {
 TEST_CASE("h receives the outcomes of its proposals, may adapt to them, and requests another solution") {
   const RunRecord run = run_of(
       "(function() local n, kinds = 0, {}\n"
-      "return guiding_space { name = 'told', valid = 'free', resolves = 2,\n"
+      "return guiding_space { name = 'informed', valid = 'free', resolves = 2,\n"
       "  heuristic = function(found, instance) n = 0 return ball(instance.start, 1) end,\n"
       "  observe = function(o) n = n + 1\n"
       "    assert(#o.proposal == 3 and (o.added == nil) == (o.fate == 'rejected') and type(o.mine) == 'boolean')\n"
@@ -423,7 +423,7 @@ TEST_CASE("an error in a guide's function names the level, the run and the line"
   CHECK_THAT(fails(draws + "error('seven') end end"),
              Contains(at + "its sample 1: test.lua:3: seven\nstack traceback:"));
   CHECK_THAT(fails(draws + "while true do end end end"),
-             Contains(at + "its sample 1: ") && Contains("comes to no end"));
+             Contains(at + "its sample 1: ") && Contains("does not terminate"));
   CHECK_THAT(fails("observe = function(o) error(o.fate) end"), Contains(at + "observe, outcome 1: test.lua:3: "));
   CHECK_THAT(fails("stale = function() end"), Contains(at + "stale") && Contains("it returned nothing"));
   CHECK_THAT(fails("graph = function() return { vertices = {{1, 2, 3}}, edges = {{1, 2}}, start = 1, goal = 1 } end"),

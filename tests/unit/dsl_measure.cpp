@@ -131,18 +131,21 @@ TEST_CASE("an experiment says what is measured, by what and beside what") {
   const auto plain = load(experiment(""));
   CHECK(std::get<TubeSettings>(measure_of(plain).target).delta == 0.5);
   CHECK(measure_of(plain).estimators == default_estimators());
-  CHECK(measure_of(plain).cross == 4);
+  CHECK(measure_of(plain).cross == 2);
+  CHECK_FALSE(measure_of(plain).cross_levels);
   CHECK_FALSE(measure_of(plain).metrics);
 
-  const auto all = load(experiment(
-      "measure = near_optimal { epsilon = 0.25, delta = 0.3 }, estimators = { knn { k = 5 }, kde() }, cross = 2, "
-      "metrics = true, baseline = 'rrt'"));
+  const auto all =
+      load(experiment("measure = near_optimal { epsilon = 0.25, delta = 0.3 }, estimators = { knn { k = 5 }, kde() }, "
+                      "cross = 3, cross_levels = true, "
+                      "metrics = true, baseline = 'rrt'"));
   CHECK(std::get<NearOptimalSettings>(measure_of(all).target).epsilon == 0.25);
   CHECK(std::get<NearOptimalSettings>(measure_of(all).target).delta == 0.3);
   REQUIRE(measure_of(all).estimators.size() == 2);
   CHECK(measure_of(all).estimators[0] == EstimatorSpec::make("knn", {{"k", std::int64_t{5}}}));
   CHECK(measure_of(all).estimators[1].name() == "kde");
-  CHECK(measure_of(all).cross == 2);
+  CHECK(measure_of(all).cross == 3);
+  CHECK(measure_of(all).cross_levels);
   CHECK(measure_of(all).metrics);
   CHECK(all.experiment.baseline == "rrt");
 
@@ -383,7 +386,7 @@ TEST_CASE("an error in a user's density names the sample and its level") {
   const std::string endless = message(160, "while true do pcall(error) end");
   CHECK(endless.find(" of rrt, level 0 (problem 'room', strategy 'guided', seed 1): test.lua:1: it has ") !=
         std::string::npos);
-  CHECK(endless.find(" and comes to no end; is there a loop without end?") != std::string::npos);
+  CHECK(endless.find(" and does not terminate; does a loop not terminate?") != std::string::npos);
 }
 
 TEST_CASE("help describes targets, estimators and the construct of a user's target") {

@@ -132,7 +132,7 @@ TEST_CASE("what a script works is counted, and has an end") {
   const dsl::SessionOptions little{.instructions = 100'000};
   CHECK(value("#('x'):rep(1000)", little) == "1000");
   CHECK(failure("for _ = 1, 1e9 do end", little)
-            .starts_with("test.lua:1: the script has spent 100000 instructions and comes to no end"));
+            .starts_with("test.lua:1: the script has spent 100000 instructions and does not terminate"));
   // The same script ends at the same instruction on every machine.
   const std::string counts = "n = 0 while true do n = n + 1 end";
   dsl::Session first("", little), second("", little);

@@ -67,6 +67,14 @@ TEST_CASE("a default planner that becomes kinodynamic keeps the options that its
   CHECK(goals({GuideSpec::make("holonomic", {}), GuideSpec::make("shrink", {})}) > 0);
 }
 
+TEST_CASE("a motion of too many integration steps is refused", "[kinodynamic]") {
+  Problem problem = test::driven(test::cup_problem());
+  problem.motion_model =
+      find_motion("unicycle1")->make(Options::validate(*find_motion("unicycle1")->component, {{"dt", 1e-12}}));
+  CHECK_THROWS_WITH(execute(strategy({}), problem, 1),
+                    Contains("longest = ") && Contains("dt = 1e-12 s") && Contains("increase dt"));
+}
+
 TEST_CASE("a planner that cannot respect the motion model is refused, and one that drives where there is none",
           "[kinodynamic]") {
   const Problem driven = test::driven(test::cup_problem());

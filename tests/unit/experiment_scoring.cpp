@@ -187,6 +187,23 @@ TEST_CASE("without other paths there is no cross score", "[scoring]") {
   }
 }
 
+TEST_CASE("lower levels are scored on other seeds' paths in their own spaces on request", "[scoring]") {
+  Experiment experiment = open_experiment();
+  experiment.strategies = {{"guided", GuideSpec::make("shrink", {}) >> rrt(0.5)}};
+  for (const bool requested : {false, true}) {
+    experiment.measure->cross_levels = requested;
+    for (const RunResult& run : run(experiment).runs) {
+      const LevelResult& level = run.levels.at(1);
+      REQUIRE(level.record.solution.solved());
+      CHECK(level.own);
+      CHECK(level.root_cross);
+      CHECK(level.own_cross.has_value() == requested);
+      if (requested) CHECK(std::isfinite(level.own_cross->tree.value));
+      CHECK(root_of(run).own_cross);
+    }
+  }
+}
+
 TEST_CASE("a run without a path is scored on the others' and never dropped", "[scoring]") {
   Experiment experiment = open_experiment();
   experiment.strategies = {{"fine", rrt(0.5)}, {"short", rrt(0.5, 40.0)}};

@@ -317,7 +317,7 @@ TEST_CASE("what has no tip that moves in the plane is refused with the reason", 
         "the links of the robot 'arm' are no single chain");
   CHECK(why_not(Robot("arm", {link, coupled}, false, {5, 5})) == "joints of the robot 'arm' turn together");
   CHECK(why_not(Robot("arm", {link, wheel}, false, {5, 5})) ==
-        "the last link of the robot 'arm' has its middle at its joint, and no end");
+        "the last link of the robot 'arm' has its middle at its joint, and no tip");
   CHECK(why_not(Robot("arm", {link, same}, false, {5, 5})) == "two joints of the robot 'arm' are at one place");
   // The guides report this, and their requirements.
   const auto refusal = [](const std::string& name, const std::vector<Options::Entry>& given, const Robot& robot) {

@@ -57,7 +57,7 @@ class Told final : public Guidance {
     record.add_unknown(share * unknown);
     for (const auto& [density, of] : others) record.add(density, share * of);
   }
-  [[nodiscard]] std::vector<std::string> sources() const override { return {"told"}; }
+  [[nodiscard]] std::vector<std::string> sources() const override { return {"other"}; }
 };
 
 /// The problem as a planner can have it.

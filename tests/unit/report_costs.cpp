@@ -66,7 +66,7 @@ CostData two_worlds() {
   };
   CostData data;
   data.add(document("cup", "paper", true, made(1.0)), "cup.json");
-  data.add(document("a|b", "held", false, made(8.0)), "other.json");
+  data.add(document("a|b", "new", false, made(8.0)), "other.json");
   return data;
 }
 

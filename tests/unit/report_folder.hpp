@@ -53,7 +53,7 @@ inline std::string fault(const std::string& xml) {
       continue;
     }
     const std::size_t end = xml.find('>', i);
-    if (end == std::string::npos) return "a tag without end at " + std::to_string(i);
+    if (end == std::string::npos) return "an unclosed tag at " + std::to_string(i);
     const std::string tag = xml.substr(i + 1, end - i - 1);
     if (tag.find('<') != std::string::npos) return "a bare < at " + std::to_string(i);
     if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an odd quote in <" + tag + ">";

@@ -62,7 +62,7 @@ TEST_CASE("robots whose space is a plane or a torus have pictures of it", "[repo
   }
 }
 
-TEST_CASE("a run without levels or a path has no picture of a motion, or the way to what came nearest",
+TEST_CASE("a run without levels or a path has no picture of a motion, or the path to the nearest node",
           "[report][motion-figures]") {
   Experiment experiment = experiment_on({arm_problem()});
   ExperimentResult result;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -12,6 +13,7 @@
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/golden.hpp"
 
 using namespace trellis;
@@ -49,7 +51,7 @@ std::pair<Experiment, ExperimentResult> published() {
   }
   experiment.measure->estimators = {EstimatorSpec::make("knn"), EstimatorSpec::make("legacy")};
   Publication publication;
-  publication.source = "Somebody 1999";
+  publication.source = "Author 1999";
   publication.entries = {{"simple_passage", "rrt", 32.147, 18.671},
                          {"simple_passage", "nested", 11.395, {}},
                          {"simple_passage", "third", 20.0, 19.0}};
@@ -195,5 +197,25 @@ TEST_CASE("what LaTeX would take for a sign of its own is written as text", "[re
   const std::string text = latex("# 5 % of `a_b` & c\n\n| x\\|y | **no** |\n|---|---|\n| 1<br>2 | ± {3} |\n");
   CHECK(text.find("\\section*{5 \\% of \\texttt{a\\_b} \\& c}") != std::string::npos);
   CHECK(text.find("x$|$y & \\textbf{no} \\\\\n\\midrule") != std::string::npos);
-  CHECK(text.find("\\shortstack[r]{1 \\\\ 2} & $\\pm$ \\{3\\} \\\\") != std::string::npos);
+  CHECK(text.find("\\begin{tabular}[t]{@{}r@{}}1 \\\\ 2\\end{tabular} & $\\pm$ \\{3\\} \\\\") != std::string::npos);
+}
+
+TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") {
+  const auto succeeds = [](const std::string& command) {
+    return std::system((command + " >/dev/null 2>&1").c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  };
+  if (!succeeds("kpsewhich booktabs.sty && command -v pdflatex")) {
+    WARN("skipped: pdflatex with booktabs is not installed (texlive-latex-recommended)");
+    return;
+  }
+  const auto [experiment, result] = published();
+  const test::Folder place;
+  const auto document = [](const std::string& body) {
+    return "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n" + body +
+           "\\end{document}\n";
+  };
+  place.write("table.tex", document(latex(report_markdown(experiment, result))));
+  const std::string cd = "cd '" + place.path().string() + "' && ";
+  CHECK(succeeds(cd + "pdflatex -interaction=nonstopmode -halt-on-error table.tex"));
+  CHECK(succeeds(cd + "! grep -q 'Overfull .hbox' table.log"));
 }

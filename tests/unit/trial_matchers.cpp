@@ -179,7 +179,7 @@ TEST_CASE("spends: more than a run without a path cannot be shown") {
   const Said few =
       judge(trial_of("plain", rrt(), 4), spends(more_than(trial_of("guided", guide("skeleton") >> rrt(), 4)).nodes()));
   CHECK_FALSE(few.holds);
-  CHECK_THAT(few.text, Contains("at least less than can be told times") && Contains("; 4 seeds show nothing"));
+  CHECK_THAT(few.text, Contains("at least -∞ times") && Contains("; 4 seeds show nothing"));
 }
 
 TEST_CASE("spends: too few seeds show nothing, and it says how many would") {

@@ -243,7 +243,7 @@ constexpr std::size_t runs_each = 15;
 void interval_table(Report& report, const std::vector<Case>& cases) {
   const std::size_t experiments = report.repetitions;
   report.text += fmt::format(
-      "### Where the interval tells less than the truth\n\nThe interval is about the spread between runs. It cannot "
+      "### Where the interval is too narrow\n\nThe interval is about the spread between runs. It cannot "
       "see "
       "an error that all runs share. Runs of a planner differ more than sets of N = 1000 independent samples of one "
       "density do; over {} such sets the smoothing of an uneven density is as large as the interval's half-width. How "

@@ -4,9 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace trellis {
+
+double parse_number(std::string_view text) {
+  double number = std::numeric_limits<double>::quiet_NaN();
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
 
 std::string to_string(const OptionValue& value) {
   struct Text {
@@ -14,7 +22,7 @@ std::string to_string(const OptionValue& value) {
       if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
       // Prints as many digits as reading the same number back requires.
       std::string text = fmt::format("{:g}", x);
-      return std::stod(text) == x || std::isnan(x) ? text : fmt::format("{}", x);
+      return parse_number(text) == x || std::isnan(x) ? text : fmt::format("{}", x);
     }
     std::string operator()(std::int64_t x) const { return fmt::format("{}", x); }
     std::string operator()(bool x) const { return x ? "true" : "false"; }

@@ -19,6 +19,8 @@ using OptionValue = std::variant<double, std::int64_t, bool, std::string, std::v
 
 /// Returns the text of a value in the syntax of a script.
 std::string to_string(const OptionValue& value);
+/// Returns the number that the text begins with, in the notation of C whatever the locale; NaN if it begins with none.
+double parse_number(std::string_view text);
 
 struct Range {
   double lo = -std::numeric_limits<double>::infinity();

@@ -29,7 +29,7 @@ double touching_slack(const Scene& scene) {
 }
 
 void refuse_motion(double displacement, double resolution) {
-  throw Error(fmt::format("a motion of {} m at resolution {} m would be looked at in more than {} configurations",
+  throw Error(fmt::format("a motion of {} m at resolution {} m would take checks of more than {} configurations",
                           displacement, resolution, most_configurations));
 }
 

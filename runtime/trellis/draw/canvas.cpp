@@ -432,7 +432,7 @@ std::string Canvas::render(Format format, double pixels) const {
 }
 
 Ink Canvas::ink(double cell) const {
-  if (transforms_.size() != 1) throw Fault("drawing: a picture looked at inside one of its scopes");
+  if (transforms_.size() != 1) throw Fault("drawing: a picture is read inside one of its scopes");
   const std::size_t columns = whole(width_, 1.0 / cell);
   const std::size_t rows = whole(height_, 1.0 / cell);
   const Owned<cairo_surface_t> surface(

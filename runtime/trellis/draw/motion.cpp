@@ -102,8 +102,7 @@ class MotionPlot {
     check(figure_.blocked);
     for (const auto& row : figure_.rows) {
       check(row.density);
-      if (row.invalid.size() != row.poses.size())
-        throw Fault("a picture of a motion knows of each pose if it is valid");
+      if (row.invalid.size() != row.poses.size()) throw Fault("a picture of a motion needs the validity of each pose");
       if (!row.density.values.empty()) shaded_ = true;
       if (!row.nodes.empty()) nodes_ = true;
       if (std::find(row.invalid.begin(), row.invalid.end(), true) != row.invalid.end()) invalid_ = true;
@@ -146,8 +145,8 @@ class MotionPlot {
     switch (entry) {
       case Entry::start: return "start";
       case Entry::goal: return "goal";
-      case Entry::between: return "on the way";
-      case Entry::blocked_pose: return "on the way, invalid";
+      case Entry::between: return "on the path";
+      case Entry::blocked_pose: return "on the path, invalid";
       case Entry::obstacle: return "obstacle";
       case Entry::bias: return "proposals: the darker, the more";
       case Entry::path: return "path";

@@ -57,7 +57,9 @@ struct Measure {
   /// saves half of the work; of any other list it reports all.
   std::vector<EstimatorSpec> estimators = default_estimators();
   /// The number of other seeds whose paths each run is also scored on; 0: none. All strategies use the same paths.
-  std::int64_t cross = 4;
+  std::int64_t cross = 2;
+  /// Whether the lower levels are scored on these seeds' paths in their own spaces too, not only lifted to the root's.
+  bool cross_levels = false;
   /// Whether to compute the metrics of each level's roadmap, information and wasted samples too.
   bool metrics = false;
 };
@@ -141,7 +143,8 @@ struct LevelResult {
   /// Lifted to the root space by the chain of h's, relative to the root's path. None when the root found no path.
   std::optional<Scores> root = {};
   /// The mean of the same over the paths of other seeds. In the level's own space: the same level's paths under the
-  /// same strategy. Lifted: the paths on which all strategies of the problem are scored.
+  /// same strategy; of a lower level if Measure::cross_levels. Lifted: the paths on which all strategies of the problem
+  /// are scored.
   std::optional<Scores> own_cross = {};
   std::optional<Scores> root_cross = {};
   /// root_cross (or root, without other seeds) of a random subset of `equal_samples` samples: the number of the
@@ -152,7 +155,7 @@ struct LevelResult {
   /// The root level only, scored by the headline's estimators.
   std::optional<Scores> oracle = {};
   std::optional<Scores> uniform = {};
-  static constexpr std::size_t most_references = 2000;
+  static constexpr std::size_t most_references = 1000;
   std::optional<SearchMetrics> metrics = {};
 };
 

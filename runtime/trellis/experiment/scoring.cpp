@@ -15,9 +15,9 @@ namespace trellis {
 
 namespace {
 
-// Each run is scored on several other paths, and at several levels: each uses fewer points than the root's own path.
-constexpr std::int64_t cross_points = 512;
-constexpr std::int64_t cross_pool = 4096;
+// Points of a target for the scores on other runs' paths and of lower levels: fewer than for the root's own path.
+constexpr std::int64_t few_points = 512;
+constexpr std::int64_t small_pool = 4096;
 constexpr std::size_t kept_points = 2048;    // of each run's target, for drawings
 constexpr std::size_t pooled_samples = 500;  // of each run, in the pool of all seeds
 // Kernels cost more than all other estimators together, and serve for comparison only.
@@ -87,7 +87,7 @@ class ProblemScoring {
   void score(std::vector<PooledScores>& pooled) {
     for (RunResult* run : runs_) guard(*run);
     choose_equal_number();
-    make_cross_targets();
+    make_shared_targets();
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
       score_run(i);
       progress_();
@@ -110,25 +110,25 @@ class ProblemScoring {
   // Targets ----------------------------------------------------------------------------------------------------------
 
   /// Returns the target that a run's path defines for a level; the root's path is the one that the run reports.
-  [[nodiscard]] MadeTarget own_target(const RunResult& run, const LevelResult& level, bool cross) const {
+  [[nodiscard]] MadeTarget own_target(const RunResult& run, const LevelResult& level) const {
     const LevelRecord& record = level.record;
     const bool root = record.level == 0;
     const bool solved = root ? run.run.solved : record.solution.solved();
     const Configurations& path = root ? run.run.path : record.solution.path;
     if (const auto* settings = std::get_if<NearOptimalSettings>(&measure_.target)) {
-      return cross ? MadeTarget{} : make_near_optimal(record, *settings);
+      return make_near_optimal(record, *settings);
     }
     if (!solved || path.empty()) return {nullptr, "no path of its own"};
     if (const auto* settings = std::get_if<TubeSettings>(&measure_.target)) {
       TubeSettings tube = *settings;
-      if (cross || !root) {
-        tube.points = std::min(tube.points, cross_points);
-        tube.pool = std::min(tube.pool, cross_pool);
+      if (!root) {
+        tube.points = std::min(tube.points, few_points);
+        tube.pool = std::min(tube.pool, small_pool);
       }
       return make_tube(record, path, tube, measure_seed + run.seed);
     }
     if (const auto* user = std::get_if<UserTarget>(&measure_.target); user != nullptr && root) {
-      const auto draws = cross ? cross_pool : std::max(user->pool, user->points);
+      const auto draws = std::max(user->pool, user->points);
       const Problem& problem = *occasion_->problem;
       *occasion_ = {&problem, run.strategy, run.seed, "", "", nullptr};
       return {std::make_shared<const Target>(Target::distribution(
@@ -182,10 +182,11 @@ class ProblemScoring {
     }
   }
 
-  /// Runs before the scoring: for the roots only the donors' targets, for the lower levels all.
-  void make_cross_targets() {
-    cross_roots_.resize(runs_.size());
-    cross_levels_.resize(runs_.size());
+  /// Makes the targets that several runs are scored on: those of the donors' roots and, with `cross_levels`, of all
+  /// lower levels. `score_run` makes the others.
+  void make_shared_targets() {
+    root_targets_.resize(runs_.size());
+    level_targets_.resize(runs_.size());
     donors_.resize(seeds_);
     if (!crosses()) return;
     choose_donors();
@@ -196,10 +197,11 @@ class ProblemScoring {
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
       poll();
       const RunResult& result = *runs_[i];
-      if (gives[i] != 0) cross_roots_[i] = own_target(result, result.levels.front(), true).target;
-      cross_levels_[i].resize(result.levels.size());
+      if (gives[i] != 0) root_targets_[i] = own_target(result, result.levels.front());
+      if (!measure_.cross_levels) return;
+      level_targets_[i].resize(result.levels.size());
       for (std::size_t l = 1; l < result.levels.size(); ++l) {
-        cross_levels_[i][l] = own_target(result, result.levels[l], true).target;
+        level_targets_[i][l] = own_target(result, result.levels[l]);
       }
     });
   }
@@ -212,9 +214,10 @@ class ProblemScoring {
     for (std::size_t k = 1; k < seeds_ && targets.size() < static_cast<std::size_t>(measure_.cross); ++k) {
       const std::size_t other = strategy * seeds_ + (seed + k) % seeds_;
       const auto& levels = runs_[other]->levels;
-      for (std::size_t l = 0; l < cross_levels_[other].size(); ++l) {
-        if (levels[l].record.key == record.key && cross_levels_[other][l] && levels[l].record.space == record.space) {
-          targets.push_back(cross_levels_[other][l]);
+      for (std::size_t l = 1; l < level_targets_[other].size(); ++l) {
+        const TargetPointer& target = level_targets_[other][l].target;
+        if (target && levels[l].record.key == record.key && levels[l].record.space == record.space) {
+          targets.push_back(target);
         }
       }
     }
@@ -273,8 +276,13 @@ class ProblemScoring {
     occasion_->samples = &samples;
   }
 
+  /// The effort of a score.
+  struct Effort {
+    bool brief = false;       ///< uses the headline's estimator and `knn` only
+    bool few_points = false;  ///< uses a part of the target's points
+  };
   [[nodiscard]] Efficiency figure(const Target& target, const PreparedSamples& samples, SampleSupport support,
-                                  const std::function<double(View)>& density, bool brief) const {
+                                  const std::function<double(View)>& density, Effort effort) const {
     poll();
     if (samples.total() == 0) {
       Efficiency result = none(0, "there are no samples", false);
@@ -285,19 +293,22 @@ class ProblemScoring {
     return efficiency(target, samples,
                       {.support = support,
                        .estimators = measure_.estimators,
-                       .brief = brief,
+                       .brief = effort.brief,
                        .headline_only = headline_only_,
                        .density = density,
-                       .points = brief ? static_cast<std::size_t>(cross_points) : 0,
+                       .points = effort.few_points ? static_cast<std::size_t>(few_points) : 0,
+                       .pool = effort.few_points ? static_cast<std::size_t>(small_pool) : 0,
                        .kernel_points = kernel_points});
   }
 
-  [[nodiscard]] Scores scores(const Target& target, const Sets& sets) const {
+  /// \param shared  whether the path is another run's, or one of several
+  [[nodiscard]] Scores scores(const Target& target, const Sets& sets, bool shared) const {
+    const Effort effort{.brief = sets.brief, .few_points = shared || sets.brief};
     Scores found;
     tell("node", sets.nodes);
-    found.tree = figure(target, sets.tree, sets.support, {}, sets.brief);
+    found.tree = figure(target, sets.tree, sets.support, {}, effort);
     tell("proposal", sets.proposals);
-    found.expansion = figure(target, sets.expansion, SampleSupport::anything, sets.density, sets.brief);
+    found.expansion = figure(target, sets.expansion, SampleSupport::anything, sets.density, effort);
     return found;
   }
 
@@ -313,7 +324,8 @@ class ProblemScoring {
                          .estimators = measure_.estimators,
                          .headline_only = true,
                          .density = density,
-                         .points = static_cast<std::size_t>(cross_points),
+                         .points = static_cast<std::size_t>(few_points),
+                         .pool = static_cast<std::size_t>(small_pool),
                          .kernel_points = kernel_points});
     };
     Scores oracle;
@@ -382,10 +394,10 @@ class ProblemScoring {
   }
 
   void score_paths(std::size_t index, RunResult& result) {
-    const MadeTarget root = own_target(result, result.levels.front(), false);
+    const MadeTarget root = root_targets_[index] ? *root_targets_[index] : own_target(result, result.levels.front());
     std::vector<TargetPointer> crossing;
     for (const std::size_t donor : donors_[index % seeds_]) {
-      if (cross_roots_[donor]) crossing.push_back(cross_roots_[donor]);
+      if (root_targets_[donor]->target) crossing.push_back(root_targets_[donor]->target);
     }
     if (root.target) keep(*root.target, result.target);
     const Space& space = result.levels.front().record.space;
@@ -393,9 +405,9 @@ class ProblemScoring {
       const LevelRecord& record = level.record;
       if (root.target || !crossing.empty()) {
         const Sets sets = root_sets(result, record, space);
-        if (root.target) level.root = scores(*root.target, sets);
+        if (root.target) level.root = scores(*root.target, sets, false);
         if (root.target && record.level == 0) score_references(*root.target, sets, result.seed, level);
-        level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets); });
+        level.root_cross = mean_scores(crossing, [&](const Target& target) { return scores(target, sets, true); });
       }
       if (!root.target && result.run.solved) level.root = absent(record, root.reason);
       if (record.level == 0) {
@@ -403,12 +415,13 @@ class ProblemScoring {
         level.own_cross = level.root_cross;
         continue;
       }
-      const MadeTarget own = own_target(result, level, false);
-      const std::vector<TargetPointer> others = crosses() ? level_targets(index, record) : std::vector<TargetPointer>{};
+      const auto at = static_cast<std::size_t>(&level - result.levels.data());
+      const MadeTarget own = level_targets_[index].empty() ? own_target(result, level) : level_targets_[index][at];
+      const std::vector<TargetPointer> others = level_targets(index, record);
       if (own.target || !others.empty()) {
         const Sets sets = own_sets(record);
-        if (own.target) level.own = scores(*own.target, sets);
-        level.own_cross = mean_scores(others, [&](const Target& target) { return scores(target, sets); });
+        if (own.target) level.own = scores(*own.target, sets, false);
+        level.own_cross = mean_scores(others, [&](const Target& target) { return scores(target, sets, true); });
       }
       if (!own.target && record.solution.solved() && !std::holds_alternative<UserTarget>(measure_.target)) {
         level.own = absent(record, own.reason);
@@ -449,7 +462,8 @@ class ProblemScoring {
             rank_motions(level.record, tree, settings, measure_seed + result.seed, model_of(level.record));
         Efficiency& role = tree ? found.tree : found.expansion;
         role = ranks.target.target ? figure(*ranks.target.target, {ranks.target.target->space(), ranks.samples},
-                                            SampleSupport::anything, {}, level.record.level != 0)
+                                            SampleSupport::anything, {},
+                                            {.brief = level.record.level != 0, .few_points = level.record.level != 0})
                                    : none(ranks.samples.size(), ranks.target.reason, false);
       }
       level.own = found;
@@ -521,14 +535,14 @@ class ProblemScoring {
     std::vector<Efficiency> expansions;
     // One path of each of some seeds, from any strategy that found one.
     std::vector<char> taken(seeds_, 0);
-    for (std::size_t i = 0; i < cross_roots_.size() && tree.size() < static_cast<std::size_t>(measure_.cross); ++i) {
+    for (std::size_t i = 0; i < runs_.size() && tree.size() < static_cast<std::size_t>(measure_.cross); ++i) {
       const std::size_t seed = i % seeds_;
-      if (!cross_roots_[i] || taken[seed] != 0) continue;
+      if (!root_targets_[i] || !root_targets_[i]->target || taken[seed] != 0) continue;
       taken[seed] = 1;
       poll();
       const Sets sets = pooled_sets(strategy, seed);
       if (sets.tree.total() + sets.expansion.total() == 0) continue;
-      Scores found = scores(*cross_roots_[i], sets);
+      Scores found = scores(*root_targets_[i]->target, sets, true);
       tree.push_back(std::move(found.tree));
       expansions.push_back(std::move(found.expansion));
     }
@@ -601,16 +615,17 @@ class ProblemScoring {
                     .expansion = {record.space, proposals},
                     .support = sample_support(record),
                     .density = {},
-                    .brief = true,
                     .nodes = nodes,
                     .proposals = proposals};
     level.equal = mean_scores(targets, [&](const Target& target) {
       Scores found;
       tell("node", sets.nodes);
-      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.support, {}, sets.brief);
+      const Effort effort{.brief = true, .few_points = true};
+      if (equal_nodes_ > 0) found.tree = figure(target, sets.tree, sets.support, {}, effort);
       tell("proposal", sets.proposals);
-      if (equal_proposals_ > 0)
-        found.expansion = figure(target, sets.expansion, SampleSupport::anything, {}, sets.brief);
+      if (equal_proposals_ > 0) {
+        found.expansion = figure(target, sets.expansion, SampleSupport::anything, {}, effort);
+      }
       return found;
     });
   }
@@ -623,10 +638,10 @@ class ProblemScoring {
   const std::function<bool()>& interrupted_;
   std::size_t seeds_;
   std::size_t strategies_;
-  std::vector<TargetPointer> cross_roots_;                // of each run
-  std::vector<std::vector<TargetPointer>> cross_levels_;  // of each run's levels
-  std::vector<std::vector<std::size_t>> donors_;          // of each seed
-  std::size_t equal_nodes_ = 0;                           // 0: not computed
+  std::vector<std::optional<MadeTarget>> root_targets_;  // of each run; empty unless it is a donor
+  std::vector<std::vector<MadeTarget>> level_targets_;   // of each run's levels; empty unless `cross_levels`
+  std::vector<std::vector<std::size_t>> donors_;         // of each seed
+  std::size_t equal_nodes_ = 0;                          // 0: not computed
   std::size_t equal_proposals_ = 0;
   bool users_;          // the target is a script's
   bool headline_only_;  // no other estimator is requested

@@ -103,7 +103,7 @@ GuideKind aggregate_kind() {
   claims.relaxes = false;
   claims.no_path =
       "the error is halved and S solved again, `refinements` times, then without hulls; without a path there, h goes "
-      "along the way to what came nearest to the goal";
+      "along the path to the node nearest to the goal";
   return {&aggregate_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Aggregate>(aggregate_settings().read(o));

@@ -162,7 +162,7 @@ std::variant<ArmChain, std::string> arm_chain(const Instance& instance) {
     return fmt::format("the robot '{}' has one joint, so that its tip stays on a circle", robot.name());
   }
   const auto end = end_of(extents);
-  if (!end) return fmt::format("the last link of the robot '{}' has its middle at its joint, and no end", robot.name());
+  if (!end) return fmt::format("the last link of the robot '{}' has its middle at its joint, and no tip", robot.name());
   chain.body = static_cast<std::size_t>(last);
   chain.tip = *end;
   chain.links.back().length = norm(*end);

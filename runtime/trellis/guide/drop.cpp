@@ -25,7 +25,7 @@ const Settings<DropSettings>& drop_settings() {
   static const Settings<DropSettings> settings = with_path_options(
       Settings<DropSettings>(
           Component::Kind::guide, "drop",
-          "the world without some of its obstacles; each comes back when it is found to be in the way",
+          "the world without some of its obstacles; each returns when C finds that it blocks the path",
           "Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; with feedback as in "
           "Bohlin and Kavraki 2000")
           .names("obstacles", &DropSettings::obstacles,
@@ -176,10 +176,11 @@ class Drop final : public PathGuide {
 }  // namespace
 
 GuideKind drop_kind() {
-  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, without the obstacles named",
-                                   "S has no path; no end that is valid in C becomes invalid", "examples/drop.lua");
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::environment, "q -> q, without the obstacles named",
+                  "S has no path; a start or goal that is valid in C stays valid", "examples/drop.lua");
   claims.feedback =
-      "an obstacle that C found in the way beside the path comes back before S is solved again, which is at once where "
+      "an obstacle that C hit beside the path returns before S is solved again, which is at once where "
       "the path runs into it";
   return {&drop_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Drop>(drop_settings().read(o)); },

@@ -37,24 +37,24 @@ const Settings<ExperienceSettings>& experience_settings() {
   static const Settings<ExperienceSettings> settings = with_path_options(
       Settings<ExperienceSettings>(
           Component::Kind::guide, "experience",
-          "paths that solved problems before, joined into a graph where they come near each other; the way along them "
-          "that has to be repaired least is followed",
+          "stored paths of earlier problems, joined into a graph where they come near each other; h follows the path "
+          "in this graph that needs the least repair",
           "Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience "
           "(Lightning); "
           "paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: "
           "Dellin and Srinivasa 2016, Lazy shortest paths")
           .file("db", &ExperienceSettings::db, "the library of solved problems, as trellis run SCRIPT --learn makes it")
           .integer("candidates", &ExperienceSettings::candidates, "paths", {.lo = 1, .hi = 1000},
-                   "paths that are retrieved: those whose ends are nearest to start and goal, either way round")
+                   "paths that are retrieved: those whose ends are nearest to start and goal, in either direction")
           .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
-                  "distance within which two retrieved paths are joined, so that a way may change from one to the "
+                  "distance within which two retrieved paths are joined, so that a path may change from one to the "
                   "other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point")
           .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
-                  "what a metre costs that is invalid in the present world, by one that is valid")
+                  "cost of a metre that is invalid in the present world, relative to a valid one")
           .choice("robots", &ExperienceSettings::robots, {"same", "any"},
                   R"(whose paths: "same", of the same robot in the same space; "any", of any in the same space)")
           .integer("paths", &ExperienceSettings::paths, "paths", {.lo = 1, .hi = 64},
-                   "ways through the graph that guide at once, each found with those before it made dearer")
+                   "paths in the graph that guide at once; each search increases the cost of the paths before it")
           .positional({"db"}));
   return settings;
 }
@@ -540,18 +540,17 @@ class Experience final : public PathGuide {
 GuideKind experience_kind() {
   GuideClaims claims = path_claims(
       GuideClaims::Category::experience, "q -> q, on the graph of the stored paths that are nearest to start and goal",
-      "they are joined to the graph all the same, by legs that count as ones to be repaired",
-      "examples/experience/use.lua");
+      "they are joined to the graph too, by edges that count as invalid", "examples/experience/use.lua");
   claims.h =
-      "the points in turn of the way through the graph that costs least, metres to be repaired counting `repair` "
-      "times; where a motion between two of them is invalid, half the time a ball about it, which grows; or a tube "
-      "about the way";
+      "the points in turn of the path in the graph that costs least, where invalid metres count `repair` times; where "
+      "a "
+      "motion between two of them is invalid, half the time a ball about it, which grows; or a tube about the path";
   claims.feedback =
-      "a node at a point moves h on to the next, and motions of the way that are valid are not checked again; after "
-      "`evidence` blocked proposals at one place the way is left for another one; an edge on which C finds something "
-      "invalid counts as invalid";
+      "a node at a point moves h to the next, and valid motions of the path are not checked again; after `evidence` "
+      "blocked proposals at one place h follows another path; an edge on which C finds an invalid configuration counts "
+      "as invalid";
   claims.fallback = GuideClaims::Fallback::own;
-  claims.no_path = "nothing was stored of this space and robot: h is uniform";
+  claims.no_path = "the library has no path of this space and robot: h is uniform";
   return {&experience_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {
             return std::make_unique<Experience>(experience_settings().read(o));

@@ -186,7 +186,7 @@ GuideKind holonomic_kind() {
   GuideClaims claims = path_claims(
       GuideClaims::Category::robot,
       "(q, velocities) -> q, joined by straight motions; the identity without a motion model",
-      "no end that is valid in C becomes invalid: what bounds velocities is dropped", "examples/kinodynamic.lua");
+      "a start or goal that is valid in C stays valid: S drops the bounds on velocities", "examples/kinodynamic.lua");
   claims.h += "; velocities uniform, of speeds those forwards";
   return {&holonomic_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> {

@@ -269,15 +269,17 @@ GuideKind informed_kind() {
               const double straight = parent.space.distance(parent.start, parent.goal);
               if (cost >= straight) return;
               throw Error(
-                  fmt::format("informed: option 'cost' is {:g}, and the straight way from start to "
+                  fmt::format("informed: option 'cost' is {:g}, and the straight path from start to "
                               "goal is {:g} m in the metric: no path is as short",
                               cost, straight));
             });
       },
       "uniform where start and goal are no farther together than the best path known is long; before one is known, "
       "and where that is all of C, uniform on C",
-      "of the hyperspheroids about start and goal, one for each way round, reflected at the walls", true,
-      "told of each path found, it draws from what a shorter one could pass through; a path that stopped being valid "
+      "of the hyperspheroids about start and goal, one for each direction of a periodic axis, reflected at the bounds",
+      true,
+      "after each path found, it draws from the set that a shorter path can pass through; a path that stopped being "
+      "valid "
       "is forgotten");
 }
 

@@ -216,7 +216,7 @@ GuideKind joints_kind() {
       "q -> its coordinates on the axes kept; of the robot what they place, and of a body that an axis dropped turns "
       "the "
       "largest disc about its origin",
-      "S has no path; no end that is valid in C becomes invalid, as S checks no more than a part of the robot",
+      "S has no path; a start or goal that is valid in C stays valid, because S checks only a part of the robot",
       "examples/two_joint_arm.lua");
   claims.h =
       "a point of the path found in S, from the stretch just beyond what the tree has reached, then uniform on a ball "

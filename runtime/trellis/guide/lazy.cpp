@@ -64,8 +64,8 @@ const Settings<LazySettings>& lazy_settings() {
                   "once a candidate was refuted; "
                   "0: 1.2 of the planner's step, or the diameter of the robot's bounding circle where that is more")
           .number("margin", &LazySettings::margin, "m in the metric", Range::non_negative(),
-                  "radius about a configuration found invalid that S takes for invalid too, at least; 0: the checking "
-                  "resolution. Where the checker knows how deep the configuration lies, S loses all that is known"));
+                  "least radius about a configuration found invalid that is invalid in S too; 0: the checking "
+                  "resolution. Where the checker computes a penetration depth, the radius is that depth"));
   return settings;
 }
 
@@ -387,16 +387,15 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
 }  // namespace
 
 GuideKind lazy_kind() {
-  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, where everything is presumed valid",
-                                   "they are presumed valid, until C finds something invalid within `margin` of them",
-                                   "examples/nested.lua");
+  GuideClaims claims = path_claims(
+      GuideClaims::Category::environment, "q -> q; every configuration is presumed valid",
+      "they are presumed valid, until C finds an invalid configuration within `margin` of them", "examples/nested.lua");
   claims.feedback =
-      "edges of the path found in S are validated in C before it guides, at C's expense and once; what C finds "
-      "invalid, "
-      "there or by proposals, is taken out of S, whose search continues where the path was refuted. Where a tree "
-      "follows a guide in S, an invalid edge refutes no candidate: the planner in C looks for a way there, and "
-      "`evidence` "
-      "blocked proposals take the place out of S";
+      "edges of the path found in S are validated in C before it guides, once, and count as checks of C; "
+      "configurations "
+      "that C finds invalid, there or by proposals, become invalid in S, whose search continues where the path was "
+      "refuted. Where a tree follows a guide in S, an invalid edge refutes no candidate: the planner in C searches for "
+      "a path there, and `evidence` blocked proposals make the place invalid in S";
   return {&lazy_settings().component(),
           [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Lazy>(lazy_settings().read(o)); },
           "lazy_prm",

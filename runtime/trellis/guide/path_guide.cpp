@@ -41,7 +41,7 @@ GuideClaims path_claims(GuideClaims::Category category, std::string f, std::stri
       .invalid_ends = std::move(invalid_ends),
       .fallback = GuideClaims::Fallback::nearest,
       .no_path =
-          "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
+          "h follows the path to the node nearest to the goal; uniform where that is the "
           "start alone",
       .example = std::move(example)};
 }
@@ -186,7 +186,7 @@ double WaypointHeuristic::atom_mass() const {
     case Draw::both: return 0.5;
     case Draw::near: return 0.0;
   }
-  throw Fault("unknown way of drawing");
+  throw Fault("unknown rule of drawing");
 }
 
 void WaypointHeuristic::record(DensityRecord& record, double share) const {

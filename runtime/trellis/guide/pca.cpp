@@ -36,13 +36,13 @@ const Settings<PcaSettings>& pca_settings() {
                    "dimension of S, less than that of C; 0: half of C's, rounded up")
           .integer(
               "samples", &PcaSettings::samples, "configurations", Range::at_least(1),
-              "configurations that the subspace is fitted to: valid ones out of uniform ones, which are looked at as "
+              "configurations that the subspace is fitted to: valid ones out of uniform ones, which are checked as "
               "checks of its level; or with `db` points spread over stored paths")
           .file("db", &PcaSettings::db,
                 "a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its "
                 "paths of the same space and robot, and nothing is checked for it")
           .boolean("ends", &PcaSettings::ends,
-                   "the subspace goes through start and goal, and the way between them is its first direction; "
+                   "the subspace goes through start and goal, and the direction between them is its first; "
                    "otherwise it goes where the samples say, and start and goal are projected onto it")
           .positional({"dimensions"}));
   return settings;
@@ -369,7 +369,7 @@ class Pca final : public PathGuide {
     }
     if (found == 0) {
       throw Error(
-          fmt::format("pca: none of {} configurations of {} that were looked at is valid, so that there is "
+          fmt::format("pca: none of {} checked configurations of {} is valid, so that there is "
                       "nothing to fit a subspace to",
                       settings_.samples * tries_per_sample, space.name()));
     }

@@ -31,7 +31,7 @@ const Settings<ShrinkSettings>& shrink_settings() {
                   "smaller robot, as no wall fits between two of its places so near to each other, but not below that "
                   "of C nor above four times that")
           .boolean("keep_tree", &ShrinkSettings::keep_tree,
-                   "where the way along the path is blocked, half of the proposals are nodes of the tree that was "
+                   "where the path is blocked, half of the proposals are nodes of the tree that was "
                    "grown in S, each extended from where its parent is: branches that are valid for the larger robot "
                    "are kept")
           .positional({"scale"})));
@@ -69,12 +69,13 @@ GuideKind shrink_kind() {
       &shrink_settings().component(),
       [](const Options& o) -> std::unique_ptr<Guide> { return std::make_unique<Shrink>(shrink_settings().read(o)); },
       "rrt", [](const Options& o) { return shrink_settings().read(o).resolves; },
-      path_claims(GuideClaims::Category::robot,
-                  "q -> q, for the robot scaled about its reference point; where it is fixed to its base, with links "
-                  "scaled across their axes",
-                  "S has no path; no end that is valid in C becomes invalid where the robot is star-shaped about its "
-                  "reference point or fixed to its base",
-                  "examples/nested.lua")};
+      path_claims(
+          GuideClaims::Category::robot,
+          "q -> q, for the robot scaled about its reference point; where it is fixed to its base, with links "
+          "scaled across their axes",
+          "S has no path; a start or goal that is valid in C stays valid where the robot is star-shaped about its "
+          "reference point or fixed to its base",
+          "examples/nested.lua")};
 }
 
 }  // namespace trellis

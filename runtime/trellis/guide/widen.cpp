@@ -140,8 +140,9 @@ class Widen final : public PathGuide {
 }  // namespace
 
 GuideKind widen_kind() {
-  GuideClaims claims = path_claims(GuideClaims::Category::environment, "q -> q, among obstacles eroded by `distance`",
-                                   "S has no path; no end that is valid in C becomes invalid", "examples/widen.lua");
+  GuideClaims claims =
+      path_claims(GuideClaims::Category::environment, "q -> q, among obstacles eroded by `distance`",
+                  "S has no path; a start or goal that is valid in C stays valid", "examples/widen.lua");
   claims.h +=
       "; points of the path that are invalid in C are retracted first, to valid ones near them where `repair` "
       "tries find one";

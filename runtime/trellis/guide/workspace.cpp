@@ -34,14 +34,14 @@ const Settings<WorkspaceSettings>& workspace_settings() {
   static const Settings<WorkspaceSettings> settings =
       Settings<WorkspaceSettings>(
           Component::Kind::guide, "workspace",
-          "the robot as a free point: the shortest way of its reference point among the obstacles, on a grid or by the "
+          "the robot as a free point: the shortest path of its reference point among the obstacles, on a grid or by "
+          "the "
           "planner given",
           "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
           "Sandstrom, Bregger and Amato 2016")
-          .number(
-              "cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
-              "side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer "
-              "side of the space. Without effect where a planner is given that searches no graph")
+          .number("cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
+                  "side of a cell of the grid, whose edges run along sides and diagonals; 0: a fortieth of the longer "
+                  "side of the space. Without effect where a planner is given that searches no graph")
           .number(
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
               "radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % "
@@ -326,7 +326,7 @@ GuideKind workspace_kind() {
        .relaxes = true,
        .invalid_ends = "S has no path; the point of a robot that covers it is valid wherever the robot is",
        .fallback = GuideClaims::Fallback::nearest,
-       .no_path = "h goes along the way to what the search came nearest to the goal with; uniform where that is the "
+       .no_path = "h follows the path to the node nearest to the goal; uniform where that is the "
                   "start alone. Passages narrower than a cell may be missed",
        .example = "examples/workspace.lua",
        .needs = GuideClaims::Needs::position},

@@ -152,7 +152,16 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   result.along = measure::along_path(target, inside.arcs, points,
                                      static_cast<double>(inside.count) / static_cast<double>(samples.total()));
   const measure::Evaluation evaluation{
-      target, samples, inside, points, squared, scoring.density, unreachable, result.along, scoring.kernel_points};
+      target,
+      samples,
+      inside,
+      points,
+      squared,
+      scoring.density,
+      unreachable,
+      result.along,
+      scoring.kernel_points,
+      scoring.pool > 0 ? std::min(scoring.pool, target.pool().size()) : target.pool().size()};
   for (std::size_t i = 0; i < points; ++i) {
     samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }

@@ -73,6 +73,7 @@ struct Scoring {
   /// `exact`.
   std::function<double(View)> density = {};
   std::size_t points = 0;         ///< evaluation points, at most the target's; 0: the target's
+  std::size_t pool = 0;           ///< points for `exact`, at most the target's pool; 0: the pool
   std::size_t kernel_points = 0;  ///< the first of them, over which `kde` averages; 0: all
 };
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
 #include <cmath>
-#include <memory>
 
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/evaluation.hpp>
@@ -17,7 +16,6 @@ constexpr std::size_t space_points = 256;  // of a ball, for its share in C
 constexpr std::size_t target_points = 32;  // of a ball, for its share in A: each costs a validity check
 constexpr double pool_enough = 30.0;       // pool points in a ball that determine its volume in A
 constexpr std::size_t pool_expected = 40;  // target number of pool points in a ball, for a large pool
-constexpr std::size_t least_pool = 1024;
 
 struct KnnSettings {
   std::int64_t k = 3;
@@ -71,12 +69,8 @@ class BlendedNeighbours {
         squared_(std::max(k_all_, k_inside_)) {
     // With few samples in A the balls are wide and contain much of the pool. 40 pool points per ball correspond to 13
     // pool points per sample and add no measurable error; the whole pool would cost a multiple.
-    const std::size_t wanted =
-        std::max<std::size_t>(least_pool, pool_expected * inside_.size() / std::max<std::size_t>(k_inside_, 1));
-    if (k_inside_ > 0 && target_.is_uniform() && 2 * wanted < target_.pool().size()) {
-      part_size_ = wanted;
-      part_ = std::make_unique<PointTree>(
-          evaluation.frame(), std::span(target_.pool_rows()).first(wanted * evaluation.frame().dimension()));
+    if (k_inside_ > 0 && target_.is_uniform()) {
+      part_ = &target_.pool_tree(pool_expected * inside_.size() / k_inside_);
     }
   }
 
@@ -114,11 +108,11 @@ class BlendedNeighbours {
     const double r = std::max(std::sqrt(squared), least_radius_);
     const double ball = std::exp(log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r) -
                                  target_.log_volume());  // in volumes of A
-    if (part_ && ball * static_cast<double>(part_size_) >= pool_enough) {
-      const std::size_t self = i < part_size_ ? 0 : 1;
-      return by_pool(part_->count_within(y, squared) + self, part_size_ + self);
+    if (ball * static_cast<double>(part_->size()) >= pool_enough) {
+      const std::size_t self = i < part_->size() ? 0 : 1;
+      return by_pool(part_->count_within(y, squared) + self, part_->size() + self);
     }
-    if (ball * static_cast<double>(target_.pool_tree().size()) < pool_enough) {
+    if (ball * static_cast<double>(target_.pool().size()) < pool_enough) {
       std::vector<double> x(y.size());
       const double by_points = target_ball_.log_volume(y, r, [&](View at) {
         evaluation_.frame().to_raw(at, x);
@@ -126,8 +120,8 @@ class BlendedNeighbours {
       });
       if (std::isfinite(by_points)) return by_points;
     }
-    const std::size_t found = target_.pool_tree().count_within(y, squared);
-    return by_pool(std::max<std::size_t>(found, 1), target_.pool_tree().size());
+    const std::size_t pool = target_.pool().size();
+    return by_pool(std::max<std::size_t>(target_.pool_tree(pool).count_within(y, squared), 1), pool);
   }
 
   /// The same for a target that is a distribution with its own support: uses fixed points of the ball.
@@ -153,9 +147,8 @@ class BlendedNeighbours {
   double log_mass_all_;
   double log_mass_inside_;
   double least_radius_;
-  std::vector<double> squared_;  // scratch
-  std::size_t part_size_ = 0;
-  std::unique_ptr<PointTree> part_;  // a prefix of the pool; null: the whole pool
+  std::vector<double> squared_;      // scratch
+  const PointTree* part_ = nullptr;  // of the pool, for wide balls
 };
 
 Estimate estimate(const Options& options, const Evaluation& evaluation) {

@@ -22,6 +22,7 @@ struct Evaluation {
   std::span<const char> unreachable;                 ///< points of the pool where Q is certainly 0; empty: none
   const Along& along;                                ///< the samples in the target along the path
   std::size_t kernel_points = 0;                     ///< the prefix that `kde` uses; 0: all
+  std::size_t pool = 0;                              ///< the prefix of the pool that `exact` uses
 
   static constexpr std::size_t neighbour_count = 8;
   [[nodiscard]] const Frame& frame() const { return samples.frame(); }

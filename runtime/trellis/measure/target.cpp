@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include <trellis/measure/cut_ball.hpp>
@@ -19,7 +23,8 @@ namespace trellis {
 namespace {
 
 // Points of the cover for the tube's volume: they need geometry only, no checks, so use more than for the pool.
-constexpr std::size_t cover_points = std::size_t{1} << 16U;
+constexpr std::size_t cover_share = 4;  // per point of the pool
+constexpr std::size_t least_cover = std::size_t{1} << 14U;
 // Limits of the search for the pool, as multiples of the requested pool: points of the cover, and validity checks. A
 // tube that fills little of its cover (many dimensions) or is mostly invalid reaches them.
 constexpr std::size_t cover_limit = 256;
@@ -142,6 +147,13 @@ const Settings<ProgressSettings>& progress_settings() {
   return settings;
 }
 
+/// The trees of the first points of a pool: of `least`, twice as many, and so on; the last tree has the whole pool.
+struct Target::PoolTrees {
+  static constexpr std::size_t least = 1024;
+  std::array<std::once_flag, 32> built;
+  std::array<std::unique_ptr<const measure::PointTree>, 32> trees;
+};
+
 Target::Target(const Space& space, const TargetSettings& settings) : space_(space), settings_(settings) {}
 
 Target::Target(const Space& space, const Configurations& path, std::vector<std::size_t> position,
@@ -179,7 +191,7 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     if (pool_.size() >= wanted || checked >= check_limit * wanted) return false;
     return checked < patience * wanted || pool_.size() < std::min(enough, wanted);
   };
-  while (filling() ? drawn < std::max(cover_points, cover_limit * wanted) : drawn < cover_points) {
+  while (drawn < std::max(least_cover, (filling() ? cover_limit : cover_share) * wanted)) {
     sequence.next(unit);
     ++drawn;
     if (!tube_->draw(unit, y)) continue;
@@ -266,7 +278,7 @@ void Target::finish() {
   for (std::size_t i = 0; i < pool_.size(); ++i) {
     frame.to_metric(std::as_const(pool_)[i], MutableView(pool_rows_).subspan(i * d, d));
   }
-  pool_tree_ = std::make_shared<const measure::PointTree>(frame, pool_rows_);
+  pool_trees_ = std::make_shared<PoolTrees>();
   if (pool_.empty()) {
     log_volume_ = -std::numeric_limits<double>::infinity();
     uniform_ = std::numeric_limits<double>::infinity();
@@ -294,6 +306,24 @@ void Target::finish() {
     log_half_misses_.push_back(std::log1p(-chance(y, 0.5 * settings_.delta)));
     if (tube_) arcs_.push_back(tube_->along(y));
   }
+}
+
+const measure::PointTree& Target::pool_tree(std::size_t points) const {
+  std::size_t i = 0;
+  std::size_t size = PoolTrees::least;
+  while (3 * size < 2 * points && size < pool_.size()) {
+    size *= 2;
+    ++i;
+  }
+  if (2 * size >= pool_.size()) {
+    size = pool_.size();
+    i = pool_trees_->trees.size() - 1;
+  }
+  std::call_once(pool_trees_->built[i], [&] {
+    pool_trees_->trees[i] = std::make_unique<const measure::PointTree>(
+        measure::Frame(space_), std::span(pool_rows_).first(size * space_.dimension()));
+  });
+  return *pool_trees_->trees[i];
 }
 
 bool Target::contains(View x) const {

@@ -126,9 +126,11 @@ class Target {
   /// Returns the number of points over which log q is averaged: a prefix of the pool.
   [[nodiscard]] std::size_t evaluation_points() const;
   [[nodiscard]] const Configurations& pool() const { return pool_; }
-  /// Returns the pool in metric coordinates, row by row, and its tree for counting points in balls.
+  /// Returns the pool in metric coordinates, row by row.
   [[nodiscard]] const std::vector<double>& pool_rows() const { return pool_rows_; }
-  [[nodiscard]] const measure::PointTree& pool_tree() const { return *pool_tree_; }
+  /// Returns a tree, for counting points in balls, of about the first `points` points of the pool: 2/3 to 4/3 of them,
+  /// at least 1024; the whole pool if that is at most twice as many. The target builds each tree once. Thread-safe.
+  [[nodiscard]] const measure::PointTree& pool_tree(std::size_t points) const;
   /// Returns the probability that one uniform sample falls within delta of an evaluation point, and the logs of the
   /// probabilities that it does not, nor within delta / 2.
   [[nodiscard]] double hit(std::size_t i) const { return hits_[i]; }
@@ -157,7 +159,8 @@ class Target {
   std::vector<double> pool_rows_;
   std::vector<double> hits_, log_misses_, log_half_misses_;
   std::vector<double> arcs_;  // of tubes
-  std::shared_ptr<const measure::PointTree> pool_tree_;
+  struct PoolTrees;
+  std::shared_ptr<PoolTrees> pool_trees_;
 };
 
 }  // namespace trellis

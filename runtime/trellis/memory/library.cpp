@@ -270,7 +270,7 @@ class Library::Database {
     }
     const std::int64_t found = ask("PRAGMA user_version");
     if (found != version) {
-      throw Error(fmt::format("{}: the library is of version {}, and this trellis knows {}; it is left as it is", path_,
+      throw Error(fmt::format("{}: the library is of version {}, and this trellis reads {}; it is unchanged", path_,
                               found, version));
     }
     if (mode == Mode::write) {

@@ -77,7 +77,7 @@ Model Model::train(const std::vector<LearningTask>& tasks, const TrainingSetting
     }
     if (looked_at) looked_at(t + 1, tasks.size());
   }
-  if (values.empty()) throw Error("there is nothing to learn from: in no world is there a way from start to goal");
+  if (values.empty()) throw Error("there is nothing to learn from: no world has a path from start to goal");
   return {Forest::train(rows, cell_features, values, settings.forest), cells, std::move(description)};
 }
 

@@ -65,7 +65,7 @@ ModelFile read_model(const ModelKind& kind, const std::string& file) {
   const auto number = [&](std::size_t i) { return integer_at(all, kind.magic.size() + i * word); };
   if (number(0) != kind.version || number(1) != kind.features) {
     throw Error(
-        fmt::format("{}: the model is of version {} with {} features, and this trellis knows version {} with {}; "
+        fmt::format("{}: the model is of version {} with {} features, and this trellis reads version {} with {}; "
                     "train it again",
                     file, number(0), number(1), kind.version, kind.features));
   }

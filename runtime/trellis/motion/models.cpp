@@ -46,14 +46,15 @@ Settings<S> described(const char* name, const char* summary, const char* source)
   Settings<S> settings(Component::Kind::motion, name, summary, source);
   settings.number("min_speed", &S::min_speed, "m/s", Range::any(), "the least speed; negative: it goes backwards")
       .number("max_speed", &S::max_speed, "m/s", Range::positive(), "the greatest speed")
-      .number("dt", &S::dt, "s", Range::positive(), "one step of the integration; controls are held for whole steps");
+      .number("dt", &S::dt, "s", Range::positive(),
+              "one step of the integration; controls are constant over whole steps");
   return settings;
 }
 
 template <class S>
 Settings<S> with_turning(Settings<S> settings) {
   return settings.number("max_angular_speed", &S::max_angular_speed, "rad/s", Range::positive(),
-                         "the greatest angular speed, either way");
+                         "the greatest angular speed, in either direction");
 }
 
 template <class S>
@@ -61,7 +62,7 @@ Settings<S> with_steering(Settings<S> settings) {
   return settings.number("wheelbase", &S::wheelbase, "m", Range::positive(), "the distance between its axles")
       .number("max_steering", &S::max_steering, "rad",
               {.lo = 0, .hi = std::numbers::pi / 2, .open_lo = true, .open_hi = true},
-              "the greatest angle of its front wheels, either way");
+              "the greatest angle of its front wheels, in either direction");
 }
 
 const Settings<Unicycle1Settings>& unicycle1_settings() {
@@ -77,9 +78,9 @@ const Settings<Unicycle2Settings>& unicycle2_settings() {
                        "unicycle2", "a unicycle whose state holds its speeds and whose controls are accelerations",
                        "LaValle 2006, Planning Algorithms, section 13.2.3"))
           .number("max_acceleration", &Unicycle2Settings::max_acceleration, "m/s^2", Range::positive(),
-                  "the greatest acceleration, either way")
+                  "the greatest acceleration, in either direction")
           .number("max_angular_acceleration", &Unicycle2Settings::max_angular_acceleration, "rad/s^2",
-                  Range::positive(), "the greatest angular acceleration, either way")
+                  Range::positive(), "the greatest angular acceleration, in either direction")
           .number("speed_weight", &Unicycle2Settings::speed_weight, "m per m/s", Range::positive(),
                   "metres of the metric per unit of speed")
           .number("angular_speed_weight", &Unicycle2Settings::angular_speed_weight, "m per rad/s", Range::positive(),
@@ -100,7 +101,7 @@ const Settings<TrailerSettings>& trailer_settings() {
                                                "a car that pulls a trailer with a heading of its own",
                                                "LaValle 2006, Planning Algorithms, section 13.1.2"))
           .number("hitch", &TrailerSettings::hitch, "m", Range::positive(),
-                  "from the car's reference point, where the trailer hangs, to the trailer's axle")
+                  "from the car's reference point, where the trailer is hitched, to the trailer's axle")
           .number("max_articulation", &TrailerSettings::max_articulation, "rad",
                   {.lo = 0, .hi = std::numbers::pi, .open_lo = true}, "the greatest angle between car and trailer");
   return settings;

@@ -26,7 +26,7 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
       Settings<GraphSearchSettings>(
           Component::Kind::planner, "graph_search",
           "exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; "
-          "edges that nobody has looked at are checked as the search comes to them (A*)",
+          "edges that no search has checked yet are checked when the search reaches them (A*)",
           "Dijkstra 1959; Hart, Nilsson and Raphael 1968")
           .integer("samples", &GraphSearchSettings::samples, "proposals", Range::at_least(1),
                    "proposals drawn per search where it is guided"));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -51,8 +53,7 @@ class KinodynamicRrt final : public Planner {
         context_(std::move(context)),
         model_holder_(context_.instance.motion_model),
         model_(*model_holder_),
-        most_steps_(static_cast<std::size_t>(
-            std::clamp(std::floor(settings.longest / model_.dt() + 1e-9), 1.0, most_steps_allowed))),
+        most_steps_(steps_of(settings.longest, model_.dt())),
         sample_(dimension()),
         state_(dimension()),
         control_(model_.controls().size()),
@@ -82,7 +83,18 @@ class KinodynamicRrt final : public Planner {
   }
 
  private:
-  static constexpr double most_steps_allowed = 1e6;
+  /// Returns the number of integration steps of the longest motion.
+  static std::size_t steps_of(double longest, double dt) {
+    constexpr double most = 10000.0;
+    const double steps = std::floor(longest / dt + 1e-9);
+    if (!(steps <= most)) {
+      throw Error(
+          fmt::format("kinodynamic_rrt: longest = {:g} s takes {:g} steps of the motion model's dt = {:g} s, at "
+                      "most {:g}; increase dt or decrease longest",
+                      longest, steps, dt, most));
+    }
+    return static_cast<std::size_t>(std::max(steps, 1.0));
+  }
 
   /// The motion to a node from its parent.
   struct Edge {

@@ -23,9 +23,8 @@ constexpr const char* hauser =
 const Settings<PrmStarSettings>& prm_star_settings() {
   static const Settings<PrmStarSettings> settings = with_anytime(
       Settings<PrmStarSettings>(Component::Kind::planner, "prm_star",
-                                "PRM*: a roadmap whose nodes have more neighbours the more they are, so that its paths "
-                                "come to the shortest; goes "
-                                "on after its first path",
+                                "PRM*: a roadmap whose nodes have more neighbours the more nodes it has, so that its "
+                                "paths converge to the shortest; continues after its first path",
                                 "Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning"));
   return settings;
 }
@@ -33,8 +32,8 @@ const Settings<PrmStarSettings>& prm_star_settings() {
 const Settings<PrmStarSettings>& lazy_prm_star_settings() {
   static const Settings<PrmStarSettings> settings = with_anytime(Settings<PrmStarSettings>(
       Component::Kind::planner, "lazy_prm_star",
-      "Lazy-PRM*: the paths of PRM*, of whose edges only those are checked that a shortest path has had; goes on after "
-      "its first path",
+      "Lazy-PRM*: the paths of PRM*; checks only edges that have been on a shortest path; continues after its first "
+      "path",
       hauser));
   return settings;
 }
@@ -43,8 +42,8 @@ const Settings<LazyRrgStarSettings>& lazy_rrg_star_settings() {
   static const Settings<LazyRrgStarSettings> settings = with_anytime(
       Settings<LazyRrgStarSettings>(
           Component::Kind::planner, "lazy_rrg_star",
-          "Lazy-RRG*: a graph that grows from start and goal towards proposals, of whose edges only those are checked "
-          "that a shortest path has had; goes on after its first path",
+          "Lazy-RRG*: a graph that grows from start and goal towards proposals; checks only edges that have been on a "
+          "shortest path; continues after its first path",
           hauser)
           .number("step", &LazyRrgStarSettings::step, "m in the metric", Range::positive(),
                   "how far a new node may be from the nearest one"));

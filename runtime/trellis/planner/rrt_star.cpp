@@ -19,8 +19,8 @@ const Settings<RrtStarSettings>& rrt_star_settings() {
   static const Settings<RrtStarSettings> settings = with_anytime(
       Settings<RrtStarSettings>(
           Component::Kind::planner, "rrt_star",
-          "RRT*: a random tree whose nodes hang from the neighbour that the shortest way comes by, and are hung anew "
-          "when a shorter one is found; goes on after its first path",
+          "RRT*: a random tree that connects each new node to the neighbour with the shortest path to it, and rewires "
+          "nodes when a shorter path is found; continues after its first path",
           "Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning")
           .number("step", &RrtStarSettings::step, "m in the metric", Range::positive(),
                   "longest extension of the tree, and longest motion tried to the goal from a new node"));

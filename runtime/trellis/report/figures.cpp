@@ -321,13 +321,13 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
 
 void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
                    unsigned jobs, const FigureStyle& style) {
-  struct Task {
+  struct FigureJob {
     std::string problem;
     std::string strategy;
     std::filesystem::path place;
     RunsSummary summary = {};
   };
-  std::vector<Task> tasks;
+  std::vector<FigureJob> tasks;
   tasks.reserve(experiment.problems.size() * experiment.strategies.size());
   std::vector<std::filesystem::path> places;
   Directories problems;
@@ -340,7 +340,7 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
     }
   }
   in_parallel(tasks.size(), jobs, [&](std::size_t i) {
-    Task& task = tasks[i];
+    FigureJob& task = tasks[i];
     task.summary = summarise(select_runs(result, task.problem, task.strategy));
     const StrategyFigures figures = strategy_figures(task.problem, task.strategy, task.summary);
     if (!figures.waterfall && !figures.profile && !figures.plane) return;
@@ -354,7 +354,7 @@ void write_figures(const Experiment& experiment, const ExperimentResult& result,
   in_parallel(places.size(), jobs, [&](std::size_t p) {
     std::vector<NamedSummary> named;
     for (std::size_t s = 0; s < strategies; ++s) {
-      const Task& task = tasks[p * strategies + s];
+      const FigureJob& task = tasks[p * strategies + s];
       if (!is_ablation(experiment, task.strategy)) named.push_back({task.strategy, &task.summary});
     }
     if (const auto figure = waterfalls_figure(experiment.problems[p].name, named)) {

@@ -589,6 +589,7 @@ Json experiment_json(const Experiment& experiment) {
     measure["estimators"] = std::move(estimators);
     measure["defence"] = {defence, light_defence};
     measure["cross"] = m.cross;
+    measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;
   }
   Json ablations = Json::array();

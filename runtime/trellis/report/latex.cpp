@@ -102,20 +102,21 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
+bool has_lines(const std::string& cell) { return cell.find("<br>") != std::string::npos; }
+
 std::string cell_text(const std::string& cell) {
   const std::string text = inline_text(cell, " \\\\ ");
-  return cell.find("<br>") == std::string::npos ? text : "\\shortstack[r]{" + text + "}";
+  return has_lines(cell) ? "\\begin{tabular}[t]{@{}r@{}}" + text + "\\end{tabular}" : text;
 }
 
 bool is_rule(const std::string& line) { return line.find_first_not_of("|-: ") == std::string::npos; }
 
 /// The first row is the heading, the second one the rule below it.
 std::string table(const std::vector<std::string>& lines) {
-  constexpr std::size_t widest = 7;  // columns that fit on a page
   const std::size_t columns = cells_of(lines.front()).size();
-  const bool wide = columns > widest;
-  std::string out = "\\par\\medskip\\noindent\n";
-  if (wide) out += "\\resizebox{\\linewidth}{!}{%\n";
+  // Scales a table to the width of the text if it is wider.
+  std::string out =
+      "\\par\\medskip\\noindent\n\\resizebox{\\ifdim\\width>\\linewidth\\linewidth\\else\\width\\fi}{!}{%\n";
   out += fmt::format("\\begin{{tabular}}{{l{}}}\n\\toprule\n", std::string(columns > 0 ? columns - 1 : 0, 'r'));
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (i == 1 && is_rule(lines[i])) {
@@ -125,15 +126,15 @@ std::string table(const std::vector<std::string>& lines) {
     const std::vector<std::string> cells = cells_of(lines[i]);
     for (std::size_t c = 0; c < cells.size(); ++c) out += (c == 0 ? "" : " & ") + cell_text(cells[c]);
     out += " \\\\\n";
+    if (i + 1 < lines.size() && std::any_of(cells.begin(), cells.end(), has_lines)) out += "\\addlinespace\n";
   }
-  out += "\\bottomrule\n\\end{tabular}";
-  return out + (wide ? "}\n\n" : "\n\n");
+  return out + "\\bottomrule\n\\end{tabular}}\n\n";
 }
 
 }  // namespace
 
 std::string latex(const std::string& markdown) {
-  std::string out = "% \\usepackage{booktabs} and, for wide tables, \\usepackage{graphicx}\n\n";
+  std::string out = "% \\usepackage{booktabs,graphicx}\n\n";
   std::istringstream text(markdown);
   std::vector<std::string> rows;
   const auto end_table = [&] {

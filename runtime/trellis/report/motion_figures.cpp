@@ -150,7 +150,7 @@ class MotionPictures {
     const RunResult& run = **(solved != runs.end() ? solved : runs.begin());
     if (run.levels.empty()) return std::nullopt;
     MotionFigure figure = frame_;
-    figure.title = fmt::format("{} on {}: the way in the world and in its space", strategy, problem_.name);
+    figure.title = fmt::format("{} on {}: the path in the world and in its space", strategy, problem_.name);
     bool shaded = false;
     for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
       const LevelRecord& record = level->record;
@@ -194,7 +194,7 @@ class MotionPictures {
     MotionRow row;
     row.world_title =
         fmt::format("{}: {}", record.parent < 0 ? record.planner : record.name,
-                    record.solution.solved() ? "the path found" : "the way to what came nearest to the goal");
+                    record.solution.solved() ? "the path found" : "the path to the node nearest to the goal");
     const Configurations poses = poses_along(record.space, path);
     row.poses.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -214,23 +214,23 @@ class MotionPictures {
 
 void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
                           unsigned jobs, const FigureStyle& style) {
-  struct Task {
+  struct FigureJob {
     const Problem* problem;
     std::filesystem::path place;
     std::vector<std::pair<std::string, std::string>> strategies;  ///< names, and their folders
   };
-  std::vector<Task> tasks;
+  std::vector<FigureJob> tasks;
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
     if (!MotionPictures::possible(problem)) continue;
-    Task task{&problem, folder, {}};
+    FigureJob task{&problem, folder, {}};
     Directories strategies;
     for (const auto& entry : experiment.strategies) task.strategies.emplace_back(entry.first, strategies(entry.first));
     tasks.push_back(std::move(task));
   }
   in_parallel(tasks.size(), jobs, [&](std::size_t i) {
-    const Task& task = tasks[i];
+    const FigureJob& task = tasks[i];
     const MotionPictures pictures(*task.problem);
     for (const auto& [strategy, folder] : task.strategies) {
       const auto figure = pictures.motion(result, strategy);

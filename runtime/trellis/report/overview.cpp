@@ -284,7 +284,7 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
                                                   experiment.strategies.front().second.text();
   }
   if (!costly.empty()) return "leave out " + costly + ": the strategy costs less without it";
-  if (!misleading.empty()) return "look at the proposals of " + misleading + ": --html FILE shows them on the map";
+  if (!misleading.empty()) return "examine the proposals of " + misleading + ": --html FILE shows them on the map";
   if (short_of_runs) {
     constexpr std::size_t enough = 15;
     return fmt::format("{} could not show a difference: --seeds {}", plural(experiment.seeds.size(), "seed"),

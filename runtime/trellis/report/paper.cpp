@@ -477,7 +477,7 @@ class Tables {
   void sample_ranks() {
     ranks(
         "Rank correlation with the number of samples",
-        "The same between each estimator's figures and N, over all strategies. An efficiency is to tell where samples "
+        "The same between each estimator's figures and N, over all strategies. An efficiency is to show where samples "
         "lie, not how many there are: near -1 a figure says little more than the sample count.",
         [&](const std::string& problem, const std::string& strategy, const NamedPath& path, const NamedRole& role) {
           return student_interval(per_run(select_runs(result_, problem, strategy), path.where, role.role,

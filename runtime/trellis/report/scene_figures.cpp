@@ -306,12 +306,12 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
   std::vector<std::string> left_out;
   std::vector<ScenePictures> scenes;
   scenes.reserve(experiment.problems.size());
-  struct Task {
+  struct FigureJob {
     std::size_t scene;
     std::string strategy;
     std::filesystem::path place;
   };
-  std::vector<Task> tasks;
+  std::vector<FigureJob> tasks;
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
@@ -327,7 +327,7 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
     }
   }
   in_parallel(tasks.size(), options.jobs, [&](std::size_t i) {
-    const Task& task = tasks[i];
+    const FigureJob& task = tasks[i];
     const ScenePictures& pictures = scenes[task.scene];
     const auto samples = pictures.samples(task.strategy);
     if (!samples) return;

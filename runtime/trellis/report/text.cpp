@@ -715,6 +715,21 @@ std::string tubes_text(const Experiment& experiment) {
       text);
 }
 
+/// States the scores that the measure omits to save time, with the options that request them. "" if none.
+std::string omitted_text(const Experiment& experiment) {
+  const Measure& m = *experiment.measure;
+  std::string text;
+  if (m.estimators == default_estimators()) text = "other estimators (estimators = { ... })";
+  const bool guided = std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
+                                  [](const auto& strategy) { return strategy.second.guide() != nullptr; });
+  const bool crosses = m.cross > 0 && experiment.seeds.size() > 1 && std::holds_alternative<TubeSettings>(m.target);
+  if (guided && crosses && !m.cross_levels) {
+    text += (text.empty() ? "" : "; ");
+    text += "the paths of other seeds in the lower levels' own spaces (cross_levels = true)";
+  }
+  return text.empty() ? "" : " Omitted: " + text + ".";
+}
+
 std::string legend(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
   std::string out = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "problem"),
                                 plural_y(experiment.strategies.size(), "strateg"), seeds_text(experiment.seeds));
@@ -753,8 +768,8 @@ std::string legend(const Experiment& experiment, const ExperimentResult& result,
           "of arc length along the path. docs/measure.md explains them.",
           100.0 * defence),
       width);
-  out += wrap(fmt::format("Target: {}{}.{}{}", target_text(m.target), names.empty() ? "" : "; estimator: " + names,
-                          tubes_text(experiment).empty() ? "" : " ", tubes_text(experiment)),
+  out += wrap(fmt::format("Target: {}{}.{}{}{}", target_text(m.target), names.empty() ? "" : "; estimator: " + names,
+                          tubes_text(experiment).empty() ? "" : " ", tubes_text(experiment), omitted_text(experiment)),
               width);
   return out;
 }

@@ -49,7 +49,7 @@ struct Note {
   const char* meaning;
 };
 inline constexpr std::array<Note, 9> notes = {{
-    {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can tell"},
+    {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can show"},
     {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
     {'a', "at its bound", "at its bound: the mean of the estimates is beyond what the mass in the target allows"},
     {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},

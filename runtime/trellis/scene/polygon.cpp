@@ -85,8 +85,9 @@ Polygon validated_polygon(Polygon polygon, const std::string& what) {
   const std::size_t n = vertices.size();
   if (n < 3) throw Error(fmt::format("{}: a polygon needs at least 3 vertices, got {}", what, n));
   for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(vertices[i].x) || !std::isfinite(vertices[i].y)) {
-      throw Error(fmt::format("{}: vertex {} must be finite, got ({}, {})", what, i + 1, vertices[i].x, vertices[i].y));
+    if (!in_range(vertices[i])) {
+      throw Error(fmt::format("{}: vertex {} must lie within {:g} m of 0 in x and in y, got ({}, {})", what, i + 1,
+                              most_distant, vertices[i].x, vertices[i].y));
     }
   }
   std::vector<std::size_t> order(n);

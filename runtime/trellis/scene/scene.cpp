@@ -19,22 +19,24 @@ namespace trellis {
 
 namespace {
 
-bool finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
-
 void check_box(const Box2& box, const std::string& what) {
-  if (!finite(box.lo) || !finite(box.hi) || box.lo.x >= box.hi.x || box.lo.y >= box.hi.y) {
-    throw Error(fmt::format("{}: a box needs finite xmin < xmax and ymin < ymax, got ({}, {}) to ({}, {})", what,
-                            box.lo.x, box.lo.y, box.hi.x, box.hi.y));
-  }
+  const auto fail = [&](const std::string& needed) {
+    throw Error(fmt::format("{}: a box needs {}, got ({}, {}) to ({}, {})", what, needed, box.lo.x, box.lo.y, box.hi.x,
+                            box.hi.y));
+  };
+  // Also true of coordinates that are not numbers.
+  if (!(box.lo.x < box.hi.x && box.lo.y < box.hi.y)) fail("xmin < xmax and ymin < ymax");
+  if (!in_range(box.lo) || !in_range(box.hi)) fail(fmt::format("coordinates within {:g} m of 0", most_distant));
 }
 
 void check_disc(const Disc& disc, const std::string& what, bool point_allowed) {
-  if (!finite(disc.centre)) {
-    throw Error(fmt::format("{}: a disc needs a finite centre, got ({}, {})", what, disc.centre.x, disc.centre.y));
+  if (!in_range(disc.centre)) {
+    throw Error(fmt::format("{}: a disc needs a centre within {:g} m of 0 in x and in y, got ({}, {})", what,
+                            most_distant, disc.centre.x, disc.centre.y));
   }
-  if (!std::isfinite(disc.radius) || disc.radius < 0.0 || (disc.radius == 0.0 && !point_allowed)) {
-    throw Error(fmt::format("{}: a disc needs a finite radius {} 0, got {}", what,
-                            point_allowed ? "of at least" : "greater than", disc.radius));
+  if (!(disc.radius <= most_distant) || disc.radius < 0.0 || (disc.radius == 0.0 && !point_allowed)) {
+    throw Error(fmt::format("{}: a disc needs a radius {} 0 and at most {:g} m, got {}", what,
+                            point_allowed ? "of at least" : "greater than", most_distant, disc.radius));
   }
 }
 
@@ -201,7 +203,11 @@ Robot::Robot(std::string name, std::vector<Body> bodies, bool translates, Vec2 b
     : name_(std::move(name)), bodies_(std::move(bodies)), translates_(translates), base_(base) {
   const auto fail = [&](const std::string& fault) -> void { throw Error(fmt::format("robot '{}': {}", name_, fault)); };
   const int first_angle = translates_ ? 2 : 0;
-  if (!finite(base_)) fail(fmt::format("the base must be finite, got ({}, {})", base_.x, base_.y));
+  const auto check_place = [&](Vec2 at, const std::string& what) {
+    if (in_range(at)) return;
+    fail(fmt::format("{} must lie within {:g} m of 0 in x and in y, got ({}, {})", what, most_distant, at.x, at.y));
+  };
+  check_place(base_, "the base");
 
   bool any_part = false;
   int axes = first_angle;
@@ -211,9 +217,7 @@ Robot::Robot(std::string name, std::vector<Body> bodies, bool translates, Vec2 b
     if (body.parent < -1 || body.parent >= static_cast<int>(i)) {
       fail(fmt::format("the parent of {} must be an earlier body or none, got body {}", what, body.parent + 1));
     }
-    if (!finite(body.joint)) {
-      fail(fmt::format("the joint of {} must be finite, got ({}, {})", what, body.joint.x, body.joint.y));
-    }
+    check_place(body.joint, "the joint of " + what);
     if (body.angle_axis != -1 && body.angle_axis < first_angle) {
       fail(fmt::format("{} must be turned by axis {} or a later one (counted from 0), got {}", what, first_angle,
                        body.angle_axis));
@@ -332,8 +336,8 @@ Robot Robot::apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const
   for (auto& [first, second] : pairs) {
     if (first > second) std::swap(first, second);
     if (first == second || second >= bodies_.size()) {
-      throw Error(fmt::format("robot '{}': bodies {} and {} cannot be kept apart, it has {}", name_, first + 1,
-                              second + 1, bodies_.size()));
+      throw Error(fmt::format("robot '{}': bodies {} and {} cannot be a self-collision pair, it has {}", name_,
+                              first + 1, second + 1, bodies_.size()));
     }
   }
   std::sort(pairs.begin(), pairs.end());

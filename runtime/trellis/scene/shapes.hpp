@@ -7,6 +7,10 @@
 
 namespace trellis {
 
+/// The limit of coordinates and radii, in metres: beyond it, doubles are too coarse for collision checks (1e-7 m
+/// there).
+inline constexpr double most_distant = 1e9;
+
 /// A point or vector of the plane, in metres.
 struct Vec2 {
   double x = 0.0;
@@ -22,6 +26,8 @@ inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 /// The z component of the cross product: positive when b lies counter-clockwise of a.
 inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }
+/// Whether both coordinates are numbers within `most_distant` of 0.
+inline bool in_range(Vec2 a) { return std::abs(a.x) <= most_distant && std::abs(a.y) <= most_distant; }
 
 /// An axis-aligned rectangle, closed.
 struct Box2 {

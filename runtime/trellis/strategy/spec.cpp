@@ -88,9 +88,9 @@ std::vector<std::string> written_weights(const GuideSpec& guide) {
   };
   std::vector<std::string> written = write("{:.4g}");
   double read = 0.0;
-  for (const auto& text : written) read += std::stod(text);
+  for (const auto& text : written) read += parse_number(text);
   for (std::size_t i = 0; i < written.size(); ++i) {
-    if (std::abs(std::stod(written[i]) / read - guide.terms()[i].weight / total) > 1e-13) return write("{:.17g}");
+    if (std::abs(parse_number(written[i]) / read - guide.terms()[i].weight / total) > 1e-13) return write("{:.17g}");
   }
   return written;
 }

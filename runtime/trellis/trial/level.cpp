@@ -93,7 +93,7 @@ std::string find_level(const std::vector<RunResult>& runs, const std::string& na
   std::string numbers;
   for (const std::size_t i : found) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i);
   throw Error(
-      fmt::format("the levels {} are all called '{}'; give one by its number, or by its way to the root, as "
+      fmt::format("the levels {} are all called '{}'; give one by its number, or by its route to the root, as "
                   "\"skeleton >> lazy\"; the levels are: {}",
                   numbers, name, listed(levels)));
 }

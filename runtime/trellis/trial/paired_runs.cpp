@@ -18,7 +18,7 @@ namespace {
 
 std::string number_text(double x, int decimals) {
   if (std::isfinite(x)) return fixed(x, decimals);
-  return x > 0.0 ? "more than can be told" : "less than can be told";
+  return x > 0.0 ? "∞" : "-∞";
 }
 
 /// Returns why the check names no run: so few runs are not significant, whatever their results.

@@ -47,7 +47,7 @@ class Spends final : public Matcher {
                       criterion_.text()));
     }
     if (!criterion_.other() && criterion_.value() < 0.0) {
-      throw Error(fmt::format("spends: nobody spends less than nothing, got {:g}", criterion_.value()));
+      throw Error(fmt::format("spends: expected a number of at least 0, got {:g}", criterion_.value()));
     }
     if (criterion_.from_above() && criterion_.margin() >= 1.0) {
       throw Error(

@@ -1,0 +1,1 @@
+return experiment { problems = { scenes.trap(), scenes.cup() }, strategies = { x = (skeleton() .. shrink(0.7)) >> rrt_star { proposals = 500 }, y = drop() >> aggregate() >> lazy_prm_star { proposals = 300 }, z = identity() >> prm_star {} }, seeds = 1, measure = near_optimal { epsilon = 0.1 } }
