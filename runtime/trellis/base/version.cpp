@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/report.hpp>
+#include <trellis/base/version.hpp>
 
 namespace trellis {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/html_run.hpp>
+#include <trellis/figures/html_run.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/pictures.hpp>
+#include <trellis/figures/pictures.hpp>
 
 #include <fmt/format.h>
 

@@ -9,9 +9,10 @@
 #include <limits>
 #include <map>
 
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/pictures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
-#include <trellis/report/pictures.hpp>
 #include <trellis/report/words.hpp>
 
 namespace trellis {

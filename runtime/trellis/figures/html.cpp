@@ -14,11 +14,14 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
 #include <trellis/draw/text.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/html.hpp>
+#include <trellis/figures/html_parts.hpp>
+#include <trellis/figures/html_run.hpp>
 #include <trellis/report/costs.hpp>
-#include <trellis/report/figures.hpp>
-#include <trellis/report/html_parts.hpp>
-#include <trellis/report/html_run.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>

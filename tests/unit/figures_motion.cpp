@@ -2,6 +2,7 @@
 // Motions in spaces of two dimensions, as files.
 #include <string>
 
+#include <trellis/figures/figures.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"
@@ -63,7 +64,7 @@ TEST_CASE("robots whose space is a plane or a torus have pictures of it", "[repo
 }
 
 TEST_CASE("a run without levels or a path has no picture of a motion, or the way to what came nearest",
-          "[report][motion-figures]") {
+          "[report][motion-figures][slow]") {
   Experiment experiment = experiment_on({arm_problem()});
   ExperimentResult result;
   result.runs.push_back({"arm", "lazy", 1, {}, {}});

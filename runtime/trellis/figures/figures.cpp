@@ -10,9 +10,9 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/draw/chart.hpp>
 #include <trellis/draw/figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/pictures.hpp>
 #include <trellis/report/directories.hpp>
-#include <trellis/report/figures.hpp>
-#include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/verdict.hpp>

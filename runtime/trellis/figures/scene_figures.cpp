@@ -12,12 +12,13 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
 #include <trellis/draw/planar.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
-#include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>
-#include <trellis/report/world_shapes.hpp>
 
 namespace trellis {
 

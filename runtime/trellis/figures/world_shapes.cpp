@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/report/world_shapes.hpp>
+#include <trellis/figures/world_shapes.hpp>
 
 namespace trellis {
 

@@ -11,11 +11,12 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/draw/motion.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
-#include <trellis/report/pictures.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
-#include <trellis/report/world_shapes.hpp>
 
 namespace trellis {
 

@@ -12,8 +12,8 @@ foreach(part page=report.html style=report.css script=report.js)
   string(APPEND texts "      .${field} = R\"TRELLIS_PAGE(${text})TRELLIS_PAGE\",\n")
 endforeach()
 file(WRITE ${OUTPUT}.new "// SPDX-License-Identifier: GPL-3.0-or-later
-// Generated from report/html.
-#include <trellis/report/html_parts.hpp>
+// Generated from figures/html.
+#include <trellis/figures/html_parts.hpp>
 
 namespace trellis {
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/figures/costs_figures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"

@@ -14,6 +14,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/draw/palette.hpp>
+#include <trellis/figures/html.hpp>
 #include <trellis/report/report.hpp>
 
 #include "report_fixture.hpp"
