@@ -21,10 +21,19 @@ install(FILES ${printed}/trellis.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/
 install(FILES ${printed}/_trellis DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT trellis)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
-get_property(floors GLOBAL PROPERTY TRELLIS_FLOORS)
-install(TARGETS ${floors} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
-install(DIRECTORY runtime/trellis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtrellis-dev
-        FILES_MATCHING PATTERN "*.hpp" PATTERN html EXCLUDE)
+get_property(layers GLOBAL PROPERTY TRELLIS_LAYERS)
+install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
+# The public headers: <trellis/trellis.hpp>, <trellis/testing.hpp>, and those that they include.
+foreach(header trellis
+               base/component base/configurations base/error base/random base/version
+               space/space motion/motion_model scene/readers scene/scene scene/shapes collision/checker
+               instance/instance instance/verified_motions planner/density planner/guidance planner/planner
+               guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
+               trial/criterion trial/level trial/matcher trial/trial)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES runtime/trellis/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis/${folder}
+          COMPONENT libtrellis-dev)
+endforeach()
 install(FILES dsl/testing/trellis/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis COMPONENT libtrellis-dev)
 install(EXPORT trellis-targets NAMESPACE trellis:: DESTINATION ${package} COMPONENT libtrellis-dev)
 configure_package_config_file(cmake/trellis-config.cmake.in ${PROJECT_BINARY_DIR}/trellis-config.cmake
@@ -50,7 +59,7 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libsqlite3-dev, libyaml-cpp-dev, nlohmann-json3-dev, pkgconf")
+    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libsqlite3-dev, libyaml-cpp-dev, pkgconf")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SUGGESTS catch2)
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\

@@ -15,6 +15,15 @@ usage() {
   awk 'NR > 2 && !/^#/ { exit } NR > 2 { sub(/^# ?/, ""); print }' "$0"
 }
 
+# The folder of scene files made by others, for the program and its tests: TRELLIS_SCENES, else ../shared/scenes where
+# that exists.
+find_scenes() {
+  if [[ -z ${TRELLIS_SCENES:-} && -d $root/../shared/scenes ]]; then
+    TRELLIS_SCENES=$(cd -- "$root/../shared/scenes" && pwd -P)
+    export TRELLIS_SCENES
+  fi
+}
+
 # One CGAL source takes up to 2.4 GB to compile, so memory limits the jobs as the cores do.
 build_jobs() {
   if [[ -n ${TRELLIS_JOBS:-} ]]; then

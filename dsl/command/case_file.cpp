@@ -300,9 +300,8 @@ class Reader {
         throw Error(why + "; a scene file has a name with an ending, and so has a Lua script (.lua)");
       }
     }
-    std::vector<std::string> looked;
-    const std::string path = dsl::find_scene(free, folder, &looked);
-    if (path.empty()) throw Error(fmt::format("no file '{}' (looked for {})", free, joined(looked)));
+    const std::string path = dsl::find_scene(free, folder);
+    if (path.empty()) throw Error(dsl::missing_scene(free, folder));
     return read_problems(path, {});
   }
 

@@ -8,6 +8,7 @@
 #include <dsl/command/progress.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/figures/costs_figures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include <dsl/command/commands.hpp>
-#include <trellis/report/pictures.hpp>
+#include <trellis/figures/pictures.hpp>
 
 namespace trellis::command {
 

@@ -5,6 +5,7 @@
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/repl_verbs.hpp>
 #include <dsl/language/vocabulary.hpp>
+#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {

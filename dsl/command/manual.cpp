@@ -11,6 +11,7 @@
 
 #include <dsl/command/commands.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {

@@ -17,6 +17,7 @@
 #include <dsl/command/repl_console.hpp>
 #include <dsl/command/repl_line.hpp>
 #include <dsl/command/script_options.hpp>
+#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {

@@ -27,6 +27,9 @@
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/unused.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/html.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>

@@ -202,14 +202,26 @@ bool is_file(const std::filesystem::path& path) {
   return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
 }
 
-std::string scenes_folder() {
-  const char* folder = std::getenv("TRELLIS_SCENES");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
-  return folder != nullptr && *folder != '\0' ? folder : TRELLIS_SCENES_FOLDER;
+/// The folders that a script may read: its own, and that of scenes if TRELLIS_SCENES names one.
+std::vector<std::string> scene_folders(const std::string& script_folder) {
+  const char* scenes = std::getenv("TRELLIS_SCENES");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  std::vector<std::string> folders = {script_folder};
+  if (scenes != nullptr && *scenes != '\0') folders.emplace_back(scenes);
+  return folders;
+}
+
+std::vector<std::filesystem::path> scene_paths(const std::string& file, const std::string& script_folder) {
+  if (std::filesystem::path(file).is_absolute()) return {std::filesystem::path(file).lexically_normal()};
+  std::vector<std::filesystem::path> paths;
+  for (const auto& folder : scene_folders(script_folder)) {
+    paths.push_back((std::filesystem::path(folder) / file).lexically_normal());
+  }
+  return paths;
 }
 
 /// \throws Error for a file outside of the folders of scenes.
 void require_within(const char* function, const std::string& file, const std::string& script_folder) {
-  if (lies_within(file, {script_folder, scenes_folder()})) return;
+  if (lies_within(file, scene_folders(script_folder))) return;
   throw Error(
       fmt::format("{}: '{}' lies neither in the script's folder nor in the folder of scenes; --trust lets a script "
                   "that you trust read it",
@@ -287,32 +299,28 @@ const Construct& exists_construct() {
   return construct;
 }
 
-std::string find_scene(const std::string& file, const std::string& script_folder, std::vector<std::string>* looked) {
-  namespace fs = std::filesystem;
-  std::vector<fs::path> places;
-  if (fs::path(file).is_absolute()) {
-    places = {file};
-  } else {
-    places = {fs::path(script_folder) / file, fs::path(scenes_folder()) / file};
-  }
-  for (const auto& place : places) {
-    if (looked != nullptr) looked->push_back(place.lexically_normal().string());
-    if (is_file(place)) return place.lexically_normal().string();
+std::string find_scene(const std::string& file, const std::string& script_folder) {
+  for (const auto& path : scene_paths(file, script_folder)) {
+    if (is_file(path)) return path.string();
   }
   return "";
+}
+
+std::string missing_scene(const std::string& file, const std::string& script_folder) {
+  std::string tried;
+  const auto paths = scene_paths(file, script_folder);
+  for (const auto& one : paths) tried += (tried.empty() ? "" : ", ") + one.string();
+  const bool no_scenes = paths.size() == 1 && !std::filesystem::path(file).is_absolute();
+  return fmt::format("no file '{}' (looked for {}{})", file, tried,
+                     no_scenes ? "; the environment's TRELLIS_SCENES names no folder of scenes" : "");
 }
 
 lua::Callback scene_loader(std::string script_folder, bool trust) {
   return [folder = std::move(script_folder), trust](Stack& call) {
     const std::string file = file_argument(call, "scenes.load");
     if (!trust) require_within("scenes.load", file, folder);
-    std::vector<std::string> looked;
-    const std::string path = find_scene(file, folder, &looked);
-    if (path.empty()) {
-      std::string tried;
-      for (const auto& place : looked) tried += (tried.empty() ? "" : ", ") + place;
-      throw Error(fmt::format("scenes.load: no file '{}' (looked for {})", file, tried));
-    }
+    const std::string path = find_scene(file, folder);
+    if (path.empty()) throw Error("scenes.load: " + missing_scene(file, folder));
     const Given given = read_options(load_settings().component(), call, 2, false);
     const auto settings = load_settings().read(Options::validate(load_settings().component(), given.options));
     auto problems = read_problems(

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <dsl/language/construct.hpp>
 #include <dsl/lua/stack.hpp>
@@ -21,11 +20,11 @@ const Construct& exists_construct();
 struct ObjectType;
 ObjectType problem_type();
 
-/// Finds a scene file: an absolute path, else in the script's folder, else in the folder of scenes (the environment's
-/// TRELLIS_SCENES, by default the one beside the project). "" if it does not exist.
-/// \param looked  if not null: receives the tried paths
-std::string find_scene(const std::string& file, const std::string& script_folder,
-                       std::vector<std::string>* looked = nullptr);
+/// Finds a scene file: an absolute path, else in the script's folder, else in the folder of scenes, which the
+/// environment's TRELLIS_SCENES names. "" if it does not exist.
+std::string find_scene(const std::string& file, const std::string& script_folder);
+/// The message for a file that find_scene does not find: the paths that it tried.
+std::string missing_scene(const std::string& file, const std::string& script_folder);
 
 /// scenes.load(file, options): returns a list of problems. The callback stores the script's folder.
 /// \param trust  allows files outside of that folder and the folder of scenes

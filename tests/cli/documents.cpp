@@ -16,7 +16,7 @@
 //   <!-- file: NAME -->           written into a file, which something below uses
 //   <!-- end of: NAME -->         the same file, with this in place of its end from the last `return` on
 //   <!-- laws -->                 each line is an equation that holds for all guides a, b, c and planners p
-//   <!-- golden: NAME -->         it is the message of tests/golden/NAME.txt
+//   <!-- golden: FOLDER/NAME -->  it is the message of the case NAME of tests/golden/FOLDER/*.cases
 //   <!-- quoted from: PATH -->    it stands so in a file of the repository
 //   <!-- terminal: 80 x 30 -->    the size of the terminal from here on
 //   <!-- not run: WHY -->         it is compiled only
@@ -35,6 +35,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/markdown.hpp"
 #include "support/process.hpp"
@@ -303,8 +304,9 @@ class Reader {
 
   static void golden(const std::string& text, const std::string& name) {
     const auto one_line = [](const std::string& lines) { return std::regex_replace(lines, std::regex("\\s+"), " "); };
-    const std::string message = content(source / "tests/golden" / (name + ".txt"));
-    INFO("golden/" << name << ".txt: " << message);
+    const auto slash = name.find('/');
+    const std::string message = trellis::test::message_of_case(name.substr(0, slash), name.substr(slash + 1));
+    INFO(name << ": " << message);
     CHECK_FALSE(message.empty());
     CHECK(trellis::test::shows_line(one_line(text), one_line(message)));
   }
@@ -371,8 +373,7 @@ class Reader {
     if (step.shown.find_first_not_of('\n') == std::string::npos) return;
     INFO(step.prompt << step.typed << "\nshown:\n" << step.shown << "printed:\n" << printed);
     const bool agrees = shows(step.shown, printed);
-    const bool update = std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr;  // NOLINT(concurrency-mt-unsafe)
-    CHECK((agrees || (update && show(step, printed))));
+    CHECK((agrees || (trellis::test::updates_golden() && show(step, printed))));
   }
   /// Replaces the shown output of a step by the printed one.
   static bool show(const Step& step, const std::string& printed) {
@@ -444,7 +445,7 @@ TEST_CASE("the documents' links lead somewhere", "[documents]") {
   }
 }
 
-TEST_CASE("what the documents show happens", "[documents]") {
+TEST_CASE("what the documents show happens", "[documents][slow]") {
   const char* only = std::getenv("TRELLIS_DOCUMENT");  // NOLINT(concurrency-mt-unsafe)
   for (const fs::path& path : documents()) {
     if (only != nullptr && name_of(path) != only) continue;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis explain: the hierarchy and its settings, level by level.
-#include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 #include "support/process.hpp"
 
 using Json = nlohmann::json;
+using trellis::test::check_golden;
 using trellis::test::content;
 using trellis::test::Outcome;
 using trellis::test::Place;
@@ -27,13 +27,6 @@ return experiment {
 )";
 
 std::string example(const std::string& name) { return (fs::path(TRELLIS_SOURCE) / "examples" / name).string(); }
-
-void check_golden(const std::string& name, const std::string& text) {
-  const fs::path golden = fs::path(TRELLIS_SOURCE) / "tests/golden" / name;
-  if (std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr) std::ofstream(golden) << text;
-  INFO(golden);
-  CHECK(text == content(golden));
-}
 
 }  // namespace
 

@@ -15,7 +15,9 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 #include "support/process.hpp"
+#include "support/scenes.hpp"
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -108,15 +110,6 @@ Json measured(const Place& place, const Json& c, const std::string& csv, std::ve
   return Json::parse(outcome.out);
 }
 
-void golden(const std::string& name, const std::string& text) {
-  const fs::path file = fs::path(TRELLIS_SOURCE) / "tests/golden" / name;
-  if (std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr) {
-    std::ofstream(file) << text;
-  } else {
-    CHECK(text == content(file));
-  }
-}
-
 }  // namespace
 
 TEST_CASE("uniform samples of a capsule gain nothing over uniform sampling") {
@@ -195,11 +188,7 @@ TEST_CASE("a scene decides what is valid, by name, by file and by script") {
   CHECK(tube["free_share"] == 1.0);
   CHECK(tube["vol_T"].get<double>() > named["vol_T"].get<double>());
 
-  const char* scenes = std::getenv("TRELLIS_SCENES");
-  if (!fs::exists(fs::path(scenes != nullptr ? scenes : TRELLIS_SCENES_DEFAULT) / "ompl_tests/circle_obstacles.txt")) {
-    WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
-    return;
-  }
+  if (trellis::test::scene("ompl_tests/circle_obstacles.txt").empty()) return;
   Json circles = capsule();
   circles["free"] = "ompl_tests/circle_obstacles.txt";
   circles["lo"] = {0, 0};
@@ -270,14 +259,14 @@ TEST_CASE("the table is printed, and the document written beside it") {
   INFO(outcome.err);
   CHECK(outcome.status == 0);
   CHECK(outcome.err.empty());
-  golden("measure.txt", outcome.out);
+  trellis::test::check_golden("measure.txt", outcome.out);
   CHECK(Json::parse(content(place / "all.json"))["N"] == 400);
 
   place.script("case.json", passage().dump());
   place.script("samples.csv", "x,y,theta\n1,1,0\n2,2,0\n9,9,0\n8,8,0\n0.1,20,0\n");
   const auto few = place.run({"measure", "case.json"});
   CHECK(few.status == 0);
-  golden("measure_censored.txt", few.out);
+  trellis::test::check_golden("measure_censored.txt", few.out);
   CHECK(place.run({"measure", "case.json", "--json", "-"}).out.starts_with("{\n"));
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 #include "support/process.hpp"
 
 using boost::property_tree::ptree;
@@ -107,10 +108,7 @@ TEST_CASE("each matcher can fail, and prints its evidence") {
   const auto timed = outcome.out.find("\nscenario: time is no budget");
   REQUIRE(timed != std::string::npos);
   CHECK_THAT(outcome.out.substr(timed), Contains("  FAIL  timed is deterministic: made again on "));
-  const std::string shown = without_times(outcome.out.substr(0, timed));
-  const fs::path golden = fs::path(TRELLIS_SOURCE) / "tests/golden/scenario_failures.txt";
-  if (std::getenv("TRELLIS_UPDATE_GOLDEN") != nullptr) std::ofstream(golden) << shown;
-  CHECK(shown == content(golden));
+  trellis::test::check_golden("scenario_failures.txt", without_times(outcome.out.substr(0, timed)));
 }
 
 TEST_CASE("what a failure says to run shows the run that failed") {

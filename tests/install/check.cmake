@@ -38,11 +38,22 @@ foreach(file share/trellis/stdlib/strategies.lua share/trellis/stdlib/meta/trell
              share/doc/trellis/reference.md share/doc/trellis/README.md share/doc/trellis/copyright
              share/man/man1/trellis.1 share/bash-completion/completions/trellis
              share/fish/vendor_completions.d/trellis.fish share/zsh/vendor-completions/_trellis
-             include/trellis/strategy/executor.hpp include/trellis/testing.hpp)
+             include/trellis/trellis.hpp include/trellis/testing.hpp)
   if(NOT EXISTS ${root}/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()
 endforeach()
+file(GLOB_RECURSE headers ${root}/include/*.hpp)
+foreach(header ${headers})
+  file(STRINGS ${header} included REGEX "#include <nlohmann|#include <(CGAL|fcl|cairo|lua|Eigen)")
+  if(included)
+    message(FATAL_ERROR "${header} includes a third party's: ${included}")
+  endif()
+endforeach()
+list(LENGTH headers count)
+if(count GREATER 30)
+  message(FATAL_ERROR "${count} headers are installed; the public ones are few")
+endif()
 run(page trellis reference man)
 file(READ ${root}/share/man/man1/trellis.1 installed)
 if(NOT page STREQUAL installed)

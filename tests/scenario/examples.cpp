@@ -11,6 +11,7 @@
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
+#include "support/scenes.hpp"
 
 using Json = nlohmann::json;
 using namespace trellis::testing;
@@ -64,16 +65,23 @@ std::vector<double> field(const std::vector<Json>& runs, const std::string& name
   return values;
 }
 
-bool scenes_are_here() {
-  const char* named = std::getenv("TRELLIS_SCENES");
-  if (fs::is_directory(named != nullptr ? named : TRELLIS_SCENES_DEFAULT)) return true;
-  WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
-  return false;
+/// The examples that no other scenario runs.
+std::vector<std::string> other_examples() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(fs::path(TRELLIS_SOURCE) / "examples")) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".lua") && !name.ends_with("_test.lua")) names.push_back(name);
+  }
+  for (const auto* elsewhere : {"nested.lua", "guiding_space.lua", "paper.lua", "parasol.lua", "kinodynamic.lua"}) {
+    REQUIRE(std::erase(names, elsewhere) == 1);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace
 
-SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
+SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples][slow]") {
   GIVEN("the nested strategy beside a plain RRT on the simple passage, 15 seeds") {
     const Result& result = run("nested.lua");
     INFO(result.outcome.err);
@@ -107,7 +115,7 @@ SCENARIO("skeletons feed shrunken robots that feed lazy checks", "[examples]") {
   }
 }
 
-SCENARIO("nesting pays on the simple passage", "[examples]") {
+SCENARIO("nesting pays on the simple passage", "[examples][slow]") {
   GIVEN("the script of the nested strategy") {
     const Script script = load(example("nested.lua"));
     WHEN("it and the plain RRT run on 15 seeds") {
@@ -132,7 +140,7 @@ SCENARIO("nesting pays on the simple passage", "[examples]") {
   }
 }
 
-SCENARIO("guiding spaces written in a script guide as built-in ones do", "[examples]") {
+SCENARIO("guiding spaces written in a script guide as built-in ones do", "[examples][slow]") {
   GIVEN("the example of guides of one's own") {
     const Result& result = run("guiding_space.lua");
     INFO(result.outcome.err);
@@ -213,7 +221,7 @@ SCENARIO("what a test of a strategy says where it fails", "[testing]") {
   }
 }
 
-SCENARIO("anytime planners, and how little the lazy ones check", "[examples]") {
+SCENARIO("anytime planners, and how little the lazy ones check", "[examples][slow]") {
   GIVEN("a robot beside a block, 3000 proposals, 30 seeds") {
     const Script script = load(example("optimal.lua"));
     const Trial eager = script.trial("prm_star", seeds(30));
@@ -239,10 +247,8 @@ SCENARIO("anytime planners, and how little the lazy ones check", "[examples]") {
   }
 }
 
-SCENARIO("the other examples run to their end", "[examples]") {
-  for (const auto* name : {"minimal.lua", "combinators.lua", "mixtures.lua", "own_scene.lua", "catalogue.lua",
-                           "samplers.lua", "optimal.lua", "workspace.lua", "widen.lua", "drop.lua", "aggregate.lua",
-                           "pca.lua", "two_joint_arm.lua", "arms.lua"}) {
+SCENARIO("the other examples run to their end", "[examples][slow]") {
+  for (const std::string& name : other_examples()) {
     GIVEN(name) {
       const Result& result = run(name);
       INFO(result.outcome.err);
@@ -257,7 +263,7 @@ SCENARIO("the other examples run to their end", "[examples]") {
 }
 
 SCENARIO("the methods of the paper and those beyond it, on its three scenes, with nothing tuned to a scene",
-         "[examples][methods]") {
+         "[examples][slow][methods]") {
   GIVEN("every method, three seeds") {
     const auto results_of = [](const std::string& script) {
       const Place place;
@@ -358,8 +364,8 @@ SCENARIO("the methods of the paper and those beyond it, on its three scenes, wit
   }
 }
 
-SCENARIO("the circle world that others made, with its 100 queries", "[examples][real]") {
-  if (!scenes_are_here()) return;
+SCENARIO("the circle world that others made, with its 100 queries", "[examples][slow][real]") {
+  if (trellis::test::scene().empty()) return;
   GIVEN("RRT, RRT-Connect, PRM and a skeleton-guided RRT") {
     const Result& result = run("real/circles.lua");
     INFO(result.outcome.err);
@@ -386,8 +392,8 @@ SCENARIO("the circle world that others made, with its 100 queries", "[examples][
   }
 }
 
-SCENARIO("planar arms with 6 and 20 links that others made", "[examples][real]") {
-  if (!scenes_are_here()) return;
+SCENARIO("planar arms with 6 and 20 links that others made", "[examples][slow][real]") {
+  if (trellis::test::scene().empty()) return;
   GIVEN("the three arms of SBPL") {
     const Result& result = run("real/sbpl.lua");
     INFO(result.outcome.err);
@@ -404,8 +410,8 @@ SCENARIO("planar arms with 6 and 20 links that others made", "[examples][real]")
   }
 }
 
-SCENARIO("every dynobench scene is solved by a nested strategy", "[examples][real]") {
-  if (!scenes_are_here()) return;
+SCENARIO("every dynobench scene is solved by a nested strategy", "[examples][slow][real]") {
+  if (trellis::test::scene().empty()) return;
   GIVEN("the eight scenes, robots with and without a trailer") {
     const Result& result = run("real/dynobench_geometry.lua");
     INFO(result.outcome.err);
@@ -424,7 +430,7 @@ SCENARIO("every dynobench scene is solved by a nested strategy", "[examples][rea
   }
 }
 
-SCENARIO("driven robots are guided by what forgets that they are driven", "[examples]") {
+SCENARIO("driven robots are guided by what forgets that they are driven", "[examples][slow]") {
   GIVEN("a cart, a sledge and a car among racks, 5 seeds each") {
     const Result& result = run("kinodynamic.lua");
     INFO(result.outcome.err);
@@ -448,8 +454,8 @@ SCENARIO("driven robots are guided by what forgets that they are driven", "[exam
   }
 }
 
-SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[examples][real]") {
-  if (!scenes_are_here()) return;
+SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[examples][slow][real]") {
+  if (trellis::test::scene().empty()) return;
   GIVEN("six scenes, with and without a guide") {
     const Result& result = run("real/dynobench.lua");
     INFO(result.outcome.err);
@@ -470,7 +476,7 @@ SCENARIO("the unicycles and the car of dynobench are driven to their goals", "[e
   }
 }
 
-SCENARIO("what was learnt in one world guides in others", "[examples][experience]") {
+SCENARIO("what was learnt in one world guides in others", "[examples][slow][experience]") {
   GIVEN("the scripts of examples/experience in a folder of their own") {
     const Place place;
     for (const char* name : {"learn.lua", "use.lua", "walls.lua"}) {

@@ -64,7 +64,7 @@ SCENARIO("experience: a world that is much the same, and one that is not", "[cat
   }
 }
 
-SCENARIO("learned: worlds of the family that it was learnt of, and those of another", "[catalogue][experience]") {
+SCENARIO("learned: worlds of the family that it was learnt of, and those of another", "[catalogue][experience][slow]") {
   GIVEN("a model that was trained on walls with gaps in their upper halves") {
     std::vector<LearningTask> tasks;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {

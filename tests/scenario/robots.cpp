@@ -53,7 +53,7 @@ Problem goal_behind() {
 
 }  // namespace
 
-SCENARIO("workspace: where a point goes, and whether the robot can follow", "[catalogue][robots]") {
+SCENARIO("workspace: where a point goes, and whether the robot can follow", "[catalogue][robots][slow]") {
   GIVEN("passages that the robot fits through") {
     THEN("the point's path costs little, whether it saves checks or not") {
       for (const Problem& problem : {simple_passage_problem(), rows()}) {

@@ -13,6 +13,8 @@
 #include <trellis/scene/readers.hpp>
 #include <trellis/scene/scene.hpp>
 
+#include "support/scenes.hpp"
+
 namespace trellis::test {
 
 inline LearningTask task_of(const Problem& problem) {
@@ -30,9 +32,8 @@ inline std::vector<LearningTask> family(Problem (*make)(std::uint64_t), std::uin
 /// \param split  "train" or "validation"
 inline std::vector<LearningTask> stored_family(const std::string& name, const std::string& split) {
   namespace fs = std::filesystem;
-  const char* scenes = std::getenv("TRELLIS_SCENES");
-  const fs::path folder = fs::path(scenes != nullptr ? scenes : TRELLIS_SCENES_DEFAULT) / "mp_datasets" / name / split;
-  if (!fs::is_directory(folder)) return {};
+  const fs::path folder = scene(fs::path("mp_datasets") / name / split);
+  if (folder.empty()) return {};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());

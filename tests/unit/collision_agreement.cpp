@@ -69,28 +69,28 @@ void require_none(const Tally& tally) {
 
 }  // namespace
 
-TEST_CASE("a million configurations of each of the paper's scenes") {
+TEST_CASE("a million configurations of each of the paper's scenes", "[slow]") {
   for (const Case& c : paper_cases()) {
     INFO(c.name);
     require_none(compare_states(c, 1'000'000, 1));
   }
 }
 
-TEST_CASE("a million motions in each of the paper's scenes") {
+TEST_CASE("a million motions in each of the paper's scenes", "[slow]") {
   for (const Case& c : paper_cases()) {
     INFO(c.name);
     require_none(compare_motions(c, 1'000'000, 10));
   }
 }
 
-TEST_CASE("configurations of every kind of robot among every kind of obstacle") {
+TEST_CASE("configurations of every kind of robot among every kind of obstacle", "[slow]") {
   for (const Case& c : mixed_cases()) {
     INFO(c.name);
     require_none(compare_states(c, 100'000, 1));
   }
 }
 
-TEST_CASE("motions of every kind of robot among every kind of obstacle") {
+TEST_CASE("motions of every kind of robot among every kind of obstacle", "[slow]") {
   for (const Case& c : mixed_cases()) {
     INFO(c.name);
     require_none(compare_motions(c, 100'000, 4));

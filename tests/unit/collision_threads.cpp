@@ -65,7 +65,7 @@ TEST_CASE("checking allocates nothing once it is warm") {
 
 #endif
 
-TEST_CASE("checkers of one scene in several threads say what one alone says") {
+TEST_CASE("checkers of one scene in several threads say what one alone says", "[slow]") {
   constexpr int motions = 5000;
   constexpr std::size_t threads = 4;
   for (const Case& c : mixed_cases()) {

@@ -66,7 +66,7 @@ Drawn drawn(Series series, AxisScale scale = AxisScale::linear) {
 
 }  // namespace
 
-TEST_CASE("every kind of series renders in every format", "[draw]") {
+TEST_CASE("every kind of series renders in every format", "[draw][slow]") {
   const std::vector<std::vector<double>> values = {{},
                                                    {1.0},
                                                    {not_a_number},
@@ -106,7 +106,7 @@ TEST_CASE("figures without anything are drawn", "[draw]") {
   CHECK(plot(empty).render(Format::svg) == plot(blank).render(Format::svg));
 }
 
-TEST_CASE("figures stand random numbers and long names", "[draw]") {
+TEST_CASE("figures stand random numbers and long names", "[draw][slow]") {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const auto number = [&] {

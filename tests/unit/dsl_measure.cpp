@@ -266,7 +266,7 @@ TEST_CASE("a user's target that is the tube's gives the tube's figures") {
   CHECK(a.js == Approx(b.js).margin(0.02));
 }
 
-TEST_CASE("a user's target scores an experiment, the same each time, after its session is gone") {
+TEST_CASE("a user's target scores an experiment, the same each time, after its session is gone", "[slow]") {
   const auto once = load(own_tube + experiment("measure = own, seeds = 2, cross = 1"));
   ExperimentOptions options;
   options.jobs = 2;

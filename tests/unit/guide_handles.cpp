@@ -70,7 +70,7 @@ TEST_CASE("handles on the medial axis turn a body along its corridor", "[guide][
   }
 }
 
-TEST_CASE("the density of angles by handles is that of their draws", "[guide][handles]") {
+TEST_CASE("the density of angles by handles is that of their draws", "[guide][handles][slow]") {
   for (const Problem& problem : {bent_corridor(), with_trailer()}) {
     CAPTURE(problem.name);
     const auto parent = make_instance(problem);

@@ -41,7 +41,7 @@ Configuration near(const Space& space, const Tube& tube, Stream& stream) {
 
 }  // namespace
 
-TEST_CASE("a tube's density is the mean of its balls'", "[guide][kernel]") {
+TEST_CASE("a tube's density is the mean of its balls'", "[guide][kernel][slow]") {
   for (const auto& space : spaces()) {
     CAPTURE(space.name());
     Stream stream(1, space.name(), "tubes");

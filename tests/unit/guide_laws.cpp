@@ -283,7 +283,7 @@ TEST_CASE("a guide whose space has no path goes by what it claims to", "[guide][
   }
 }
 
-TEST_CASE("h proposes inside C, and its density integrates to one less its atoms", "[guide][density]") {
+TEST_CASE("h proposes inside C, and its density integrates to one less its atoms", "[guide][density][slow]") {
   for (const auto& kind : guide_kinds()) {
     for (const auto& problem : problems(kind)) {
       CAPTURE(kind.component->name, problem.name);
@@ -296,7 +296,7 @@ TEST_CASE("h proposes inside C, and its density integrates to one less its atoms
   }
 }
 
-TEST_CASE("samples of h fall where its density says", "[guide][density]") {
+TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") {
   for (const auto& kind : guide_kinds()) {
     for (const auto& problem : problems(kind)) {
       CAPTURE(kind.component->name, problem.name);

@@ -179,7 +179,7 @@ TEST_CASE("a path is validated at points that are the spacing apart, and each is
   CHECK(instance->checks.validity == 15);
 }
 
-TEST_CASE("a point without a valid lift refutes a path; another lift repairs it", "[guide][sparse]") {
+TEST_CASE("a point without a valid lift refutes a path, another lift repairs it", "[guide][sparse]") {
   const auto problem = test::make_problem("wall", test::rectangle_world({{4.5, 4, 5.5, 6}}), test::rectangle_robot(),
                                           {1, 5, 0}, {9, 5, 0});
   const auto instance = make_instance(problem);
@@ -244,7 +244,7 @@ TEST_CASE("after a projection of another world motions that were valid are check
   CHECK(sub_of_changed->motion_still_valid(Configuration{4, 3, 0}, Configuration{6, 3, 0}));
 }
 
-TEST_CASE("a verified motion is known in both directions; a part of it is another motion", "[instance][verified]") {
+TEST_CASE("a verified motion is known in both directions, a part of it is another motion", "[instance][verified]") {
   const auto space = test::cup_problem().space;
   VerifiedMotions verified;
   Stream stream(3, "0", "verified");

@@ -10,6 +10,7 @@
 #include <trellis/scene/readers.hpp>
 
 #include "support/catch.hpp"
+#include "support/scenes.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -53,15 +54,11 @@ TEST_CASE("a box out of reach, or within an obstacle, is an error", "[instance][
 }
 
 TEST_CASE("the goal cells of SBPL's arms are reached", "[instance][goal]") {
-  const char* given = std::getenv("TRELLIS_SCENES");
-  const std::string folder = given != nullptr ? given : TRELLIS_SCENES_DEFAULT;
-  if (!std::filesystem::is_directory(folder)) {
-    WARN("SKIPPED: no scenes at " << folder << "; set TRELLIS_SCENES to the folder that holds them");
-    return;
-  }
+  const std::string folder = test::scene("sbpl/robarm").string();
+  if (folder.empty()) return;
   for (const auto* name : {"env1_6d", "env3_6d", "env1_20d"}) {
     CAPTURE(name);
-    auto problems = read_problems(folder + "/sbpl/robarm/" + name + ".cfg", {});
+    auto problems = read_problems(folder + "/" + name + ".cfg", {});
     REQUIRE(problems.size() == 1);
     settle_goal(problems[0]);
     check_settled(problems[0]);

@@ -126,7 +126,7 @@ TEST_CASE("the interval of a median is that of the order statistics", "[censored
 
 // Costs are log-normal, as those of planners are about; a run that would cost more than the budget fails. The true
 // median, of the costs with infinity for what lies beyond the budget, is known.
-TEST_CASE("intervals of censored costs hold the truth 98 to 100 times of 100 at 99 %", "[censored]") {
+TEST_CASE("intervals of censored costs hold the truth 98 to 100 times of 100 at 99 %", "[censored][slow]") {
   constexpr int rounds = 3000;
   struct Case {
     std::size_t runs;

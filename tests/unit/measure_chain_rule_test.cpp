@@ -159,7 +159,7 @@ TEST_CASE("nothing impossible is shown", "[chain]") {
 }
 
 TEST_CASE("perfect guidance scores 0 and uniform sampling its own divergence, within the interval over runs",
-          "[chain]") {
+          "[chain][slow]") {
   const Space se2 = Space::se2({0, 10}, {0, 10});
   TubeSettings settings;
   settings.points = 1024;

@@ -109,7 +109,7 @@ double truth(const Target& target, const Density& density) {
 
 }  // namespace
 
-TEST_CASE("Over four samplers with known divergence the error stays near what is published") {
+TEST_CASE("Over four samplers with known divergence the error stays near what is published", "[slow]") {
   struct Row {
     std::size_t n;
     double plane, se2;  // RMSE over the four cases, with room for the few repetitions
@@ -298,7 +298,7 @@ TEST_CASE("Coverage counts what lies within delta of a sample, beside what unifo
   CHECK(h.coverage == Approx(0.55).margin(0.05));
 }
 
-TEST_CASE("Samples outside of the space count but reach nothing; unusable ones are refused") {
+TEST_CASE("Samples outside of the space count but reach nothing, unusable ones are refused") {
   const Space plane = Space::euclidean({{0, 10}, {0, 10}});
   Configurations path(2);
   path.push(std::vector{0.2, 1.0});

@@ -245,7 +245,7 @@ TEST_CASE("Kernels at walls and across wraps of several axes, at the samples the
   }
 }
 
-TEST_CASE("Kernels are a sum of Gaussians, reflected and wrapped") {
+TEST_CASE("Kernels are a sum of Gaussians, reflected and wrapped", "[slow]") {
   for (const Space& space : spaces()) {
     const Target target = bent(space);
     const Configurations samples = crowded(space, 120, 3);
@@ -376,7 +376,7 @@ TEST_CASE("The legacy reading is the divergence of two histograms over position,
   }
 }
 
-TEST_CASE("Known densities are integrated, not estimated") {
+TEST_CASE("Known densities are integrated, not estimated", "[slow]") {
   const auto cases = verify::closed_cases();
   const auto& capsule = *cases.front().target;
   const double log_c = std::log(100.0);
@@ -553,7 +553,7 @@ TEST_CASE("Projection loses divergence, and by as much as the coordinate that it
   CHECK(flat_knn == Approx(flat).margin(0.1));
 }
 
-TEST_CASE("Every estimator comes near the truth where it is known, as near as is published") {
+TEST_CASE("Every estimator comes near the truth where it is known, as near as is published", "[slow]") {
   struct Row {
     EstimatorSpec spec;
     double tolerance;  // of the defended value at N = 1000

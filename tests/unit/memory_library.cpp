@@ -148,7 +148,7 @@ TEST_CASE("identities distinguish the spaces, robots and worlds of paths", "[mem
   CHECK(identity(cup.space) == identity(Space("another name", cup.space.axes())));
 }
 
-TEST_CASE("a file that is no library is an error and stays unchanged", "[memory][library]") {
+TEST_CASE("a file that is no library is an error and stays unchanged", "[memory][library][slow]") {
   const test::Folder folder;
   const std::string file = folder.file("a.db");
   const auto both = [&](const std::string& fault) {

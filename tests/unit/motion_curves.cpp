@@ -77,7 +77,7 @@ TEST_CASE("no other curve to the same pose is shorter", "[motion][curves]") {
   }
 }
 
-TEST_CASE("Reeds and Shepp's length is a metric; Dubins' is one except for symmetry", "[motion][curves]") {
+TEST_CASE("Reeds and Shepp's length is a metric, Dubins' is one except for symmetry", "[motion][curves]") {
   Stream stream(3, "", "poses");
   for (int i = 0; i < 2000; ++i) {
     const CurvePose a = random_pose(stream, 2.0);

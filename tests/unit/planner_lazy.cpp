@@ -180,7 +180,7 @@ using Selector = LazyEvaluation::Selector;
 
 }  // namespace
 
-TEST_CASE("a lazy roadmap that has spent its proposals reconnects its nodes", "[planner][lazy]") {
+TEST_CASE("a lazy roadmap that has spent its proposals reconnects its nodes", "[planner][lazy][slow]") {
   // In these runs, with the default budget, nodes found invalid take the places of the nearest valid ones.
   const std::vector<std::pair<Problem, std::vector<std::uint64_t>>> cases = {{test::simple_passage_problem(), {4, 15}},
                                                                              {test::trap_problem(), {13}}};

@@ -71,7 +71,7 @@ std::vector<const PlannerKind*> sampling_planners() {
 
 }  // namespace
 
-TEST_CASE("a solved problem comes with a valid path from start to goal", "[planner]") {
+TEST_CASE("a solved problem comes with a valid path from start to goal", "[planner][slow]") {
   for (const auto* kind : sampling_planners()) {
     for (const auto& problem : problems(*kind)) {
       CAPTURE(kind->component->name, problem.name);
@@ -174,7 +174,8 @@ TEST_CASE("lazy roadmaps spend fewer checks than eager ones on an open scene", "
   CHECK(lazy < eager);
 }
 
-TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the validated nodes", "[planner][lazy]") {
+TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the validated nodes",
+          "[planner][lazy][slow]") {
   const auto& kind = *find_planner("lazy_prm");
   for (const std::string remove : {"all", "first"}) {
     for (const std::string edges : {"in_turn", "coarse_to_fine"}) {

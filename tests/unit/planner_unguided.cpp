@@ -104,7 +104,7 @@ std::uint64_t fingerprint(const std::string& planner, std::vector<Options::Entry
 
 }  // namespace
 
-TEST_CASE("without a guide a planner's search is the same as ever", "[planner][determinism][unguided]") {
+TEST_CASE("without a guide a planner's search is the same as ever", "[planner][determinism][unguided][slow]") {
   struct Case {
     std::string planner;
     std::vector<Options::Entry> options;

@@ -2,6 +2,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/scenes.hpp"
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
@@ -21,15 +22,6 @@ using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The folder of scenes made by others, "" where there is none.
-std::string scenes() {
-  const char* given = std::getenv("TRELLIS_SCENES");
-  std::string folder = given != nullptr ? given : TRELLIS_SCENES_DEFAULT;
-  if (fs::is_directory(folder)) return folder;
-  WARN("SKIPPED: no scenes at " << folder << "; set TRELLIS_SCENES to the folder that holds them");
-  return "";
-}
 
 /// A folder that goes when the test ends.
 class Folder {
@@ -104,7 +96,7 @@ const std::string car_model =
 }  // namespace
 
 TEST_CASE("the circle world and its queries", "[scene][readers]") {
-  const std::string folder = scenes();
+  const std::string folder = test::scene().string();
   if (folder.empty()) return;
   const auto problems = read_problems(folder + "/ompl_tests/circle_obstacles.txt", {});
   REQUIRE(problems.size() == 100);
@@ -146,7 +138,7 @@ TEST_CASE("the circle world and its queries", "[scene][readers]") {
 }
 
 TEST_CASE("every dynobench scene is read, its start and goal inside the boundary and free", "[scene][readers]") {
-  const std::string folder = scenes();
+  const std::string folder = test::scene().string();
   if (folder.empty()) return;
   int count = 0;
   for (const std::string kind : {"unicycle1_v0", "unicycle1_v1", "unicycle2_v0", "car1_v0", "quad2d_v0"}) {
@@ -213,7 +205,7 @@ std::vector<std::vector<double>> rows_of(const fs::path& file, const std::string
 }  // namespace
 
 TEST_CASE("published solutions of dynobench are driven by our motion models as they were", "[scene][readers][motion]") {
-  const std::string folder = scenes();
+  const std::string folder = test::scene().string();
   if (folder.empty()) return;
   int replayed = 0;
   for (const std::string kind : {"unicycle1_v0", "unicycle1_v1", "unicycle2_v0", "car1_v0"}) {
@@ -397,7 +389,7 @@ TEST_CASE("an arm of SBPL's: its base, angles, goal cell and cells", "[scene][re
 }
 
 TEST_CASE("SBPL's own arms start where they are free", "[scene][readers]") {
-  const std::string folder = scenes();
+  const std::string folder = test::scene().string();
   if (folder.empty()) return;
   for (const auto& [name, links] : {std::pair("env1_6d", 6), std::pair("env3_6d", 6), std::pair("env1_20d", 20)}) {
     CAPTURE(name);

@@ -111,7 +111,7 @@ TEST_CASE("angles wrap", "[space]") {
   CHECK(space.distance(Configuration{5, 5, 0}, Configuration{5, 5, -pi}) == Approx(1.0));
 }
 
-TEST_CASE("uniform samples lie in the space and fill it evenly; reflection keeps them in", "[space]") {
+TEST_CASE("uniform samples lie in the space and fill it evenly, reflection keeps them in", "[space]") {
   for (const auto& space : spaces()) {
     CAPTURE(space.name());
     Stream stream(3, space.name(), "uniform");

@@ -130,7 +130,7 @@ TEST_CASE("every kind prints itself and can be taken apart", "[combinators]") {
   CHECK(strategy.json().find(R"("rounds":2,"turn":null)") != std::string::npos);
 }
 
-TEST_CASE("each guide of a schedule serves until it is refuted, and none comes back", "[combinators][schedule]") {
+TEST_CASE("each guide of a schedule serves until it is refuted, and none comes back", "[combinators][schedule][slow]") {
   const std::vector<Options::Entry> hasty = {
       {"follow", std::string("tube")}, {"evidence", std::int64_t{20}}, {"resolves", std::int64_t{3}}};
   for (const std::int64_t rounds : {1, 2, 3}) {
@@ -343,7 +343,7 @@ TEST_CASE("ablation takes a guide out of every kind", "[combinators][ablation]")
         "race { schedule { shrink(0.3), shrink(0.6) }, blend { lazy(), uniform() } } >> split { rrt() }");
 }
 
-TEST_CASE("random hierarchies run, the same on any number of threads", "[combinators][property]") {
+TEST_CASE("random hierarchies run, the same on any number of threads", "[combinators][property][slow]") {
   constexpr std::size_t count = 60;
   const auto problem = test::cup_problem();
   test::RandomSpecs random(7);

@@ -214,7 +214,7 @@ void check_distribution(const Space& space, const std::function<double(View)>& d
 
 }  // namespace
 
-TEST_CASE("the recorded density is that of every step", "[executor][density]") {
+TEST_CASE("the recorded density is that of every step", "[executor][density][slow]") {
   for (const auto& problem : problems()) {
     for (const auto& strategy : strategies()) {
       CAPTURE(problem.name, strategy.text());
@@ -278,7 +278,7 @@ TEST_CASE("the recorded density is that of every step", "[executor][density]") {
   }
 }
 
-TEST_CASE("proposals fall where the recorded density says, in S and lifted to the root", "[executor][density]") {
+TEST_CASE("proposals fall where the recorded density says, in S and lifted to the root", "[executor][density][slow]") {
   for (const auto& problem : {walled(), test::point_problem(5)}) {
     for (const auto& strategy : strategies()) {
       const auto run = execute(strategy, problem, 2);

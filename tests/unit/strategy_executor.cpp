@@ -66,7 +66,7 @@ void check_run(const Problem& problem, const RunRecord& run) {
 
 }  // namespace
 
-TEST_CASE("every guide composes with every other, with all operators", "[executor]") {
+TEST_CASE("every guide composes with every other, with all operators", "[executor][slow]") {
   const auto problem = test::cup_problem();
   int solved = 0;
   int runs = 0;

@@ -50,7 +50,7 @@ std::uint64_t refuted(const StrategySpec& strategy, const Problem& problem, int 
 
 }  // namespace
 
-TEST_CASE("no planner reports a path that a finer check refutes", "[executor][path_check]") {
+TEST_CASE("no planner reports a path that a finer check refutes", "[executor][path_check][slow]") {
   const Problem problem = thin_walls();
   for (const PlannerKind& kind : planner_kinds()) {
     const std::string& name = kind.component->name;

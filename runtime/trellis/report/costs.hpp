@@ -10,7 +10,6 @@
 
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/censored_cost.hpp>
-#include <trellis/report/pictures.hpp>
 #include <trellis/strategy/executor.hpp>
 
 /// Compares the costs of strategies: validity checks of all levels and CPU time, paired by seed, from the documents of
@@ -126,26 +125,5 @@ std::string costs_markdown(const CostData& data, const std::string& baseline);
 /// reference_solved, both_solved, median, reference_median, ratio_of_medians, ratio_of_totals, paired_ratio, lo, hi,
 /// sign_p, holm_p, effect.
 std::string costs_csv(const CostData& data, const std::string& baseline);
-/// Returns a strategy's colour in all figures that compare strategies, and on the page. The baseline has its own.
-draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy);
-
-/// Draws the share of solved runs over their cost, a curve with a band for each strategy: checks and CPU time side by
-/// side, rows of at most six strategies and the baseline. None where no run found a path.
-std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem);
-/// Draws the path length over time and checks, for the strategies that improve their path; none without such a
-/// strategy.
-std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem);
-/// Draws the strategies' costs relative to the baseline's, paired by seed, a dot with its interval for each problem.
-/// None for a single strategy, and without a baseline.
-std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline);
-
-/// Draws FOLDER/baseline, own_planner and parts as .svg, .png and .pdf: a dot for each problem and strategy; and for
-/// each problem FOLDER/PROBLEM/success and length.
-/// \throws Error where it cannot write a file.
-void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,
-                        const FigureStyle& style = {});
-/// Draws success and length of each problem, and ratios of each problem and, with several problems, of all.
-void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
-                              const FigureStyle& style = {});
 
 }  // namespace trellis

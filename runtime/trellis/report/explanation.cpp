@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/base/version.hpp>
 #include <trellis/report/explanation.hpp>
 
 #include <fmt/format.h>

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>

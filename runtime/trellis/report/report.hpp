@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <trellis/draw/planar.hpp>
 #include <trellis/experiment/experiment.hpp>
-#include <trellis/report/pictures.hpp>
 
 namespace trellis {
 
@@ -55,57 +50,7 @@ std::string report_csv(const Experiment& experiment, const ExperimentResult& res
 /// \throws Error where it cannot write a file.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
-/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg, profile.svg, strip.svg and plane.svg, and the same as
-/// .png and .pdf, for every scored strategy; `jobs` of them concurrently. DIR/<problem>/waterfalls.* has those of all
-/// strategies with guides on one scale. Omits empty pictures.
-/// \throws Error where it cannot write a file.
-void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                   unsigned jobs = 1, const FigureStyle& style = {});
-
-struct HtmlOptions {
-  std::string script = {};  ///< the path as given on the command line, "" for none
-  /// Limit for the runs' samples, in a page of at most 5 MB. The page thins long searches. If the runs of all seeds
-  /// exceed the limit, it contains those of the first seeds, and says so.
-  std::size_t most_bytes = 5'000'000;
-  std::function<void(std::size_t, std::size_t)> progress = {};  ///< called for each packed run: finished, all
-};
-
-/// Returns one self-contained HTML page: the results, and every run for replay and inspection (docs/formats.md). UTF-8.
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options = {});
-/// \throws Error where it cannot write the file.
-void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
-                const HtmlOptions& options = {});
-
-struct SceneFigureOptions {
-  draw::RoleColours colours = draw::RoleColours::safe;
-  /// The side of the cells in which to count samples, metres. None: half a metre, doubled or halved until the world's
-  /// longer side has about 12 to 48 cells.
-  std::optional<double> cell = {};
-  unsigned jobs = 1;  ///< pictures drawn concurrently
-  FigureStyle style = {};
-};
-
-/// Draws the distribution of the samples in the world, as Figure 2 of Attali et al. 2022:
-/// DIR/<problem>/<strategy>/samples.svg, .png and .pdf for every strategy, and levels.* where levels below the root
-/// have a position in the plane. Omits problems without a position in the plane. \return a sentence about each omitted
-/// problem
-/// \throws Error for a cell out of range, and where it cannot write a file.
-std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
-                                             const std::string& directory, const SceneFigureOptions& options = {});
-
-/// Draws motions in two-dimensional spaces, as Figure 1 of Attali et al. 2022: DIR/<problem>/<strategy>/motion.svg,
-/// .png and .pdf for every strategy of a problem whose space has two axes and is more than the workspace. Each picture
-/// shows the robot along its path, and beside it the space with the invalid configurations, the path, and the density
-/// of the proposals. It has a row for each guide that searches the same space, the deepest first, and one for the root.
-/// It shows the first run that found a path or, without one, the first run.
-/// \throws Error where it cannot write a file.
-void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
-                          unsigned jobs = 1, const FigureStyle& style = {});
-
 /// Writes a file atomically. \throws Error that names the path and the reason.
 void write_file(const std::string& path, const std::string& content);
-
-/// Returns the version of Trellis, e.g. "0.1.0".
-std::string version();
 
 }  // namespace trellis

@@ -4,8 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include <trellis/report/report.hpp>
-#include <trellis/strategy/executor.hpp>
+#include <trellis/trellis.hpp>
 
 int main() {
   using namespace trellis;

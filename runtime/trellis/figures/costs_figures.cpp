@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/words.hpp>
+
+namespace trellis {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// Ratios
+// ---------------------------------------------------------------------------------------------------------------
+
+/// Returns the groups in the order of the problems: circles for those on which the strategies were tuned, discs for the
+/// others. Problems without a group have a colour each, if they are few.
+std::vector<draw::RatioGroup> groups_of(const CostData& data, std::vector<std::size_t>& group_of_problem) {
+  std::vector<draw::RatioGroup> groups;
+  std::map<std::string, std::size_t> known;
+  const bool ungrouped =
+      std::all_of(data.problems.begin(), data.problems.end(), [](const auto& p) { return p.group.empty(); });
+  const bool apart = ungrouped && data.problems.size() <= draw::palette::series.size();
+  for (const auto& problem : data.problems) {
+    const auto [found, fresh] = known.emplace(apart ? problem.name : problem.group, groups.size());
+    if (fresh) {
+      std::string name = apart ? problem.name : "problem";
+      if (!ungrouped) {
+        name = fmt::format("{} ({})", problem.group.empty() ? "no group" : problem.group,
+                           problem.tuned ? "tuned on" : "held out");
+      }
+      groups.push_back({std::move(name), draw::palette::nth(groups.size()), problem.tuned});
+    }
+    group_of_problem.push_back(found->second);
+  }
+  return groups;
+}
+
+/// With a single problem the ratio is printed beside the dot, as in a forest plot; with several problems, the problem
+/// of the largest ratio.
+draw::RatioDot dot(const CostData& data, const CostComparison& c, const CostRatio& ratio, std::size_t group) {
+  draw::RatioDot dot{group, data.problems[c.problem].name, ratio.ratio.value, ratio.ratio.lo, ratio.ratio.hi};
+  if (data.problems.size() == 1) dot.text = ratio_text(ratio.ratio);
+  return dot;
+}
+
+void fill(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure& figure) {
+  std::vector<std::size_t> group_of;
+  figure.groups = groups_of(data, group_of);
+  figure.panels = {"validity checks, all levels", "CPU time"};
+  if (data.problems.size() == 1) figure.texts = "[99 %]";
+  figure.x_label = "cost / cost of the reference (left of 1: costs less)";
+  std::map<std::size_t, draw::RatioRow> rows;
+  for (const CostComparison& c : comparisons) {
+    draw::RatioRow& row = rows[c.strategy];
+    row.name = data.strategies[c.strategy].name;
+    row.panels.resize(2);
+    row.panels[0].push_back(dot(data, c, c.checks, group_of[c.problem]));
+    row.panels[1].push_back(dot(data, c, c.seconds, group_of[c.problem]));
+  }
+  for (auto& [strategy, row] : rows) figure.rows.push_back(std::move(row));
+}
+
+/// Explains a figure of ratios, with the number of pairs of the medians.
+std::string ratios_caption(const std::vector<CostComparison>& comparisons) {
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  std::size_t most = 0;
+  for (const CostComparison& c : comparisons) {
+    least = std::min(least, c.checks.pairs);
+    most = std::max(most, c.checks.pairs);
+  }
+  return fmt::format(
+      "A dot is a problem: the median of the strategy's cost divided by the reference's on the same seed, over {} of "
+      "runs, with its 99 % interval. A run without a path costs infinitely much. Left of 1 the strategy costs less. An "
+      "arrow to the right: most of its runs found no path; to the left: most of the reference's. The problem with the "
+      "largest ratio of a row has its name beside it.",
+      least >= most ? plural(most, "pair") : fmt::format("{} to {}", least, plural(most, "pair")));
+}
+
+void write(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure figure,
+           const FigureStyle& style, const std::string& stem) {
+  if (comparisons.empty()) return;
+  figure.caption = ratios_caption(comparisons);
+  fill(data, comparisons, figure);
+  write_figure(std::move(figure), style, stem);
+}
+
+/// Colours for strategies other than the baseline; beyond them lines are dashed.
+constexpr std::size_t strategy_colours = 6;
+
+// Curves
+// ---------------------------------------------------------------------------------------------------------------
+
+struct Quantity {
+  CostKind kind;
+  const char* label;
+  double unit;  ///< of the axis, in the unit of the costs
+};
+constexpr std::array<Quantity, 2> quantities = {
+    {{CostKind::checks, "validity checks, all levels", 1.0}, {CostKind::seconds, "CPU time (ms)", 1e-3}}};
+
+std::size_t index_of(const CostData& data, const std::string& strategy) {
+  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
+                                  [&](const CostData::Strategy& s) { return s.name == strategy; });
+  return static_cast<std::size_t>(found - data.strategies.begin());
+}
+
+/// Distributes the strategies over rows of panels with few curves each; every row includes the baseline.
+std::vector<std::vector<std::size_t>> rows_of(const std::vector<std::size_t>& strategies, std::size_t baseline) {
+  constexpr std::size_t most_curves = 3;  // without the baseline's
+  const bool has = std::find(strategies.begin(), strategies.end(), baseline) != strategies.end();
+  std::vector<std::vector<std::size_t>> rows;
+  std::size_t in_row = most_curves;
+  for (const std::size_t s : strategies) {
+    if (s == baseline) continue;
+    if (in_row == most_curves) {
+      rows.push_back(has ? std::vector{baseline} : std::vector<std::size_t>());
+      in_row = 0;
+    }
+    rows.back().push_back(s);
+    ++in_row;
+  }
+  if (rows.empty() && has) rows.push_back({baseline});
+  return rows;
+}
+
+/// A step function of a cost; `before` is its value before the first cost.
+struct Curve {
+  std::size_t strategy = 0;
+  std::vector<double> at;
+  std::vector<Interval> y;
+  Interval before;
+  double spent = 0.0;  ///< the end of the curve
+};
+
+/// Curves on one logarithmic axis.
+draw::Panel curves_panel(const CostData& data, const std::string& baseline, const std::vector<Curve>& curves) {
+  draw::Panel panel;
+  panel.x.scale = draw::AxisScale::log;
+  double first = infinity;
+  double last = 0.0;
+  for (const Curve& curve : curves) {
+    for (const double at : curve.at) first = at > 0.0 ? std::min(first, at) : first;
+    last = std::max(last, curve.spent);
+  }
+  constexpr double before = 0.8;  // the axis begins at this share of the first cost
+  first *= before;
+  for (const Curve& curve : curves) {
+    draw::Series series{.kind = draw::Series::Kind::steps,
+                        .name = data.strategies[curve.strategy].name,
+                        .x = {first},
+                        .colour = strategy_colour(data, baseline, curve.strategy)};
+    constexpr std::array dashes = {draw::Dash::solid, draw::Dash::dashed, draw::Dash::dotted};
+    const std::size_t earlier = index_of(data, baseline) < curve.strategy ? 1 : 0;
+    series.dash = dashes.at((curve.strategy - earlier) / strategy_colours % dashes.size());
+    const auto add = [&](const Interval& y) {
+      series.y.push_back(y.value);
+      series.lo.push_back(y.lo);
+      series.hi.push_back(y.hi);
+    };
+    add(curve.before);
+    for (std::size_t i = 0; i < curve.at.size(); ++i) {
+      series.x.push_back(std::max(curve.at[i], first));
+      add(curve.y[i]);
+    }
+    series.x.push_back(std::max(last, series.x.back()));
+    panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
+/// Draws panels of checks and of CPU time side by side, few strategies per row. None without any curve.
+std::optional<draw::Figure> curves_figure(const CostData& data, const std::string& baseline,
+                                          const std::vector<std::size_t>& strategies, const std::string& y_label,
+                                          const std::function<Curve(std::size_t strategy, CostKind kind)>& curve_of) {
+  draw::Figure figure{.columns = quantities.size(), .share_y = true, .panel_height = 130.0};
+  for (const auto& row : rows_of(strategies, index_of(data, baseline))) {
+    for (const Quantity& quantity : quantities) {
+      std::vector<Curve> curves;
+      for (const std::size_t s : row) {
+        curves.push_back(curve_of(s, quantity.kind));
+        for (double& at : curves.back().at) at /= quantity.unit;
+        curves.back().spent /= quantity.unit;
+      }
+      const bool any = std::any_of(curves.begin(), curves.end(), [](const Curve& curve) { return !curve.at.empty(); });
+      if (!any) continue;
+      draw::Panel panel = curves_panel(data, baseline, curves);
+      panel.x.label = quantity.label;
+      panel.y.label = y_label;
+      figure.panels.push_back(std::move(panel));
+    }
+  }
+  if (figure.panels.empty()) return std::nullopt;
+  figure.legend = draw::Legend::above;
+  return figure;
+}
+
+/// "15 runs of each strategy".
+class Runs {
+ public:
+  void add(std::size_t runs) {
+    if (runs == 0) return;
+    least_ = most_ == 0 ? runs : std::min(least_, runs);
+    most_ = std::max(most_, runs);
+  }
+  [[nodiscard]] std::string text() const {
+    return (least_ == most_ ? plural(most_, "run") : fmt::format("{} to {}", least_, plural(most_, "run"))) +
+           " of each strategy";
+  }
+
+ private:
+  std::size_t least_ = 0;
+  std::size_t most_ = 0;
+};
+
+std::vector<std::size_t> strategies_on(const CostData& data, std::size_t problem) {
+  std::vector<std::size_t> found;
+  for (std::size_t s = 0; s < data.strategies.size(); ++s) {
+    const auto of = [&](const CostData::Run& run) { return run.problem == problem && run.strategy == s; };
+    if (std::any_of(data.runs.begin(), data.runs.end(), of)) found.push_back(s);
+  }
+  return found;
+}
+
+}  // namespace
+
+draw::Colour strategy_colour(const CostData& data, const std::string& baseline, std::size_t strategy) {
+  using namespace draw::palette;  // NOLINT(google-build-using-namespace): its names say what they are
+  if (data.strategies[strategy].name == baseline) return draw::palette::baseline;
+  // The baseline has its own colour; blue, which is similar, comes last.
+  constexpr std::array<draw::Colour, strategy_colours> colours = {vermillion, green, purple, orange, black, blue};
+  const std::size_t before = index_of(data, baseline) < strategy ? 1 : 0;
+  return colours.at((strategy - before) % colours.size());
+}
+
+std::optional<draw::Figure> success_figure(const CostData& data, const std::string& baseline, std::size_t problem) {
+  Runs runs;
+  const auto percent = [](Interval share) {
+    for (double* x : {&share.value, &share.lo, &share.hi}) *x *= 100.0;
+    return share;
+  };
+  auto figure = curves_figure(
+      data, baseline, strategies_on(data, problem), "runs with a path (%)", [&](std::size_t strategy, CostKind kind) {
+        const SuccessCurve found = success_curve(data, problem, strategy, kind);
+        runs.add(found.runs);
+        Curve curve{strategy, found.at, {}, percent(wilson_interval(0, found.runs)), found.spent};
+        for (const Interval& share : found.share) curve.y.push_back(percent(share));
+        return curve;
+      });
+  if (!figure) return figure;
+  figure->title = fmt::format("{}: runs that found a path over what they cost", data.problems[problem].name);
+  figure->caption = fmt::format("{}; bands: 95 % Wilson interval of the share.", runs.text());
+  for (draw::Panel& panel : figure->panels) {
+    panel.y.lo = 0.0;
+    panel.y.hi = 100.0;
+  }
+  return figure;
+}
+
+std::optional<draw::Figure> length_figure(const CostData& data, const std::string& baseline, std::size_t problem) {
+  std::vector<std::size_t> anytime;
+  for (const std::size_t s : strategies_on(data, problem)) {
+    if (length_curve(data, problem, s, CostKind::checks).improves) anytime.push_back(s);
+  }
+  Runs runs;
+  auto figure =
+      curves_figure(data, baseline, anytime, "length of the path (m)", [&](std::size_t strategy, CostKind kind) {
+        const LengthCurve found = length_curve(data, problem, strategy, kind);
+        runs.add(found.runs);
+        Curve curve{strategy, found.at, {}, {}, found.spent};
+        for (Interval length : found.length) {
+          // Until half of the runs have a path there is no median; an infinite interval has no band.
+          if (!std::isfinite(length.value)) length.value = nan;
+          if (!std::isfinite(length.hi) || std::isnan(length.value)) length.lo = length.hi = nan;
+          curve.y.push_back(length);
+        }
+        return curve;
+      });
+  if (!figure) return figure;
+  figure->title = fmt::format("{}: length of the shortest path known over what it cost", data.problems[problem].name);
+  figure->caption = fmt::format(
+      "Planners that improve their path; medians over {}, a run without a path infinite; bands: 99 % interval by order "
+      "statistics. A curve begins where half of the runs have a path.",
+      runs.text());
+  return figure;
+}
+
+std::optional<draw::RatioFigure> ratio_figure(const CostData& data, const std::string& baseline) {
+  if (baseline.empty() || data.strategies.size() < 2) return std::nullopt;
+  const auto comparisons = compare_costs(data, CostReference::baseline, baseline);
+  if (comparisons.empty()) return std::nullopt;
+  constexpr double default_width = 504.0;
+  draw::RatioFigure figure{
+      .title = data.problems.size() == 1
+                   ? fmt::format("{}: costs beside {}, paired by seed", data.problems.front().name, baseline)
+                   : fmt::format("Costs beside {}, paired by seed", baseline),
+      .caption = ratios_caption(comparisons),
+      .lines = {{1.0, "as " + baseline, draw::Dash::solid}},
+      .width = default_width};
+  fill(data, comparisons, figure);
+  return figure;
+}
+
+namespace {
+
+/// For each problem: FOLDER/PROBLEM/success and length.
+void write_curves(const CostData& data, const std::string& baseline, const std::string& folder,
+                  const FigureStyle& style) {
+  Directories problems;
+  for (std::size_t p = 0; p < data.problems.size(); ++p) {
+    const std::filesystem::path place = std::filesystem::path(folder) / problems(data.problems[p].name);
+    const auto success = success_figure(data, baseline, p);
+    const auto length = length_figure(data, baseline, p);
+    if (success || length) make_directory(place.string());
+    if (success) write_figure(*success, style, (place / "success").string());
+    if (length) write_figure(*length, style, (place / "length").string());
+  }
+}
+
+}  // namespace
+
+void write_comparison_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
+                              const FigureStyle& style) {
+  const CostData data = cost_data(experiment, result);
+  write_curves(data, data.baseline, folder, style);
+  const std::filesystem::path root(folder);
+  Directories problems;
+  for (std::size_t p = 0; p < data.problems.size(); ++p) {
+    const std::filesystem::path place = root / problems(data.problems[p].name);
+    const auto ratios = ratio_figure(data.on(p), data.baseline);
+    if (!ratios) continue;
+    make_directory(place.string());
+    write_figure(*ratios, style, (place / "ratios").string());
+  }
+  if (data.problems.size() < 2) return;
+  if (const auto ratios = ratio_figure(data, data.baseline)) write_figure(*ratios, style, (root / "ratios").string());
+}
+
+void write_cost_figures(const CostData& data, const std::string& baseline, const std::string& folder,
+                        const FigureStyle& style) {
+  make_directory(folder);
+  const auto stem = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
+  constexpr double bounded_loss = 2.2;
+  constexpr double of_parts = 1.3;
+  write(data, compare_costs(data, CostReference::baseline, baseline),
+        {.title = fmt::format("Does guidance pay? Costs beside {} without guides", baseline),
+         .lines = {{1.0, "as without guides", draw::Dash::solid}, {bounded_loss, "2.2 times", draw::Dash::dashed}}},
+        style, stem("baseline"));
+  write(data, compare_costs(data, CostReference::own_planner, baseline),
+        {.title = "What can a guide lose? Costs beside the same planner without guides",
+         .lines = {{1.0, "as without guides", draw::Dash::solid}, {bounded_loss, "2.2 times", draw::Dash::dashed}}},
+        style, stem("own_planner"));
+  write(data, compare_costs(data, CostReference::best_part, baseline),
+        {.title = "Does nesting pay? Costs of a >> b beside the better one of a and b",
+         .lines = {{1.0, "as the better part", draw::Dash::solid}, {of_parts, "1.3 times", draw::Dash::dashed}}},
+        style, stem("parts"));
+  write_curves(data, baseline, folder, style);
+}
+
+}  // namespace trellis

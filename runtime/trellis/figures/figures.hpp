@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/draw/chart.hpp>
+#include <trellis/draw/planar.hpp>
+#include <trellis/draw/strips.hpp>
+#include <trellis/experiment/experiment.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis {
+
+/// The pictures of one strategy on one problem; omits empty ones.
+struct StrategyFigures {
+  std::optional<draw::Figure> waterfall;
+  std::optional<draw::Figure> profile;
+  std::optional<draw::StripFigure> strip;  ///< the profile as heat strips
+  std::optional<draw::Figure> plane;       ///< levels by mass and spread; of a strategy with guides
+};
+StrategyFigures strategy_figures(const std::string& problem, const std::string& strategy, const RunsSummary& summary);
+
+/// A strategy's name and the summary of its runs on a problem.
+struct NamedSummary {
+  std::string strategy;
+  const RunsSummary* summary = nullptr;
+};
+/// Draws the waterfalls of all strategies with guides on one scale, side by side. The scale ends at perfect guidance
+/// and equally far below uniform sampling; arrows mark values beyond it. None for fewer than two such strategies.
+std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const std::vector<NamedSummary>& strategies);
+
+/// Draws the measure: DIR/<problem>/<strategy>/waterfall.svg, profile.svg, strip.svg and plane.svg, and the same as
+/// .png and .pdf, for every scored strategy; `jobs` of them concurrently. DIR/<problem>/waterfalls.* has those of all
+/// strategies with guides on one scale. Omits empty pictures.
+/// \throws Error where it cannot write a file.
+void write_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                   unsigned jobs = 1, const FigureStyle& style = {});
+
+struct SceneFigureOptions {
+  draw::RoleColours colours = draw::RoleColours::safe;
+  /// The side of the cells in which to count samples, metres. None: half a metre, doubled or halved until the world's
+  /// longer side has about 12 to 48 cells.
+  std::optional<double> cell = {};
+  unsigned jobs = 1;  ///< pictures drawn concurrently
+  FigureStyle style = {};
+};
+
+/// Draws the distribution of the samples in the world, as Figure 2 of Attali et al. 2022:
+/// DIR/<problem>/<strategy>/samples.svg, .png and .pdf for every strategy, and levels.* where levels below the root
+/// have a position in the plane. Omits problems without a position in the plane. \return a sentence about each omitted
+/// problem
+/// \throws Error for a cell out of range, and where it cannot write a file.
+std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
+                                             const std::string& directory, const SceneFigureOptions& options = {});
+
+/// Draws motions in two-dimensional spaces, as Figure 1 of Attali et al. 2022: DIR/<problem>/<strategy>/motion.svg,
+/// .png and .pdf for every strategy of a problem whose space has two axes and is more than the workspace. Each picture
+/// shows the robot along its path, and beside it the space with the invalid configurations, the path, and the density
+/// of the proposals. It has a row for each guide that searches the same space, the deepest first, and one for the root.
+/// It shows the first run that found a path or, without one, the first run.
+/// \throws Error where it cannot write a file.
+void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                          unsigned jobs = 1, const FigureStyle& style = {});
+
+}  // namespace trellis

@@ -1,0 +1,633 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page: this source writes its tables; html/report.js draws its runs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
+#include <trellis/draw/text.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/html.hpp>
+#include <trellis/figures/html_parts.hpp>
+#include <trellis/figures/html_run.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/resolves.hpp>
+#include <trellis/report/summary.hpp>
+#include <trellis/report/unsolved.hpp>
+#include <trellis/report/verdict.hpp>
+#include <trellis/report/words.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Escapes text for the page: markup, and bytes that are not UTF-8.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : draw::clean_text(text)) {
+    switch (c) {
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '&': out += "&amp;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+// Tables
+// ---------------------------------------------------------------------------------------------------------------
+
+/// Returns "1.23 ±0.08", the latter smaller, with the interval's ends as a tooltip.
+std::string interval_html(const Interval& interval, int decimals = 2, bool sign = false) {
+  std::string text = interval_text(interval, decimals, sign);
+  const std::size_t half = text.find(" ±");
+  if (half == std::string::npos) return text;
+  return fmt::format(R"(<span title="95 % interval {} to {}, of {}">{}<span class="pm">{}</span></span>)",
+                     fixed(interval.lo, decimals, sign), fixed(interval.hi, decimals, sign), plural(interval.n, "run"),
+                     text.substr(0, half), text.substr(half + 1));
+}
+
+/// The meanings of the marks in a table, for one legend below it.
+class Marks {
+ public:
+  std::string of(const Figure& figure) {
+    std::string out;
+    if (figure.value.infinite > 0) add(median_mark, "infinite in some runs, so the median of all", "", out);
+    for (const auto& [flag, runs] : figure.flags) {
+      const char mark = mark_of(flag);
+      const auto* const note = std::find_if(notes.begin(), notes.end(), [&](const Note& n) { return n.mark == mark; });
+      const std::string meaning = note != notes.end() ? note->meaning : flag;
+      add(mark, meaning, fmt::format("{}: {} of {}", flag, runs, plural(figure.scored, "run")), out);
+    }
+    return out;
+  }
+  [[nodiscard]] std::string text() const {
+    std::string out;
+    for (const auto& [mark, meaning] : meanings_) {
+      out += fmt::format("{}<abbr>{}</abbr> {}", out.empty() ? "" : " · ", mark, escaped(meaning));
+    }
+    return out.empty() ? out : R"(<p class="muted">)" + out + "</p>\n";
+  }
+
+ private:
+  void add(char mark, const std::string& meaning, const std::string& title, std::string& out) {
+    meanings_.emplace(mark, meaning);
+    out += fmt::format(R"(<abbr title="{}">{}</abbr>)", escaped(title.empty() ? meaning : title), mark);
+  }
+  std::map<char, std::string> meanings_;
+};
+
+std::string figure_cell(const Figure& figure, Marks& marks) {
+  return fmt::format(R"(<td class="figure">{}{}</td>)", interval_html(figure.gain, 2, true), marks.of(figure));
+}
+
+std::string cell(const std::string& content) { return "<td>" + content + "</td>"; }
+
+/// Returns validity checks, with the proposals as a tooltip.
+std::string spent_cell(const SpentSummary& spent) {
+  if (std::isnan(spent.validity_checks)) return cell("-");
+  return fmt::format(R"(<td title="{} proposals">{}</td>)", count_text(spent.proposals),
+                     count_text(spent.validity_checks));
+}
+
+std::string milliseconds(double seconds) { return milliseconds_text(seconds, decimals_for(1000.0 * seconds)); }
+
+/// A heading of two rows: groups over columns.
+struct Columns {
+  std::string group;
+  std::vector<std::string> names;
+};
+
+std::string heading(const std::string& first, const std::vector<Columns>& groups) {
+  std::string above = fmt::format(R"(<tr><th rowspan="2" scope="col">{}</th>)", first);
+  std::string below = "<tr>";
+  for (const auto& [group, names] : groups) {
+    if (group.empty()) {
+      for (const auto& name : names) above += fmt::format(R"(<th rowspan="2" scope="col">{}</th>)", name);
+      continue;
+    }
+    above += fmt::format(R"(<th colspan="{}" scope="colgroup" class="over">{}</th>)", names.size(), group);
+    for (const auto& name : names) below += fmt::format(R"(<th scope="col">{}</th>)", name);
+  }
+  return "<thead>" + above + "</tr>\n" + below + "</tr></thead>\n";
+}
+
+const LevelSummary& root_of(const RunsSummary& summary) {
+  static const LevelSummary none;
+  return summary.levels.empty() ? none : summary.levels.front();
+}
+
+using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and strategy
+
+/// The results of the runs of one problem.
+struct ProblemFindings {
+  std::vector<Comparison> comparisons;
+  std::vector<std::vector<Verdict>> verdicts;  ///< by strategy, on its levels
+};
+using Findings = std::vector<ProblemFindings>;  // by problem
+
+Findings findings_of(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
+  Findings all;
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    const std::string& problem = experiment.problems[p].name;
+    ProblemFindings of{compare(experiment, result, problem), {}};
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      of.verdicts.push_back(
+          verdicts(experiment, result, problem, experiment.strategies[s].first, summaries[p][s], of.comparisons));
+    }
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
+std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
+                        bool crossed, Marks& marks) {
+  std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
+                                head, s.solved, s.runs, wilson_text(s.success));
+  if (measured) {
+    const LevelSummary& root = root_of(s);
+    const FigurePair& own = root.root;
+    const FigurePair& cross = root.root_cross;
+    out += figure_cell(own.tree, marks);
+    if (crossed) out += figure_cell(cross.tree, marks);
+    out += figure_cell(own.expansion, marks);
+    if (crossed) out += figure_cell(cross.expansion, marks);
+  }
+  return out + cell(count_text(s.validity_checks.value)) + cell(milliseconds(s.seconds.value)) +
+         cell(interval_html(s.length)) + "</tr>\n";
+}
+
+/// Returns a patch of a strategy's colour in the figures; none for an ablation.
+std::string swatch(const CostData& data, const std::string& strategy) {
+  const auto found = std::find_if(data.strategies.begin(), data.strategies.end(),
+                                  [&](const CostData::Strategy& one) { return one.name == strategy; });
+  if (found == data.strategies.end()) return "";
+  const draw::Colour colour =
+      strategy_colour(data, data.baseline, static_cast<std::size_t>(found - data.strategies.begin()));
+  const auto byte = [](double part) { return static_cast<int>(std::lround(255.0 * part)); };
+  return fmt::format(R"(<span class="swatch" style="background:#{:02x}{:02x}{:02x}"></span>)", byte(colour.r),
+                     byte(colour.g), byte(colour.b));
+}
+
+std::string summary_table(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
+  const bool measured = experiment.measure.has_value();
+  bool crossed = false;
+  for (const auto& of_problem : summaries) {
+    for (const auto& s : of_problem) crossed = crossed || root_of(s).root_cross.tree.scored > 0;
+  }
+  std::vector<Columns> columns = {{"", {"solved"}}};
+  if (measured) {
+    const std::vector<std::string> paths =
+        crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
+    columns.push_back({"above uniform, tree", paths});
+    columns.push_back({"above uniform, expansion", paths});
+  }
+  columns.push_back({"medians", {"checks", "time, ms"}});
+  columns.push_back({"", {"path, m"}});
+  std::size_t width = 1;
+  for (const auto& group : columns) width += group.names.size();
+
+  const CostData data = cost_data(experiment, result);
+  Marks marks;
+  std::string body;
+  const auto group = [&](const std::string& name) {
+    body += fmt::format("<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>\n", width, name);
+  };
+  if (experiment.problems.size() > 1) {
+    group("all scenes together");
+    for (const auto& entry : experiment.strategies) {
+      body += summary_row(summarise(select_runs(result, "", entry.first)),
+                          swatch(data, entry.first) + escaped(entry.first), "", measured, crossed, marks);
+    }
+  }
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    group(escaped(experiment.problems[p].name));
+    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+      const std::string place = fmt::format("{}-{}", p, s);
+      body += summary_row(summaries[p][s],
+                          swatch(data, experiment.strategies[s].first) +
+                              fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place,
+                                          escaped(experiment.strategies[s].first)),
+                          fmt::format(R"( data-cell="{}")", place), measured, crossed, marks);
+    }
+  }
+  const bool tall = experiment.problems.size() * experiment.strategies.size() > 24;
+  return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}",
+                     tall ? " tall" : "", heading("method", columns), body, marks.text());
+}
+
+/// Returns the warnings of the printed report: guides that perform worse than no guide, and why runs found no path.
+std::string warnings_html(const Experiment& experiment, const ExperimentResult& result, const Findings& findings) {
+  std::string items;
+  const auto add = [&](const std::string& problem, const std::string& text) {
+    items +=
+        fmt::format("<li>{}{}</li>\n", experiment.problems.size() > 1 ? escaped(problem) + ": " : "", escaped(text));
+  };
+  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
+    const std::string& problem = experiment.problems[p].name;
+    for (const auto& [strategy, spec] : experiment.strategies) {
+      if (is_ablation(experiment, strategy)) continue;
+      const std::string why = unsolved_text(select_runs(result, problem, strategy), spec);
+      if (!why.empty()) add(problem, fmt::format("{}: {}", strategy, why));
+    }
+    for (const std::string& warning : guide_warnings(experiment, result, problem, findings[p].comparisons)) {
+      add(problem, "warning: " + warning);
+    }
+  }
+  return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
+}
+
+/// Returns the reasons why levels were solved again.
+std::string resolves_html(const RunsSummary& summary) {
+  std::string out;
+  for (const LevelSummary& level : summary.levels) {
+    const std::string why = resolves_text(level);
+    if (!why.empty()) out += fmt::format("<p class=\"muted\">{}: {}</p>\n", escaped(level.name), escaped(why));
+  }
+  return out;
+}
+
+/// \param found  the verdicts on the levels; empty for an ablation
+std::string level_table(const RunsSummary& summary, const std::vector<Verdict>& found, bool measured) {
+  bool crossed = false;
+  for (const auto& level : summary.levels) crossed = crossed || level.root_cross.tree.scored > 0;
+  std::vector<Columns> columns = {{"", {"space", "planner", "solved"}},
+                                  {"medians", {"re-solves", "proposals", "nodes", "checks", "time, ms"}}};
+  const bool guided =
+      std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& l) { return l.guided; });
+  if (guided) columns.push_back({"checks by, medians", {"guided proposals", "unguided proposals", "levels below"}});
+  if (measured) {
+    const std::vector<std::string> paths = crossed ? std::vector<std::string>{"own space", "lifted", "other seeds’"}
+                                                   : std::vector<std::string>{"own space", "lifted"};
+    columns.push_back({"above uniform, tree", paths});
+    columns.push_back({"above uniform, expansion", paths});
+  }
+  const bool judged = found.size() == summary.levels.size() && found.size() > 1;
+  if (judged) columns.front().names.insert(columns.front().names.begin(), "verdict");
+  Marks marks;
+  std::string body;
+  std::vector<int> depth;
+  depth.reserve(summary.levels.size());
+  for (std::size_t i = 0; i < summary.levels.size(); ++i) {
+    const LevelSummary& level = summary.levels[i];
+    depth.push_back(level.parent < 0 ? 0 : depth[static_cast<std::size_t>(level.parent)] + 1);
+    std::string indent;
+    for (int k = 0; k < depth.back(); ++k) indent += "&#160;&#160;";
+    body +=
+        fmt::format(R"(<tr><th scope="row">{}{}{}</th>)", indent, depth.back() > 0 ? "└ " : "", escaped(level.name));
+    if (judged) body += cell(escaped(verdict_text(found[i])));
+    body += cell(escaped(level.space)) + cell(escaped(level.planner)) +
+            cell(fmt::format("{}/{}", level.solved, level.runs));
+    for (const double count : {level.resolves, level.proposals, level.nodes, level.validity_checks}) {
+      body += cell(count_text(count));
+    }
+    body += cell(milliseconds(level.seconds));
+    if (guided) {
+      for (const SpentSummary* spent : {&level.by_guided, &level.by_unguided, &level.by_below}) {
+        body += spent_cell(*spent);
+      }
+    }
+    if (measured) {
+      for (const auto role : {&FigurePair::tree, &FigurePair::expansion}) {
+        body += figure_cell(level.own.*role, marks) + figure_cell(level.root.*role, marks);
+        if (crossed) body += figure_cell(level.root_cross.*role, marks);
+      }
+    }
+    body += "</tr>\n";
+  }
+  return fmt::format("<div class=\"scroll\"><table>\n{}<tbody>\n{}</tbody></table></div>\n{}{}",
+                     heading("level", columns), body, marks.text(), resolves_html(summary));
+}
+
+// Data
+// -----------------------------------------------------------------------------------------------------------------
+
+std::string script(const std::string& id, const std::string& json) {
+  return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, json);
+}
+
+/// The runs that the page contains.
+struct HeldRuns {
+  std::string scripts;
+  std::map<const RunResult*, std::size_t> ids;
+  std::size_t seeds = 0;       ///< the number of first seeds with all their runs
+  std::size_t incomplete = 0;  ///< runs of the first seed, if the page contains only some of them
+  std::size_t thinned = 0;     ///< runs with only a part of their samples
+};
+
+/// A run in the format of the page.
+struct PackedRun {
+  std::string text;
+  bool thinned = false;
+};
+
+/// Packs a run with all of its samples, or with as many as fit into `most` bytes.
+PackedRun packed_within(const RunResult& run, const Problem& problem, std::size_t most, RobotTable& robots) {
+  constexpr double spare = 0.95;  // the packed size is not exactly proportional to the samples
+  constexpr int attempts = 4;
+  std::string text = script_json(packed_run(run, problem, robots));
+  if (text.size() <= most) return {std::move(text), false};
+  double share = 1.0;
+  for (int i = 0; i < attempts && text.size() > most; ++i) {
+    share *= spare * static_cast<double>(most) / static_cast<double>(text.size());
+    text = script_json(packed_run(run, problem, robots, share));
+  }
+  return {std::move(text), true};
+}
+
+/// \param most_bytes   for all of them
+/// \param most_of_run  bytes of one run, beyond which it is thinned out
+HeldRuns held_within(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
+                     std::size_t most_bytes, std::size_t most_of_run, RobotTable& robots) {
+  std::map<std::string, const Problem*> problems;
+  for (const auto& problem : experiment.problems) problems.emplace(problem.name, &problem);
+  std::map<std::uint64_t, std::vector<const RunResult*>> by_seed;
+  for (const auto& run : result.runs) {
+    if (problems.contains(run.problem)) by_seed[run.seed].push_back(&run);
+  }
+  HeldRuns held;
+  std::size_t done = 0;
+  for (const std::uint64_t seed : experiment.seeds) {
+    const auto& runs = by_seed[seed];
+    std::vector<PackedRun> packed;
+    packed.reserve(runs.size());
+    std::size_t size = held.scripts.size();
+    for (const RunResult* run : runs) {
+      packed.push_back(packed_within(*run, *problems.at(run->problem), most_of_run, robots));
+      size += packed.back().text.size();
+      if (options.progress) options.progress(++done, result.runs.size());
+    }
+    std::vector<std::size_t> order(runs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const bool all = size <= most_bytes;
+    if (!all) {
+      if (held.seeds > 0) break;
+      // If only one seed fits, add as many of its runs as fit.
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return packed[a].text.size() < packed[b].text.size(); });
+    }
+    for (const std::size_t i : order) {
+      if (!all && held.scripts.size() + packed[i].text.size() > most_bytes) break;
+      const std::size_t id = held.ids.size();
+      held.ids.emplace(runs[i], id);
+      held.scripts += script(fmt::format("run-{}", id), packed[i].text);
+      if (packed[i].thinned) ++held.thinned;
+    }
+    if (!all) {
+      held.incomplete = held.ids.size();
+      break;
+    }
+    ++held.seeds;
+  }
+  return held;
+}
+
+/// Packs all runs completely if they fit into `most_bytes`. If not, thins long searches, so that no search displaces
+/// other runs.
+HeldRuns held_runs(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options,
+                   std::size_t most_bytes, RobotTable& robots) {
+  HeldRuns whole = held_within(experiment, result, options, most_bytes, most_bytes, robots);
+  if (whole.ids.size() == result.runs.size()) return whole;
+  constexpr std::size_t least = 20'000;  // bytes; a smaller search shows too little
+  constexpr std::size_t seeds = 2;       // the page contains at least these, if `least` permits
+  const std::size_t runs_of_seed =
+      std::max<std::size_t>(1, result.runs.size() / std::max<std::size_t>(1, experiment.seeds.size()));
+  return held_within(experiment, result, options, most_bytes, std::max(least, most_bytes / (seeds * runs_of_seed)),
+                     robots);
+}
+
+std::string held_text(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
+                      std::size_t most_bytes) {
+  const std::string limit = fmt::format("{:.2g} MB", static_cast<double>(most_bytes) / 1e6);
+  std::string text;
+  if (held.ids.size() == result.runs.size()) {
+    if (held.thinned == 0) return "";
+  } else if (held.seeds > 0) {
+    const auto end = experiment.seeds.begin() + static_cast<std::ptrdiff_t>(held.seeds);
+    text = fmt::format("This file holds the samples of {}, of {} in all: those of all would take more than {}. ",
+                       seeds_text({experiment.seeds.begin(), end}), experiment.seeds.size(), limit);
+  } else {
+    text = fmt::format(
+        "This file holds the samples of the {} of {} whose records are smallest, of the first seed: "
+        "those of all would take more than {}. ",
+        plural(held.incomplete, "run"), result.runs.size(), limit);
+  }
+  if (held.thinned > 0) {
+    text +=
+        fmt::format("Of {} this file holds a part of the samples, evenly spread; the table of levels says how many. ",
+                    plural(held.thinned, "long run"));
+  }
+  return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
+}
+
+std::string outcome(const RunResult& run) {
+  std::string text = run.run.solved ? fmt::format("solved, path of {} m", fixed(run.run.length, 2))
+                                    : fmt::format("not solved: {}", to_string(run.run.status));
+  if (run.run.trajectory.dt > 0.0) text += fmt::format(", driven in {} s", fixed(run.run.trajectory.duration(), 1));
+  text += fmt::format(" · {} validity checks · {} ms", run.run.validity_checks, milliseconds(run.run.seconds));
+  return text;
+}
+
+Json problem_json(const Problem& problem, RobotTable& robots) {
+  Json bounds = nullptr;
+  Json obstacles = Json::array();
+  if (problem.scene) {
+    const Box2& box = problem.scene->world.bounds();
+    bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
+    for (const auto& obstacle : problem.scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
+  }
+  Json goals = Json::array({problem.goal});
+  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+    goals.push_back(Configuration(problem.further_goals[i].begin(), problem.further_goals[i].end()));
+  }
+  const bool moves = problem.scene && problem.scene->robot.translates();
+  return {{"name", problem.name},
+          {"bounds", std::move(bounds)},
+          {"obstacles", std::move(obstacles)},
+          {"start", problem.start},
+          {"goals", std::move(goals)},
+          {"position", moves ? Json{0, 1} : Json::array()},
+          {"robot", robots.add(problem.scene.get())}};
+}
+
+/// The tables of levels and the figures, of each problem and strategy.
+std::string worth_scripts(const Experiment& experiment, const Summaries& summaries, const Findings& findings) {
+  std::string out;
+  const bool measured = experiment.measure.has_value();
+  for (std::size_t p = 0; p < summaries.size(); ++p) {
+    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
+      const RunsSummary& summary = summaries[p][s];
+      const std::string place = fmt::format("{}-{}", p, s);
+      out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place,
+                         level_table(summary, findings[p].verdicts[s], measured));
+      if (!measured) continue;
+      const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
+      Json drawn = Json::array();
+      if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
+      if (figures.plane) drawn.push_back(draw::plot(*figures.plane).markup("plane"));
+      if (figures.strip) drawn.push_back(draw::plot(*figures.strip).markup("strip"));
+      if (figures.profile) drawn.push_back(draw::plot(*figures.profile).markup("profile"));
+      if (!drawn.empty()) out += script("figures-" + place, script_json(drawn));
+    }
+  }
+  return out;
+}
+
+/// Returns the figures that compare the strategies on each problem.
+std::string comparison_scripts(const Experiment& experiment, const ExperimentResult& result,
+                               const Summaries& summaries) {
+  const CostData data = cost_data(experiment, result);
+  std::string out;
+  for (std::size_t p = 0; p < summaries.size(); ++p) {
+    Json drawn = Json::array();
+    const auto add = [&](const auto& figure, const char* id) {
+      if (figure) drawn.push_back(draw::plot(*figure).markup(id));
+    };
+    add(success_figure(data, data.baseline, p), "success");
+    add(length_figure(data, data.baseline, p), "length");
+    add(ratio_figure(data.on(p), data.baseline), "ratios");
+    std::vector<NamedSummary> named;
+    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
+      const std::string& strategy = experiment.strategies[s].first;
+      if (!is_ablation(experiment, strategy)) named.push_back({strategy, &summaries[p][s]});
+    }
+    if (experiment.measure) add(waterfalls_figure(experiment.problems[p].name, named), "waterfalls");
+    if (!drawn.empty()) out += script(fmt::format("comparison-{}", p), script_json(drawn));
+  }
+  return out;
+}
+
+std::string data_scripts(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
+                         RobotTable& robots) {
+  Json problems = Json::array();
+  for (const auto& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
+  Json strategies = Json::array();
+  for (const auto& [name, spec] : experiment.strategies) strategies.push_back({{"name", name}, {"text", spec.text()}});
+  Json cells = Json::array();
+  for (const auto& problem : experiment.problems) {
+    Json row = Json::array();
+    for (const auto& entry : experiment.strategies) {
+      Json runs = Json::array();
+      const auto of_cell = select_runs(result, problem.name, entry.first);
+      for (const std::uint64_t seed : experiment.seeds) {
+        const auto at = std::find_if(of_cell.begin(), of_cell.end(), [&](const auto* r) { return r->seed == seed; });
+        if (at == of_cell.end()) {
+          runs.push_back({{"id", -1}, {"text", "no such run"}});
+          continue;
+        }
+        const auto id = held.ids.find(*at);
+        runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)},
+                        {"text", outcome(**at)},
+                        {"solved", (*at)->run.solved}});
+      }
+      row.push_back({{"runs", std::move(runs)}});
+    }
+    cells.push_back(std::move(row));
+  }
+  Json classes = Json::array();
+  for (int c = 0; c < 5; ++c) classes.push_back(to_string(static_cast<NodeClass>(c)));
+  // Seeds as text: a number in JavaScript has 53 bits.
+  Json seeds = Json::array();
+  for (const std::uint64_t seed : experiment.seeds) seeds.push_back(std::to_string(seed));
+  std::string out = script("data", script_json({{"problems", std::move(problems)},
+                                                {"strategies", std::move(strategies)},
+                                                {"seeds", std::move(seeds)},
+                                                {"robots", robots.list()},
+                                                {"classes", std::move(classes)},
+                                                {"cells", std::move(cells)}}));
+  return out + held.scripts;
+}
+
+std::string about(const Experiment& experiment) {
+  std::string text = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "scene"),
+                                 plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
+  if (experiment.measure) {
+    text += fmt::format(
+        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
+        "Target: {}. ",
+        target_text(experiment.measure->target));
+  }
+  text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
+                                        "Medians of methods: an unsolved run counts as infinite. "
+                                      : "";
+  return text + "Trellis " + version() + '.';
+}
+
+/// Replaces the page's @PLACES@. Does not expand the inserted text again.
+std::string filled(std::string_view page, const std::map<std::string_view, std::string>& places) {
+  std::string out;
+  for (std::size_t at = 0; at < page.size();) {
+    const std::size_t begin = page.find('@', at);
+    const std::size_t end = begin == std::string_view::npos ? begin : page.find('@', begin + 1);
+    if (end == std::string_view::npos) {
+      out += page.substr(at);
+      break;
+    }
+    const auto place = places.find(page.substr(begin + 1, end - begin - 1));
+    if (place == places.end()) throw Fault("the page has a place that nothing fills");
+    out += page.substr(at, begin - at);
+    out += place->second;
+    at = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options) {
+  Summaries summaries;
+  summaries.reserve(experiment.problems.size());
+  for (const auto& problem : experiment.problems) {
+    std::vector<RunsSummary> row;
+    row.reserve(experiment.strategies.size());
+    for (const auto& entry : experiment.strategies) {
+      row.push_back(summarise(select_runs(result, problem.name, entry.first)));
+    }
+    summaries.push_back(std::move(row));
+  }
+  // A page opens within a second up to 5 MB. The runs get the rest of that size.
+  constexpr std::size_t most_of_page = 5'000'000;
+  constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
+  const HtmlParts& parts = html_parts();
+  const Findings findings = findings_of(experiment, result, summaries);
+  const std::string summary =
+      summary_table(experiment, result, summaries) + warnings_html(experiment, result, findings);
+  const std::string worth =
+      worth_scripts(experiment, summaries, findings) + comparison_scripts(experiment, result, summaries);
+  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + summary.size() +
+                           worth.size() + bytes_of_outcome * result.runs.size();
+  const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
+  RobotTable robots;
+  const HeldRuns held = held_runs(experiment, result, options, most_bytes, robots);
+  return filled(parts.page, {{"TITLE", escaped(options.script.empty() ? "Trellis" : "Trellis: " + options.script)},
+                             {"ABOUT", escaped(about(experiment))},
+                             {"STYLE", std::string(parts.style)},
+                             {"SUMMARY", summary},
+                             {"NOTES", held_text(experiment, result, held, most_bytes)},
+                             {"DATA", worth + data_scripts(experiment, result, held, robots)},
+                             {"SCRIPT", std::string(parts.script)}});
+}
+
+void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
+                const HtmlOptions& options) {
+  write_file(path, report_html(experiment, result, options));
+}
+
+}  // namespace trellis

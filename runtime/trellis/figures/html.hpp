@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include <trellis/experiment/experiment.hpp>
+
+namespace trellis {
+
+struct HtmlOptions {
+  std::string script = {};  ///< the path as given on the command line, "" for none
+  /// Limit for the runs' samples, in a page of at most 5 MB. The page thins long searches. If the runs of all seeds
+  /// exceed the limit, it contains those of the first seeds, and says so.
+  std::size_t most_bytes = 5'000'000;
+  std::function<void(std::size_t, std::size_t)> progress = {};  ///< called for each packed run: finished, all
+};
+
+/// Returns one self-contained HTML page: the results, and every run for replay and inspection (docs/formats.md). UTF-8.
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options = {});
+/// \throws Error where it cannot write the file.
+void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
+                const HtmlOptions& options = {});
+
+}  // namespace trellis

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <trellis/base/parallel.hpp>
+#include <trellis/collision/checker.hpp>
+#include <trellis/draw/motion.hpp>
+#include <trellis/figures/figures.hpp>
+#include <trellis/figures/pictures.hpp>
+#include <trellis/figures/world_shapes.hpp>
+#include <trellis/report/directories.hpp>
+#include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
+
+namespace trellis {
+
+namespace {
+
+using draw::CellMap;
+using draw::MotionFigure;
+using draw::MotionRow;
+using draw::Point;
+
+/// Cells of the space along its longer side.
+constexpr double finest_blocked = 240.0;
+constexpr double finest_density = 160.0;
+constexpr std::size_t most_poses = 15;
+
+Point point(View q) { return {q[0], q[1]}; }
+
+draw::SpaceAxis axis_of(const Axis& axis) {
+  const bool turn = axis.periodic && std::abs(axis.period() - 2.0 * std::numbers::pi) < 1e-9;
+  return {axis.name, axis.lo, axis.hi, turn || axis.name.starts_with("theta")};
+}
+
+template <class F>
+CellMap map_of(const Space& space, double finest, const F& value) {
+  const Axis& x = space.axes()[0];
+  const Axis& y = space.axes()[1];
+  const double longer = std::max(x.hi - x.lo, y.hi - y.lo);
+  const auto count = [&](const Axis& axis) {
+    return static_cast<std::size_t>(std::max(16.0, std::round(finest * (axis.hi - axis.lo) / longer)));
+  };
+  CellMap map{count(x), count(y), {}};
+  map.values.reserve(map.columns * map.rows);
+  for (std::size_t row = 0; row < map.rows; ++row) {
+    for (std::size_t column = 0; column < map.columns; ++column) {
+      const Configuration q = {
+          x.lo + (static_cast<double>(column) + 0.5) / static_cast<double>(map.columns) * (x.hi - x.lo),
+          y.lo + (static_cast<double>(row) + 0.5) / static_cast<double>(map.rows) * (y.hi - y.lo)};
+      map.values.push_back(value(q));
+    }
+  }
+  return map;
+}
+
+/// Splits a path into straight pieces: a leg that wraps around an axis leaves the picture on one side and returns on
+/// the other.
+std::vector<std::vector<Point>> pieces_of(const Space& space, const Configurations& path) {
+  std::vector<std::vector<Point>> pieces;
+  if (path.size() == 0) return pieces;
+  pieces.push_back({point(path[0])});
+  Configuration way(2);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    space.difference(path[i - 1], path[i], way);
+    // The parameters of the leg at which it wraps around an axis.
+    std::vector<std::pair<double, std::size_t>> rounds;
+    for (std::size_t j = 0; j < 2; ++j) {
+      const Axis& axis = space.axes()[j];
+      const double end = path[i - 1][j] + way[j];
+      if (!axis.periodic || (end >= axis.lo && end < axis.hi)) continue;
+      rounds.emplace_back(((way[j] > 0.0 ? axis.hi : axis.lo) - path[i - 1][j]) / way[j], j);
+    }
+    std::sort(rounds.begin(), rounds.end());
+    Point shift{};
+    for (const auto& [share, j] : rounds) {
+      const Point edge{path[i - 1][0] + share * way[0] + shift.x, path[i - 1][1] + share * way[1] + shift.y};
+      const double turn = way[j] > 0.0 ? -space.axes()[j].period() : space.axes()[j].period();
+      (j == 0 ? shift.x : shift.y) += turn;
+      pieces.back().push_back(edge);
+      pieces.push_back({j == 0 ? Point{edge.x + turn, edge.y} : Point{edge.x, edge.y + turn}});
+    }
+    pieces.back().push_back(point(path[i]));
+  }
+  return pieces;
+}
+
+/// Returns configurations at even distances along a path, with both ends.
+Configurations poses_along(const Space& space, const Configurations& path) {
+  Configurations poses(space.dimension());
+  if (path.size() == 0) return poses;
+  const double length = path_length(space, path);
+  const std::size_t count = length > 0.0 ? most_poses : 1;
+  Configuration q(space.dimension());
+  std::size_t leg = 1;
+  double before = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double at = count > 1 ? length * static_cast<double>(k) / static_cast<double>(count - 1) : 0.0;
+    while (leg + 1 < path.size() && before + space.distance(path[leg - 1], path[leg]) < at) {
+      before += space.distance(path[leg - 1], path[leg]);
+      ++leg;
+    }
+    if (path.size() == 1 || count == 1) {
+      poses.push(path[0]);
+      continue;
+    }
+    const double span = space.distance(path[leg - 1], path[leg]);
+    space.interpolate(path[leg - 1], path[leg], span > 0.0 ? std::clamp((at - before) / span, 0.0, 1.0) : 1.0, q);
+    poses.push(q);
+  }
+  return poses;
+}
+
+/// One problem's pictures.
+class MotionPictures {
+ public:
+  explicit MotionPictures(const Problem& problem)
+      : problem_(problem), checker_(make_checker("planar", problem.scene, problem.space, problem.resolution)) {
+    const World& world = problem.scene->world;
+    const auto& [lo, hi] = world.bounds();
+    frame_.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
+    frame_.obstacles.reserve(world.obstacles().size());
+    for (const Obstacle& obstacle : world.obstacles()) frame_.obstacles.push_back(drawn(obstacle.shape));
+    frame_.x = axis_of(problem.space.axes()[0]);
+    frame_.y = axis_of(problem.space.axes()[1]);
+    Configuration end = problem.start;
+    problem.space.normalise(end);
+    frame_.start = point(end);
+    end = problem.goal;
+    problem.space.normalise(end);
+    frame_.goal = point(end);
+    frame_.blocked = map_of(problem.space, finest_blocked, [&](View q) { return checker_->valid(q) ? 0.0 : 1.0; });
+  }
+
+  /// Whether the space is more than the robot's position in the world.
+  [[nodiscard]] static bool possible(const Problem& problem) {
+    return problem.scene != nullptr && problem.space.dimension() == 2 && problem.scene->robot.dimension() == 2 &&
+           !problem.scene->robot.is_point();
+  }
+
+  [[nodiscard]] std::optional<MotionFigure> motion(const ExperimentResult& result, const std::string& strategy) const {
+    const auto runs = select_runs(result, problem_.name, strategy);
+    const auto solved = std::find_if(runs.begin(), runs.end(), [](const RunResult* run) { return run->run.solved; });
+    if (runs.empty()) return std::nullopt;
+    const RunResult& run = **(solved != runs.end() ? solved : runs.begin());
+    if (run.levels.empty()) return std::nullopt;
+    MotionFigure figure = frame_;
+    figure.title = fmt::format("{} on {}: the path in the world and in its space", strategy, problem_.name);
+    bool shaded = false;
+    for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
+      const LevelRecord& record = level->record;
+      if (!(record.space == problem_.space) || record.solution.path.size() == 0) continue;
+      MotionRow row = row_of(record);
+      if (record.parent >= 0) {
+        const LevelRecord& above = run.levels[static_cast<std::size_t>(record.parent)].record;
+        row.space_title = fmt::format("its path, and what {} draws from", record.parent == 0 ? "C" : above.name);
+        if (above.space == problem_.space && above.search.density.exact()) {
+          row.density = map_of(problem_.space, finest_density, [&](View q) { return above.search.density.at(q); });
+          shaded = true;
+        }
+      } else {
+        row.space_title = "the path, and the nodes of the search";
+        const Configurations nodes = record.search.tree_samples(record.search.nodes);
+        row.nodes.reserve(nodes.size());
+        for (std::size_t i = 0; i < nodes.size(); ++i) row.nodes.push_back(point(nodes[i]));
+      }
+      figure.rows.push_back(std::move(row));
+    }
+    if (figure.rows.empty()) return std::nullopt;
+    figure.caption = fmt::format(
+        "Seed {}. Left: the robot at even distances along the path. Right: grey where the robot would touch an "
+        "obstacle, the boundary or itself{}{}.",
+        run.seed, round() ? "; what leaves on one side comes back on the other" : "",
+        shaded
+            ? "; blue, the mean density of all that was proposed, uniform proposals and the guide's, in even steps of "
+              "its square root; the goal itself, where it was proposed, is a point without density"
+            : "");
+    return figure;
+  }
+
+ private:
+  [[nodiscard]] bool round() const {
+    const auto& axes = problem_.space.axes();
+    return std::any_of(axes.begin(), axes.end(), [](const Axis& axis) { return axis.periodic; });
+  }
+
+  [[nodiscard]] MotionRow row_of(const LevelRecord& record) const {
+    const Configurations& path = record.solution.path;
+    MotionRow row;
+    row.world_title =
+        fmt::format("{}: {}", record.parent < 0 ? record.planner : record.name,
+                    record.solution.solved() ? "the path found" : "the path to the node nearest to the goal");
+    const Configurations poses = poses_along(record.space, path);
+    row.poses.reserve(poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      row.poses.push_back(placed(record.scene->robot, poses[i]));
+      row.invalid.push_back(!checker_->valid(poses[i]));
+    }
+    row.path = pieces_of(record.space, path);
+    return row;
+  }
+
+  const Problem& problem_;
+  std::unique_ptr<Checker> checker_;
+  MotionFigure frame_;
+};
+
+}  // namespace
+
+void write_motion_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& directory,
+                          unsigned jobs, const FigureStyle& style) {
+  struct FigureJob {
+    const Problem* problem;
+    std::filesystem::path place;
+    std::vector<std::pair<std::string, std::string>> strategies;  ///< names, and their folders
+  };
+  std::vector<FigureJob> tasks;
+  Directories problems;
+  for (const Problem& problem : experiment.problems) {
+    const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
+    if (!MotionPictures::possible(problem)) continue;
+    FigureJob task{&problem, folder, {}};
+    Directories strategies;
+    for (const auto& entry : experiment.strategies) task.strategies.emplace_back(entry.first, strategies(entry.first));
+    tasks.push_back(std::move(task));
+  }
+  in_parallel(tasks.size(), jobs, [&](std::size_t i) {
+    const FigureJob& task = tasks[i];
+    const MotionPictures pictures(*task.problem);
+    for (const auto& [strategy, folder] : task.strategies) {
+      const auto figure = pictures.motion(result, strategy);
+      if (!figure) continue;
+      make_directory((task.place / folder).string());
+      write_figure(*figure, style, (task.place / folder / "motion").string());
+    }
+  });
+}
+
+}  // namespace trellis

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Problems, strategies and their execution. Tests of strategies include <trellis/testing.hpp>.
+//
+//     const StrategySpec strategy = GuideSpec::make("skeleton", {}) >> StrategySpec(PlannerSpec::make("rrt", {}));
+//     for (const Problem& problem : read_problems("scene.txt", {})) {
+//       const RunRecord run = execute(strategy, problem, seed);
+//     }
+#pragma once
+
+#include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
+#include <trellis/scene/readers.hpp>
+#include <trellis/scene/scene.hpp>
+#include <trellis/strategy/executor.hpp>
+#include <trellis/strategy/spec.hpp>

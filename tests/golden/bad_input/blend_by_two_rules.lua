@@ -1,1 +1,0 @@
-return blend { skeleton(), lazy(), credit = "efficiency", rule = "exp3" } >> rrt {}, scenes.cup()

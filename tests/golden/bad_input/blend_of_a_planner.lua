@@ -1,1 +1,0 @@
-return blend { skeleton(), rrt {} } >> rrt {}, scenes.cup()

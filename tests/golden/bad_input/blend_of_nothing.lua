@@ -1,1 +1,0 @@
-return blend { floor = 0.5 } >> rrt {}, scenes.cup()

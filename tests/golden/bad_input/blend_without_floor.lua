@@ -1,1 +1,0 @@
-return blend { skeleton(), lazy(), floor = 0 } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return shrink(true) >> rrt {}, scenes.cup()

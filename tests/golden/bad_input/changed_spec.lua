@@ -1,2 +1,0 @@
-local a = rrt {}
-a.step = 0.5

@@ -1,1 +1,0 @@
-claim { "a does better", problem = "trap", strategy = "a", lower_than = "b", not_lower_than = "b" }

@@ -1,1 +1,0 @@
-claim { "a does better", problem = "trap", strategy = "a" }

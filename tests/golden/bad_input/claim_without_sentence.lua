@@ -1,1 +1,0 @@
-claim { problem = "trap", strategy = "a", lower_than = "b" }

@@ -1,1 +1,0 @@
-return experiment { problems = scenes.trap(), strategies = { a = rrt {}, b = prm {} }, published = published { source = "X 1999", figures = {}, claims = { claim { "a does better", problem = "trap", strategy = "a", lower_than = "c" } } } }

@@ -1,1 +1,0 @@
-return at_least(0.9).with_confidence(95)

@@ -1,1 +1,0 @@
-return rrt {}, scenes.cup { start = {1, 0 / 0, 0} }

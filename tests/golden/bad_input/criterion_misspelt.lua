@@ -1,1 +1,0 @@
-return at_most(5).validty_checks()

@@ -1,1 +1,0 @@
-return at_least "much"

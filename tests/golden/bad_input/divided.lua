@@ -1,1 +1,0 @@
-return lazy() / 2 >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return has_efficiency("root", exactly(2))

@@ -1,1 +1,0 @@
-return has_efficiency("root", above(2), { role = "trees" })

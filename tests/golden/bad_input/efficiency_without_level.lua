@@ -1,1 +1,0 @@
-return has_efficiency(above(2))

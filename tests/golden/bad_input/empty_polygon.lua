@@ -1,2 +1,0 @@
-local nothing = polygon {}
-return rrt {}, scenes.cup()

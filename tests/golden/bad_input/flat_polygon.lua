@@ -1,1 +1,0 @@
-return robot.polygon { {0, 0}, {1, 1}, {2, 2} }

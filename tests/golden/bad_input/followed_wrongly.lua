@@ -1,1 +1,0 @@
-return shrink { 0.5, follow = "waypoint" } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return prm { neighbours = 2.5 }, scenes.cup()

@@ -1,1 +1,0 @@
-return experiment { problems = { scenes.cup(), nil, scenes.trap() }, strategies = { rrt = rrt {} } }

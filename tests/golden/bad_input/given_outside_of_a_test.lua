@@ -1,1 +1,0 @@
-local it = given { script = "doorway.lua" }

@@ -1,4 +1,0 @@
-return experiment {
-  problems = { scenes.cup() },
-  strategies = { graph = graph_search {} },
-}

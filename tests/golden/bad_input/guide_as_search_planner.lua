@@ -1,1 +1,0 @@
-return shrink { 0.5, planner = lazy() } >> rrt {}, scenes.cup()

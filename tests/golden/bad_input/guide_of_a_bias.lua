@@ -1,1 +1,0 @@
-return skeleton() >> goal_bias(0.1) >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return lazy() + (lazy() >> rrt {}), scenes.cup()

@@ -1,2 +1,0 @@
-
-return skeleton() >> shrink(0.5), scenes.cup()

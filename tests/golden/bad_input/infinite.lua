@@ -1,1 +1,0 @@
-return rrt { step = math.huge }, scenes.cup()

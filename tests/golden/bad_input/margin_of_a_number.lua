@@ -1,1 +1,0 @@
-return spends(at_most(5).nodes().by(0.2))

@@ -1,5 +1,0 @@
-return experiment {
-  problems = scenes.cup(),
-  strategies = { rrt = rrt {} },
-  measure = knn { k = 5 },
-}

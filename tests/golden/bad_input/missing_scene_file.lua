@@ -1,1 +1,0 @@
-return rrt {}, scenes.load "/no/such/scene.txt"

@@ -1,1 +1,0 @@
-return experiment { problem = scenes.cup(), strategies = { rrt = rrt {} } }

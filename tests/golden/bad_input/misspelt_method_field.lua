@@ -1,2 +1,0 @@
-return strategies.dr_rrt {
-  regon = 3 }, scenes.cup()

@@ -1,1 +1,0 @@
-return lazy { planer = prm {} } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return rrt { step = 0 / 0 }, scenes.cup()

@@ -1,1 +1,0 @@
-return rrt { step = -1 }, scenes.cup()

@@ -1,1 +1,0 @@
-return (-0.5 * lazy() + shrink(0.5)) >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return experiment { problems = {}, strategies = { rrt = rrt {} } }

@@ -1,1 +1,0 @@
-return disc {1, 1, 0}

@@ -1,1 +1,0 @@
-return skeleton >> rrt {}, scenes.cup()

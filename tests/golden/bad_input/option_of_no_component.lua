@@ -1,1 +1,0 @@
-return uniform { share = 0.5 } >> rrt {}, scenes.cup()

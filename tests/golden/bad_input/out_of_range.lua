@@ -1,1 +1,0 @@
-return shrink(1.5) >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return skeleton { penetration = 2 } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return rrt { step = 0.5 } >> lazy() >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return 0.5 * lazy() + rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return experiment { problems = scenes.trap(), strategies = { a = rrt {}, b = prm {} }, published = published { source = "X 1999", figures = { trap = { aa = {1, 2} } } } }

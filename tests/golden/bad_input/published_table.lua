@@ -1,1 +1,0 @@
-return experiment { problems = scenes.trap(), strategies = { a = rrt {}, b = prm {} }, published = { trap = { a = {1, 2} } } }

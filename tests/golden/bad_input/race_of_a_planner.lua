@@ -1,1 +1,0 @@
-return race { lazy(), rrt {} } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return lazy_prm { remove = "last" }, scenes.cup()

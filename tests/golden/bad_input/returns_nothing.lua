@@ -1,2 +1,0 @@
-local strategy = rrt {}
-local here = scenes.cup()

@@ -1,1 +1,0 @@
-return robot.rectangle(0.6, 0)

@@ -1,2 +1,0 @@
-local scene
-print(scene.name)

@@ -1,1 +1,0 @@
-return experiment { problems = { scenes.cup(), scenes.cup() }, strategies = { rrt = rrt {} } }

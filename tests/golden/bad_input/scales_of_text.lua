@@ -1,1 +1,0 @@
-return strategies.relaxation { scales = "half" } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-scenario "regions help" (function() end)

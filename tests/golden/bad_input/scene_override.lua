@@ -1,1 +1,0 @@
-return rrt {}, scenes.trap { colision = "fcl" }

@@ -1,1 +1,0 @@
-return schedule { shrink, scal = {0.3, 0.6} } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return schedule { shrink } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return schedule { shrink, scale = {0.3, 1.6} } >> rrt {}, scenes.cup()

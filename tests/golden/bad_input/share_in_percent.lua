@@ -1,1 +1,0 @@
-return solves(at_least(95))

@@ -1,1 +1,0 @@
-return solves(0.95)

@@ -1,1 +1,0 @@
-return spends(fewer_than(5).nodes())

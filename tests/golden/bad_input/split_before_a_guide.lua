@@ -1,1 +1,0 @@
-return split { rrt {} } >> lazy() >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return skeleton { planner = split { graph_search {} } } >> rrt {}, scenes.cup()

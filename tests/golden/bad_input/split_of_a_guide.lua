@@ -1,1 +1,0 @@
-return split { skeleton() } , scenes.cup()

@@ -1,1 +1,0 @@
-return split { depth = 2 }, scenes.cup()

@@ -1,1 +1,0 @@
-return split { rrt {}, prm {} }, scenes.cup()

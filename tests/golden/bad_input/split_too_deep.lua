@@ -1,1 +1,0 @@
-return split { rrt {}, depth = 9 }, scenes.cup()

@@ -1,1 +1,0 @@
-return rrt {}, scenes.cup { start = {6.7, 5, 0} }

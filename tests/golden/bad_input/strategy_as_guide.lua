@@ -1,2 +1,0 @@
-local s = lazy() >> rrt {}
-return s >> rrt {}, scenes.cup()

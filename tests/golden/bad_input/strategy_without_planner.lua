@@ -1,4 +1,0 @@
-return experiment {
-  problems = { scenes.cup() },
-  strategies = { nested = skeleton() >> shrink(0.5) },
-}

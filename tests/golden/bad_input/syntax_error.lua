@@ -1,2 +1,0 @@
-local a = rrt {}
-local b = = lazy()

@@ -1,1 +1,0 @@
-return rrt { step = {} }, scenes.cup()

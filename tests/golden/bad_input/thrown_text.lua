@@ -1,4 +1,0 @@
-local function deep()
-  error("no such luck")
-end
-deep()

@@ -1,2 +1,0 @@
-local g = lazy()
-for _ = 1, 40 do g = g >> (g + g) end

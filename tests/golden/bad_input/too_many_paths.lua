@@ -1,1 +1,0 @@
-return shrink { 0.5, paths = 100 } >> rrt {}, scenes.cup()

@@ -1,1 +1,0 @@
-return shrink(0.5, 0.6) >> rrt {}, scenes.cup()

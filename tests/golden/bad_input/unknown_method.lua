@@ -1,3 +1,0 @@
-return experiment {
-  problems = paper.scenes(),
-  strategies = paper.methods { ircc = {} } }

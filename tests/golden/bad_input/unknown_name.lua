@@ -1,1 +1,0 @@
-return rrt_conect {}, scenes.cup()

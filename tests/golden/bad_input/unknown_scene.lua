@@ -1,1 +1,0 @@
-return rrt {}, scenes.simple_pasage()

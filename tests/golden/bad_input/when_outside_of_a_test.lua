@@ -1,1 +1,0 @@
-local trial = when { seeds = 30 }

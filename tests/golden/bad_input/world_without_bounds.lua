@@ -1,1 +1,0 @@
-return world { box {6, 0, 7, 4} }

@@ -1,3 +1,0 @@
-return rrt {}, scenes.cup {
-  start = {1, 5},
-}

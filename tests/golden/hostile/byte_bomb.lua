@@ -1,1 +1,0 @@
-return ("x"):rep(4e6):byte(1, -1)

@@ -1,1 +1,0 @@
-return table.concat(setmetatable({}, { __index = getmetatable, __metatable = "" }), "", 1, math.maxinteger)

@@ -1,2 +1,0 @@
-local text = "x"
-while true do text = text .. text end

@@ -1,2 +1,0 @@
-local function deep() return (("x"):gsub("x", deep)) end
-deep()

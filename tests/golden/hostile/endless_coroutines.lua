@@ -1,2 +1,0 @@
-local function deep() return coroutine.wrap(deep)() end
-deep()

@@ -1,1 +1,0 @@
-return rrt {}, scenes.load "../../../etc/passwd"

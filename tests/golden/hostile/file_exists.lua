@@ -1,1 +1,0 @@
-return scenes.exists "/etc/shadow"

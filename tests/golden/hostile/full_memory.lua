@@ -1,2 +1,0 @@
-local t = {}
-while true do t[#t + 1] = { t, t, t, t, t, t, t, t, t, t, t, t, t, t, t, t } end

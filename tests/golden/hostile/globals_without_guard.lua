@@ -1,1 +1,0 @@
-setmetatable(_G, nil)

@@ -1,1 +1,0 @@
-return _G[("x"):rep(4e6)]

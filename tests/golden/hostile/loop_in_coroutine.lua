@@ -1,1 +1,0 @@
-while true do coroutine.resume(coroutine.create(function() while true do end end)) end

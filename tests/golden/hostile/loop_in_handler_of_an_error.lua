@@ -1,1 +1,0 @@
-while true do xpcall(error, function() while true do end end) end

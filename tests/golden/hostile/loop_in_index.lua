@@ -1,2 +1,0 @@
-local t = setmetatable({}, { __index = function() while true do end end })
-return t.x

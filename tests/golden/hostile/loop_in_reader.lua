@@ -1,1 +1,0 @@
-while true do load(function() while true do end end) end

@@ -1,1 +1,0 @@
-return (rrt {}).tree(42)

@@ -1,1 +1,0 @@
-while true do pcall(string.pack, "c2000000000", "") end

@@ -1,3 +1,0 @@
-while true do
-  pcall(string.gsub, ("a"):rep(2000), (".-"):rep(20) .. "b", "")
-end

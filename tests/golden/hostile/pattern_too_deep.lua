@@ -1,1 +1,0 @@
-return ("x"):rep(1000):find(("(x"):rep(300))

@@ -1,2 +1,0 @@
--- Nothing, often, is nothing.
-return ("").rep("", math.maxinteger)

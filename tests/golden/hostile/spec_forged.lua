@@ -1,1 +1,0 @@
-return rrt.__index, getmetatable(rrt).__gc

@@ -1,2 +1,0 @@
-getmetatable("").__index = function() while true do end end
-return ("x").y

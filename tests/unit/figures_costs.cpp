@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Costs relative to a reference: from the documents of runs to ratios, tables and pictures.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <trellis/base/error.hpp>
+#include <trellis/figures/costs_figures.hpp>
+#include <trellis/report/costs.hpp>
+#include <trellis/report/report.hpp>
+#include "report_fixture.hpp"
+#include "report_folder.hpp"
+#include "support/catch.hpp"
+#include "support/golden.hpp"
+
+using namespace trellis;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+struct Made {
+  std::string strategy;
+  std::string text;
+  std::vector<double> checks;  ///< of seeds 1, 2, ...; below 0: no path, having spent as much
+};
+
+/// A document as `trellis run --json` writes it, of one problem; what costs do not need is left out.
+std::string document(const std::string& problem, const std::string& group, bool tuned, const std::vector<Made>& made) {
+  std::string strategies;
+  std::string runs;
+  for (const Made& one : made) {
+    strategies +=
+        fmt::format(R"({}{{"name": "{}", "text": "{}"}})", strategies.empty() ? "" : ",", one.strategy, one.text);
+    for (std::size_t i = 0; i < one.checks.size(); ++i) {
+      runs += fmt::format(
+          R"({}{{"problem": "{}", "strategy": "{}", "seed": {}, "solved": {}, "validity_checks": {}, "cpu_s": {}}})",
+          runs.empty() ? "" : ",", problem, one.strategy, i + 1, one.checks[i] >= 0.0, std::abs(one.checks[i]),
+          0.001 * std::abs(one.checks[i]));
+    }
+  }
+  return fmt::format(
+      R"({{"experiment": {{"baseline": "connect", "problems": [{{"name": "{}", "group": "{}", "tuned": {}}}],)"
+      R"( "strategies": [{}]}}, "runs": [{}]}})",
+      problem, group, tuned, strategies, runs);
+}
+
+CostData two_worlds() {
+  const auto made = [](double scale) {
+    const auto times = [&](double factor) {
+      std::vector<double> checks;
+      for (int i = 0; i < 8; ++i) checks.push_back(scale * factor * (100 + i));
+      return checks;
+    };
+    std::vector<double> failing = times(2.0);
+    failing[0] = -failing[0];
+    return std::vector<Made>{{"connect", "rrt_connect()", times(1.0)},
+                             {"rrt", "rrt()", times(4.0)},
+                             {"a", "skeleton() >> rrt()", times(0.5 * scale)},
+                             {"b", "shrink(0.5) >> rrt()", failing},
+                             {"ab", "skeleton() >> shrink(0.5) >> rrt()", times(1.0)}};
+  };
+  CostData data;
+  data.add(document("cup", "paper", true, made(1.0)), "cup.json");
+  data.add(document("a|b", "new", false, made(8.0)), "other.json");
+  return data;
+}
+
+const CostComparison& find(const CostData& data, const std::vector<CostComparison>& all, const std::string& problem,
+                           const std::string& strategy) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const CostComparison& c) {
+    return data.problems[c.problem].name == problem && data.strategies[c.strategy].name == strategy;
+  });
+  REQUIRE(found != all.end());
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("a strategy's text is split into its levels", "[report][costs]") {
+  using Levels = std::vector<std::string>;
+  CHECK(cost_levels("rrt()") == Levels{"rrt()"});
+  CHECK(cost_levels("skeleton() >> shrink(0.5) >> rrt { step = 0.5 }") ==
+        Levels{"skeleton()", "shrink(0.5)", "rrt { step = 0.5 }"});
+  CHECK(cost_levels("(skeleton() >> lazy()) + lazy() >> rrt()") == Levels{"(skeleton() >> lazy()) + lazy()", "rrt()"});
+  CHECK(cost_levels("shrink { 0.5, planner = lazy() >> rrt() } >> rrt()").size() == 2);
+  CHECK(cost_levels("experience { file = \"a >> (b\" } >> rrt()").size() == 2);
+}
+
+TEST_CASE("costs are divided seed by seed, and a run without a path costs infinitely much", "[report][costs]") {
+  CostData data;
+  data.add(document("cup", "", false,
+                    {{"connect", "rrt_connect()", {100, 200, -400, 100, 100, 100}},
+                     {"a", "skeleton() >> rrt_connect()", {50, 50, 100, -10, 200, 300}}}),
+           "cup.json");
+  CHECK(data.baseline == "connect");
+  const auto all = compare_costs(data, CostReference::baseline, "connect");
+  REQUIRE(all.size() == 1);
+  CHECK(all[0].runs == 6);
+  CHECK(all[0].solved == 5);
+  CHECK(all[0].checks.reference_solved == 5);
+  CHECK(all[0].checks.both_solved == 4);
+  // 0.5, 0.25, 0 (the reference failed), infinite, 2, 3.
+  CHECK(all[0].checks.ratio.value == 1.25);
+  CHECK(all[0].checks.median.value == 150.0);
+  CHECK(all[0].checks.reference_median.value == 100.0);
+  CHECK(all[0].checks.ratio_of_medians() == 1.5);
+  CHECK(std::isnan(all[0].checks.ratio_of_totals()));  // each side left a run unsolved
+  // Six seeds bound nothing with 99 %.
+  CHECK(all[0].checks.ratio.lo == 0.0);
+  CHECK(all[0].checks.ratio.hi == infinity);
+  CHECK(all[0].seconds.ratio.value == Approx(1.25));
+  CHECK(all[0].seconds.median.value == Approx(0.15));
+}
+
+TEST_CASE("a composition is compared with the part that costs less there", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto parts = compare_costs(data, CostReference::best_part, "connect");
+  CHECK(parts.size() == 2);
+  CHECK(find(data, parts, "cup", "ab").checks.reference == "a");
+  CHECK(find(data, parts, "cup", "ab").checks.ratio.value == 2.0);
+  CHECK(find(data, parts, "a|b", "ab").checks.reference == "b");
+  const auto own = compare_costs(data, CostReference::own_planner, "connect");
+  CHECK(own.size() == 6);
+  CHECK(std::all_of(own.begin(), own.end(), [](const auto& c) { return c.checks.reference == "rrt"; }));
+  CHECK(find(data, own, "a|b", "a").checks.ratio.value == 1.0);
+
+  const std::size_t b = 3;
+  const auto beside = compare_costs(data, CostReference::baseline, "connect");
+  const CostSummary summary = summarise_costs(data, beside, b, &CostComparison::checks);
+  CHECK(summary.problems == 2);
+  CHECK(summary.runs == 16);
+  CHECK(summary.solved == 14);
+  CHECK(summarise_costs(data, beside, b, &CostComparison::checks, true).problems == 1);
+  CHECK(summarise_costs(data, beside, 2, &CostComparison::checks).worst_problem == "a|b");
+  CHECK(summarise_costs(data, beside, 2, &CostComparison::checks, true).worst == 0.5);
+}
+
+TEST_CASE("documents that do not fit are refused by name", "[report][costs]") {
+  CostData data;
+  CHECK_THROWS_WITH(data.add("{}", "empty.json"), "empty.json: this is no document that trellis run --json writes");
+  CHECK_THROWS_WITH(data.add("<html>", "page.html"), "page.html: this is no document that trellis run --json writes");
+  const std::string one = document("cup", "", false, {{"connect", "rrt_connect()", {1}}});
+  data.add(one, "one.json");
+  CHECK_THROWS_WITH(data.add(one, "again.json"), "again.json: seed 1 of 'connect' on 'cup' is there twice");
+  CHECK_THROWS_WITH(data.add(document("trap", "", false, {{"connect", "rrt()", {1}}}), "two.json"),
+                    "two.json: 'connect' is rrt() here and rrt_connect() in another file");
+  CHECK_THROWS_WITH(compare_costs(data, CostReference::baseline, "conect"),
+                    "there is no strategy 'conect' (did you mean 'connect'?); there are: connect");
+}
+
+TEST_CASE("a document without CPU times has ratios of checks only", "[report][costs]") {
+  std::string text = document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, 4}}});
+  for (auto at = text.find("cpu_s"); at != std::string::npos; at = text.find("cpu_s")) text.replace(at, 5, "other");
+  CostData data;
+  data.add(text, "old.json");
+  const auto all = compare_costs(data, CostReference::baseline, "connect");
+  REQUIRE(all.size() == 1);
+  CHECK(all[0].checks.ratio.value == 2.0);
+  CHECK(std::isnan(all[0].seconds.ratio.value));
+  CHECK_FALSE(costs_markdown(data, "connect").empty());
+}
+
+TEST_CASE("the tables of costs", "[report][costs]") {
+  const CostData data = two_worlds();
+  test::check_golden("costs.md", costs_markdown(data, "connect"));
+  test::check_golden("costs.txt", costs_text(data, "connect", 120));
+  test::check_golden("costs.csv", costs_csv(data, "connect"));
+}
+
+TEST_CASE("the pictures of costs are drawn where there is something to draw", "[report][costs]") {
+  const fixture::Folder folder;
+  const auto path = [&](const std::string& name) { return (folder.path() / name).string(); };
+  write_cost_figures(two_worlds(), "connect", path("all"));
+  for (const std::string name : {"baseline", "own_planner", "parts"}) {
+    for (const std::string format : {"svg", "png", "pdf"}) {
+      CHECK(std::filesystem::file_size(path("all/" + name + "." + format)) > 1000);
+    }
+  }
+  CostData few;
+  few.add(document("cup", "", false, {{"connect", "rrt_connect()", {1, 2}}, {"rrt", "rrt()", {2, -4}}}), "few.json");
+  for (const std::string name : {"cup/success", "a-b/success"}) {
+    for (const std::string format : {"svg", "png", "pdf"}) {
+      CHECK(std::filesystem::file_size(path("all/" + name + "." + format)) > 1000);
+    }
+  }
+  // No planner there improves its path.
+  CHECK_FALSE(std::filesystem::exists(path("all/cup/length.svg")));
+  write_cost_figures(few, "connect", path("few"));
+  CHECK(std::filesystem::exists(path("few/baseline.svg")));
+  CHECK_FALSE(std::filesystem::exists(path("few/parts.svg")));
+}
+
+namespace {
+
+/// One strategy on one problem, whose runs found paths of these lengths at these checks; none: the run found no path.
+CostData anytime(const std::vector<std::vector<std::pair<double, double>>>& runs) {
+  CostData data;
+  data.baseline = "rrt";
+  data.problems = {{"cup", "", false}};
+  data.strategies = {{"star", "rrt_star()"}, {"rrt", "rrt()"}};
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    CostData::Run run{0, 0, i + 1, !runs[i].empty(), 1000.0, 1.0, {}};
+    for (const auto& [checks, length] : runs[i]) {
+      run.improvements.push_back({static_cast<std::uint64_t>(checks), 1e-3 * checks, length});
+    }
+    data.runs.push_back(run);
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("a curve of success counts the runs that found a path within each cost", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto strategy = [&](const std::string& name) {
+    for (std::size_t s = 0; s < data.strategies.size(); ++s) {
+      if (data.strategies[s].name == name) return s;
+    }
+    return data.strategies.size();
+  };
+  const SuccessCurve failing = success_curve(data, 0, strategy("b"), CostKind::checks);
+  CHECK(failing.runs == 8);
+  CHECK(failing.at == std::vector<double>{202, 204, 206, 208, 210, 212, 214});
+  REQUIRE(failing.share.size() == 7);
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Interval expected = wilson_interval(i + 1, 8);
+    CHECK(failing.share[i].value == expected.value);
+    CHECK(failing.share[i].lo == expected.lo);
+    CHECK(failing.share[i].hi == expected.hi);
+  }
+  CHECK(failing.spent == 214.0);
+  CHECK(success_curve(data, 0, strategy("rrt"), CostKind::seconds).at.front() == Approx(0.4));
+
+  // Runs with equal costs of their paths are one step; an anytime run had its path before it ended.
+  const CostData going_on = anytime({{{100, 12.0}, {600, 11.0}}, {{100, 13.0}}, {}});
+  const SuccessCurve curve = success_curve(going_on, 0, 0, CostKind::checks);
+  CHECK(curve.at == std::vector<double>{100});
+  CHECK(curve.share[0].value == Approx(2.0 / 3));
+  CHECK(curve.spent == 1000.0);
+}
+
+TEST_CASE("a curve of length is the median of the shortest paths known", "[report][costs]") {
+  const CostData data = anytime({{{100, 14.0}, {300, 11.0}}, {{200, 13.0}}, {{100, 12.0}, {400, 10.0}}});
+  const LengthCurve curve = length_curve(data, 0, 0, CostKind::checks);
+  CHECK(curve.improves);
+  CHECK(curve.at == std::vector<double>{100, 200, 300, 400});
+  REQUIRE(curve.length.size() == 4);
+  CHECK(curve.length[0].value == 14.0);  // the run without a path is infinite: 12, 14, inf
+  CHECK(curve.length[1].value == 13.0);
+  CHECK(curve.length[2].value == 12.0);
+  CHECK(curve.length[3].value == 11.0);
+  CHECK(length_curve(data, 0, 0, CostKind::seconds).at == std::vector<double>{0.1, 0.2, 0.3, 0.4});
+  // A run without a path at all: two of four are infinite at first.
+  const CostData late = anytime({{{100, 14.0}}, {{200, 13.0}}, {{300, 12.0}}, {}});
+  CHECK(std::isinf(length_curve(late, 0, 0, CostKind::checks).length[0].value));
+  CHECK_FALSE(length_curve(late, 0, 0, CostKind::checks).improves);
+}
+
+TEST_CASE("figures of curves have a panel for checks and one for time, and each strategy's colour", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto success = success_figure(data, "connect", 0);
+  REQUIRE(success);
+  REQUIRE(success->panels.size() == 4);  // the baseline and three others, the baseline and the last one
+  CHECK(success->caption == "8 runs of each strategy; bands: 95 % Wilson interval of the share.");
+  for (const draw::Panel& panel : success->panels) {
+    REQUIRE(panel.series.size() >= 2);
+    CHECK(panel.series.front().name == "connect");
+    CHECK(*panel.series.front().colour == draw::palette::baseline);
+    for (const draw::Series& series : panel.series) {
+      CHECK(series.x.size() == series.y.size() + 1);
+      CHECK(series.lo.size() == series.y.size());
+      CHECK(std::is_sorted(series.x.begin(), series.x.end()));
+      CHECK(std::is_sorted(series.y.begin(), series.y.end()));
+      CHECK(series.y.front() == 0.0);
+    }
+  }
+  CHECK_FALSE(length_figure(data, "connect", 0));
+  const auto length = length_figure(anytime({{{100, 14.0}, {300, 11.0}}, {{200, 13.0}}}), "rrt", 0);
+  REQUIRE(length);
+  CHECK(length->panels.size() == 2);
+  CHECK(length->panels[0].series.size() == 1);
+  // Where no run found a path there is nothing to draw.
+  CHECK_FALSE(success_figure(anytime({{}, {}}), "rrt", 0));
+  for (std::size_t i = 0; i < data.strategies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      CHECK_FALSE(strategy_colour(data, "connect", i) == strategy_colour(data, "connect", j));
+    }
+  }
+}
+
+TEST_CASE("a figure of ratios says of how many pairs its medians are", "[report][costs]") {
+  const CostData data = two_worlds();
+  const auto all = ratio_figure(data, "connect");
+  REQUIRE(all);
+  CHECK(all->rows.size() == 4);
+  CHECK(all->rows[0].panels[0].size() == 2);
+  CHECK(all->caption.find("over 8 pairs of runs") != std::string::npos);
+  const auto one = ratio_figure(data.on(1), "connect");
+  REQUIRE(one);
+  REQUIRE(one->rows[0].panels[0].size() == 1);
+  // "rrt" costs four times as much on every seed.
+  CHECK(one->rows[0].panels[0][0].value == 4.0);
+  CHECK(one->rows[0].panels[0][0].text == "4.00 [4.00, 4.00]");
+  CHECK_FALSE(ratio_figure(data, ""));
+}
+
+TEST_CASE("the costs of an experiment are those of its document", "[report][costs]") {
+  const auto [experiment, result] = fixture::passage();
+  CostData read;
+  read.add(report_json(experiment, result, ""), "results.json");
+  const CostData made = cost_data(experiment, result);
+  CHECK(made.baseline == "rrt");
+  REQUIRE(made.runs.size() == read.runs.size());
+  for (std::size_t i = 0; i < made.runs.size(); ++i) {
+    CHECK(made.runs[i].strategy == read.runs[i].strategy);
+    CHECK(made.runs[i].seed == read.runs[i].seed);
+    CHECK(made.runs[i].solved == read.runs[i].solved);
+    CHECK(made.runs[i].checks == read.runs[i].checks);
+    CHECK(made.runs[i].improvements.size() == read.runs[i].improvements.size());
+  }
+}
+
+TEST_CASE("figures for papers have a column's width and their titles in a file of their own", "[report][costs]") {
+  const fixture::Folder folder;
+  const auto path = [&](const std::string& name) { return folder.path() / name; };
+  const auto figure = success_figure(two_worlds(), "connect", 0);
+  REQUIRE(figure);
+  write_figure(*figure, {}, path("screen").string());
+  write_figure(*figure, {.width = 240.0, .titles = false}, path("paper").string());
+  write_figure(*figure, {.width = 240.0, .titles = false, .typeface = draw::Typeface::serif}, path("serif").string());
+  CHECK_FALSE(std::filesystem::exists(path("screen.txt")));
+  CHECK(fixture::read(path("paper.txt")) == figure->title + "\n\n" + figure->caption + "\n");
+  CHECK(fixture::read(path("paper.svg")).find("width=\"240") != std::string::npos);
+  CHECK(fixture::read(path("serif.svg")) != fixture::read(path("paper.svg")));
+  fixture::check_pictures(folder);
+}
