@@ -376,7 +376,7 @@ Scenario& current(const Book& book, const char* word) {
 void add_step(Stack& call, Scenario& scenario, Step::Kind kind, std::string text,
               std::optional<Step::Expectation> expectation = {}) {
   if (scenario.steps.size() >= most_steps) {
-    throw Error(fmt::format("a scenario has {} lines at most; does a loop not terminate?", most_steps));
+    throw Error(fmt::format("a scenario has {} lines at most; is there an infinite loop?", most_steps));
   }
   Step& step = scenario.steps.emplace_back();
   step.kind = kind;

@@ -55,7 +55,7 @@ lua::Limits call_limits(std::uint64_t instructions) {
   constexpr std::uint64_t share = 10;
   const std::uint64_t each = std::max<std::uint64_t>(1, instructions / share);
   return {each, seconds_for(each), "it",
-          fmt::format("; does a loop not terminate? --instructions {} would allow a call {}", 10 * instructions,
+          fmt::format("; is there an infinite loop? --instructions {} would allow a call {}", 10 * instructions,
                       10 * each)};
 }
 
@@ -119,7 +119,7 @@ std::vector<Problem> Session::problems(const std::string& text, const std::strin
 lua::Limits Session::loading() const {
   const std::uint64_t instructions = options_.instructions;
   return {instructions, seconds_for(instructions), "the script",
-          fmt::format("; does a loop not terminate? --instructions {} would allow more", 10 * instructions)};
+          fmt::format("; is there an infinite loop? --instructions {} would allow more", 10 * instructions)};
 }
 
 void Session::as_script(const std::string& text, const std::string& name, const std::function<void()>& body) {

@@ -386,7 +386,7 @@ TEST_CASE("an error in a user's density names the sample and its level") {
   const std::string endless = message(160, "while true do pcall(error) end");
   CHECK(endless.find(" of rrt, level 0 (problem 'room', strategy 'guided', seed 1): test.lua:1: it has ") !=
         std::string::npos);
-  CHECK(endless.find(" and does not terminate; does a loop not terminate?") != std::string::npos);
+  CHECK(endless.find(" and does not terminate; is there an infinite loop?") != std::string::npos);
 }
 
 TEST_CASE("help describes targets, estimators and the construct of a user's target") {
