@@ -49,7 +49,7 @@
 ---@field motion trellis.Motion how the robot is driven; without one it moves straight to any configuration
 ---@field resolution number how far the robot's fastest point moves between two checked configurations
 ---@field collision string the collision backend
----@field goal_tolerance number a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance number a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---what samples are measured against
 ---@class trellis.Target
@@ -68,7 +68,7 @@
 ---@field periodic boolean[] whether an axis wraps around
 ---@field volume number in metric coordinates, which are the coordinates times their weights
 
----what the functions of a target are told
+---the arguments of a target's functions
 ---@class trellis.TargetContext
 ---@field path number[][] the configurations of the run's path, in order
 ---@field problem trellis.Problem the problem that was solved
@@ -106,7 +106,7 @@
 ---a sentence that the results are to bear out
 ---@class trellis.Claim
 
----figures and sentences of somebody else
+---published figures and sentences
 ---@class trellis.Publication
 
 ---what a script returns to be run
@@ -125,7 +125,7 @@
 ---what a trial is expected to do
 ---@class trellis.Matcher
 
----what a figure is held against
+---the criterion for a figure
 ---@class trellis.Criterion
 ---@field validity_checks fun(): trellis.Criterion of configurations whose validity was decided
 ---@field motion_checks fun(): trellis.Criterion of motions that were checked
@@ -320,7 +320,7 @@
 ---@class trellis.workspace.Options
 ---@field [1]? number `cell` without its name
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
----@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, which has ways along its sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
+---@field cell? number a number at least 0 (m); default 0: side of a cell of the grid, whose edges run along sides and diagonals; 0: a fortieth of the longer side of the space. Without effect where a planner is given that searches no graph
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that positions are drawn from; 0: the robot's bounding radius, or 1 % of the space's diameter for a point; with `lift = "path"` or "handles", of the balls in C that proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 % for an arm
 ---@field lift? "auto"|"uniform"|"handles"|"path" one of "auto", "uniform", "handles", "path"; default "auto": what a position is completed with: "uniform", uniform angles (of an arm that is fixed to its base, any that bring its tip there); "handles", as "path", but the whole robot is moved and turned until its handle points come no nearer to the medial axis of the workspace; of a robot with a motion model the path is moved to the axis and only the angles are drawn, the likelier the nearer its handles come to the axis, and other coordinates are uniform; "path", as skeleton does: points of the path are validated in C with angles that follow those before, and proposals are a step of the planner ahead of the node that came farthest; "auto", "path" for an arm that is fixed to its base and "uniform" for any other robot
 ---@field handles? string[] a list of names; default {}: with `lift = "handles"`, points of the robot: "x, y" in the frame of its first body, or "n: x, y" in that of its n-th; a body that turns and has none gets both ends of its longest direction
@@ -352,7 +352,7 @@
 ---@field planner? trellis.Planner a planner; default rrt(): searches the guide's own space
 ---@field scale? number a number in (0, 1] (share of its size); default 0.5: size of the robot in S relative to that in C; of a robot that is fixed to its base the width of its links, whose lengths stay
 ---@field resolution? number a number at least 0 (m); default 0: checking resolution in S; 0: the diameter of the largest disc about the reference point inside the smaller robot, as no wall fits between two of its places so near to each other, but not below that of C nor above four times that
----@field keep_tree? boolean true or false; default false: where the way along the path is blocked, half of the proposals are nodes of the tree that was grown in S, each extended from where its parent is: branches that are valid for the larger robot are kept
+---@field keep_tree? boolean true or false; default false: where the path is blocked, half of the proposals are nodes of the tree that was grown in S, each extended from where its parent is: branches that are valid for the larger robot are kept
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
@@ -381,9 +381,9 @@
 ---@field [1]? integer `dimensions` without its name
 ---@field planner? trellis.Planner a planner; default rrt_connect(): searches the guide's own space
 ---@field dimensions? integer an integer at least 0 (axes); default 0: dimension of S, less than that of C; 0: half of C's, rounded up
----@field samples? integer an integer at least 1 (configurations); default 200: configurations that the subspace is fitted to: valid ones out of uniform ones, which are looked at as checks of its level; or with `db` points spread over stored paths
+---@field samples? integer an integer at least 1 (configurations); default 200: configurations that the subspace is fitted to: valid ones out of uniform ones, which are checked as checks of its level; or with `db` points spread over stored paths
 ---@field db? string the name of a file; default "": a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its paths of the same space and robot, and nothing is checked for it
----@field ends? boolean true or false; default true: the subspace goes through start and goal, and the way between them is its first direction; otherwise it goes where the samples say, and start and goal are projected onto it
+---@field ends? boolean true or false; default true: the subspace goes through start and goal, and the direction between them is its first; otherwise it goes where the samples say, and start and goal are projected onto it
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "steps": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
@@ -417,7 +417,7 @@
 ---@field existence? number a number in (0, 1) (probability); default 0.5: of "subpath_existence": the probability below which the search stops. A motion of length l is valid with the probability exp(-l / m), m the mean length validated for each motion found invalid
 ---@field effort? number a number in [0, 1) (share); default 0.99: lambda: share of the effort to validate an edge in its cost for a search of a roadmap in S; the rest is its length. An edge validated before has no effort. Without effect where a tree searches S
 ---@field sparse? number a number at least 0 (m in the metric); default 0: distance between single configurations of a candidate path that are checked before its edges are, once a candidate was refuted; 0: 1.2 of the planner's step, or the diameter of the robot's bounding circle where that is more
----@field margin? number a number at least 0 (m in the metric); default 0: radius about a configuration found invalid that S takes for invalid too, at least; 0: the checking resolution. Where the checker knows how deep the configuration lies, S loses all that is known
+---@field margin? number a number at least 0 (m in the metric); default 0: least radius about a configuration found invalid that is invalid in S too; 0: the checking resolution. Where the checker computes a penetration depth, the radius is that depth
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "waypoints": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
@@ -483,11 +483,11 @@
 ---@field [1]? string `db` without its name
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field db? string the name of a file; default "experience.db": the library of solved problems, as trellis run SCRIPT --learn makes it
----@field candidates? integer an integer in [1, 1000] (paths); default 10: paths that are retrieved: those whose ends are nearest to start and goal, either way round
----@field join? number a number at least 0 (m in the metric); default 0: distance within which two retrieved paths are joined, so that a way may change from one to the other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point
----@field repair? number a number at least 1 (metres); default 10: what a metre costs that is invalid in the present world, by one that is valid
+---@field candidates? integer an integer in [1, 1000] (paths); default 10: paths that are retrieved: those whose ends are nearest to start and goal, in either direction
+---@field join? number a number at least 0 (m in the metric); default 0: distance within which two retrieved paths are joined, so that a path may change from one to the other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point
+---@field repair? number a number at least 1 (metres); default 10: cost of a metre that is invalid in the present world, relative to a valid one
 ---@field robots? "same"|"any" one of "same", "any"; default "same": whose paths: "same", of the same robot in the same space; "any", of any in the same space
----@field paths? integer an integer in [1, 64] (paths); default 1: ways through the graph that guide at once, each found with those before it made dearer
+---@field paths? integer an integer in [1, 64] (paths); default 1: paths in the graph that guide at once; each search increases the cost of the paths before it
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
 ---@field follow? "steps"|"tube"|"waypoints" one of "steps", "tube", "waypoints"; default "waypoints": how the path is followed: "steps", its points are validated in C `spacing` apart, and proposals are a step of the planner ahead of the node that came farthest along it; "tube", from the stretch of it just beyond what the planner has reached; "waypoints", its points in turn: one that is valid in C is proposed itself, and where that was blocked half the time what is near it; one that is not, what is near it
 ---@field spacing? number a number at least 0 (m in the metric); default 0: distance between the points of the path in S that are validated in C before it guides by "steps"; 0: 0.8 of the planner's step, or the robot's bounding radius where that is more (of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base)
@@ -597,17 +597,17 @@
 ---What `guiding_space` takes.
 ---@class trellis.guiding_space.Options
 ---@field name? string a name as of a variable; default "guiding_space": how strategies, reports and messages call it
----@field space? string[]|trellis.Space|fun(instance: trellis.Instance): string[]|trellis.Space a space, a list of names of axes of C, or a function: S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias with no space behind it; C's own space by default
----@field project? fun(...: number): number a function: f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes of C, told by their names, and f picks them
+---@field space? string[]|trellis.Space|fun(instance: trellis.Instance): string[]|trellis.Space a space, a list of names of axes of C, or a function: S: some axes of C by their names, or a space such as instance.space; {} is S = {0}, a bias without a space; C's own space by default
+---@field project? fun(...: number): number a function: f: called with the coordinates of a configuration of C, returns those of one of S; by default S has axes of C with their names, and f selects them
 ---@field lift? fun(...: any): number a function: draws from the fibre: called with the coordinates of a configuration of S and the functions random and normal, returns those of one of C that f maps to it; by default the axes that S lacks are uniform; needed with 'project'
----@field valid? "free"|"parent"|fun(...: number): boolean a function, "free" (all of S is valid) or "parent" (as in C): what is valid in S; a function is called with the coordinates of every configuration that is checked, which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed
+---@field valid? "free"|"parent"|fun(...: number): boolean a function, "free" (all of S is valid) or "parent" (as in C): validity in S; a function is called with the coordinates of every configuration that is checked, which costs some tenths of a microsecond each: 'robot' and 'world' are checked at full speed
 ---@field robot? trellis.Robot|fun(instance: trellis.Instance): trellis.Robot a robot, or a function that returns one: checked for collisions in S; by default C's
 ---@field world? trellis.World|fun(instance: trellis.Instance): trellis.World a world, or a function that returns one: that the robot is checked in; by default C's
 ---@field graph? fun(instance: trellis.Instance): { vertices: number[][], edges: number[][], start: integer, goal: integer } a function: returns an explicit graph in S, searched exactly: edges are {i, j} or {i, j, cost}, straight and as long as they are by default
 ---@field planner? trellis.Planner a planner; default rrt(), graph_search() of a graph: searches S
----@field heuristic? fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function? a function: h: called each time that S was solved, with what was found and the instance in C; returns a sum of along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with random and normal, it returns a configuration of C, and its density may follow it; by default along the path found, lifted
+---@field heuristic? fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function? a function: h: called each time that S was solved, with the path found and the instance in C; returns a sum of along(path), ball(q, r), lifted(...) and guides with S = {0}, or a function that draws: called with random and normal, it returns a configuration of C, and its density may follow it; by default along the path found, lifted
 ---@field density? fun(...: number): number a function: of the function that 'heuristic' returned: its density at the coordinates of a configuration of C, with respect to volume in metric coordinates
----@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: told what became of each proposal; may return another h, as 'heuristic' does, which serves from then on
+---@field observe? fun(outcome: trellis.Outcome): trellis.Guide|function|nil, function? a function: receives the outcome of each proposal; may return another h, as 'heuristic' does, which replaces it
 ---@field stale? fun(): boolean a function: whether S is to be solved again before the next proposal; called when h was made, before each proposal and after each outcome, so it must change nothing; h made of along(path) asks for that by itself too
 ---@field restart? fun() a function: called when the planner in C removed nodes: 'observe' then receives those that are left as outcomes that are not mine, and 'heuristic' is called again before the next proposal
 ---@field resolves? integer an integer at least 0 (re-solves); default 1000: how often its space may be solved again
@@ -664,17 +664,17 @@
 ---@class trellis.motion.unicycle1.Options
 ---@field min_speed? number a number any finite number (m/s); default -0.5: the least speed; negative: it goes backwards
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
----@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
----@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, either way
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are constant over whole steps
+---@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, in either direction
 
 ---What `motion.unicycle2` takes.
 ---@class trellis.motion.unicycle2.Options
 ---@field min_speed? number a number any finite number (m/s); default -0.5: the least speed; negative: it goes backwards
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
----@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
----@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, either way
----@field max_acceleration? number a number greater than 0 (m/s^2); default 0.25: the greatest acceleration, either way
----@field max_angular_acceleration? number a number greater than 0 (rad/s^2); default 0.25: the greatest angular acceleration, either way
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are constant over whole steps
+---@field max_angular_speed? number a number greater than 0 (rad/s); default 0.5: the greatest angular speed, in either direction
+---@field max_acceleration? number a number greater than 0 (m/s^2); default 0.25: the greatest acceleration, in either direction
+---@field max_angular_acceleration? number a number greater than 0 (rad/s^2); default 0.25: the greatest angular acceleration, in either direction
 ---@field speed_weight? number a number greater than 0 (m per m/s); default 0.25: metres of the metric per unit of speed
 ---@field angular_speed_weight? number a number greater than 0 (m per rad/s); default 0.25: metres of the metric per unit of angular speed
 
@@ -682,18 +682,18 @@
 ---@class trellis.motion.car.Options
 ---@field min_speed? number a number any finite number (m/s); default -0.1: the least speed; negative: it goes backwards
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
----@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are constant over whole steps
 ---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
----@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, either way
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, in either direction
 
 ---What `motion.car_with_trailer` takes.
 ---@class trellis.motion.car_with_trailer.Options
 ---@field min_speed? number a number any finite number (m/s); default -0.1: the least speed; negative: it goes backwards
 ---@field max_speed? number a number greater than 0 (m/s); default 0.5: the greatest speed
----@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are held for whole steps
+---@field dt? number a number greater than 0 (s); default 0.1: one step of the integration; controls are constant over whole steps
 ---@field wheelbase? number a number greater than 0 (m); default 0.25: the distance between its axles
----@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, either way
----@field hitch? number a number greater than 0 (m); default 0.5: from the car's reference point, where the trailer hangs, to the trailer's axle
+---@field max_steering? number a number in (0, 1.5708) (rad); default 1.0471975511965976: the greatest angle of its front wheels, in either direction
+---@field hitch? number a number greater than 0 (m); default 0.5: from the car's reference point, where the trailer is hitched, to the trailer's axle
 ---@field max_articulation? number a number in (0, 3.14159] (rad); default 0.7853981633974483: the greatest angle between car and trailer
 
 ---What `problem` takes.
@@ -707,7 +707,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `target` takes.
 ---@class trellis.target.Options
@@ -725,12 +725,13 @@
 ---@field measure? trellis.Target|false a target, as tube { delta = 0.5 }, or false; default tube {}: what samples are measured against; false computes no efficiency
 ---@field estimators? trellis.Estimator|trellis.Estimator[] an estimator or a list of estimators, as { exact(), knn { k = 3 } }; default { exact(), arc(), knn() }: the first that has a figure gives the headline; of a list that is given, the others stand beside it
 ---@field baseline? string the name of a strategy: what the others are compared with; by default the first strategy without a guide, else the first
----@field groups? table[] a list of groups, as { { "mazes", {p, q}, tuned = true } }: problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are held out
----@field published? trellis.Publication published { ... }: figures and sentences of somebody else, to set the results beside
+---@field groups? table[] a list of groups, as { { "mazes", {p, q}, tuned = true } }: problems that trellis compare lists together; tuned: the strategies were tuned on them, else they are held-out
+---@field published? trellis.Publication published { ... }: published figures and sentences, to compare the results with
 ---@field ablate? boolean|string[] true, or a list of names of strategies; default false: adds each strategy that has a guide, or each that is named, with every guide taken out in turn
 ---@field seed? integer an integer at least 0; default 1: the first of consecutive seeds, where 'seeds' is their number
 ---@field shortcut? integer an integer at least 0 (rounds); default 0: rounds of shortcutting on each found path before it is reported
----@field cross? integer an integer at least 0 (paths); default 4: paths of other seeds that each run is scored on besides its own
+---@field cross? integer an integer at least 0 (paths); default 2: paths of other seeds that each run is scored on besides its own
+---@field cross_levels? boolean true or false; default false: whether lower levels are scored on the paths of other seeds in their own spaces too, not only lifted to the root's
 ---@field metrics? boolean true or false; default false: whether each level's roadmap, information and wasted samples are measured too
 
 ---What `published` takes.
@@ -836,7 +837,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `scenes.trap` takes.
 ---@class trellis.scenes.trap.Options
@@ -849,7 +850,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `scenes.cup` takes.
 ---@class trellis.scenes.cup.Options
@@ -862,7 +863,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `strategies.rrt` takes.
 ---@class trellis.strategies.rrt.Options
@@ -1051,7 +1052,7 @@
 ---@class trellis.worlds.maze.Options
 ---@field name? string a string; default "maze": how the report calls it
 ---@field cells? number a number in [1, 100] (cells); default 12: cells along each side
----@field branching? number a number in [0, 1] (share of steps); default 0: steps that go on from a random cell
+---@field branching? number a number in [0, 1] (share of steps); default 0: steps that continue from a random cell
 ---@field seed? number a number in [0, 2.14748e+09]; default 1: of the random numbers that the world is made of
 ---@field size? number a number in [0.01, 10] (times 0.6 x 0.2 m); default 1: the robot's size
 
@@ -1112,7 +1113,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `worlds.thin_wall` takes.
 ---@class trellis.worlds.thin_wall.Options
@@ -1125,7 +1126,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `worlds.detour` takes.
 ---@class trellis.worlds.detour.Options
@@ -1138,7 +1139,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `worlds.alleys` takes.
 ---@class trellis.worlds.alleys.Options
@@ -1151,7 +1152,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `worlds.pickets` takes.
 ---@class trellis.worlds.pickets.Options
@@ -1164,7 +1165,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What `worlds.rows` takes.
 ---@class trellis.worlds.rows.Options
@@ -1177,7 +1178,7 @@
 ---@field weight? number a number greater than 0 (m/rad); default 0.3183098861837907: metres of the metric per radian of turning
 ---@field resolution? number a number greater than 0 (m); default 0.05: how far the robot's fastest point moves between two checked configurations
 ---@field collision? "planar"|"fcl" one of "planar", "fcl"; default "planar": the collision backend
----@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, as controls that are held for whole steps hit no goal exactly
+---@field goal_tolerance? number a number at least 0 (m); default 1e-06: a configuration this near to the goal in the metric is the goal; where the problem has a motion model and this is not given, 0.25, because controls that are constant over whole steps hit no goal exactly
 
 ---What makes a robot.
 ---@class trellis.robot
@@ -1190,7 +1191,7 @@ motion = {}
 ---The experiment of Attali et al. 2022: its scenes, its methods, and what goes beyond them
 ---
 ---The lists of methods take what shall differ for each one, by its name: paper.methods { irc = { scales = {0.5} } }.
----The methods are those of the module strategies; docs/methods.md tells what was published and what differs.
+---The methods are those of the module strategies; docs/methods.md states what was published and what differs.
 ---@class trellis.paper
 paper = {}
 
@@ -1267,28 +1268,28 @@ function prm(options) end
 ---@return trellis.Planner
 function lazy_prm(options) end
 
----RRT*: a random tree whose nodes hang from the neighbour that the shortest way comes by, and are hung anew when a shorter one is found; goes on after its first path
+---RRT*: a random tree that connects each new node to the neighbour with the shortest path to it, and rewires nodes when a shorter path is found; continues after its first path
 ---
 ---Source: Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning
 ---@param options? trellis.rrt_star.Options
 ---@return trellis.Planner
 function rrt_star(options) end
 
----PRM*: a roadmap whose nodes have more neighbours the more they are, so that its paths come to the shortest; goes on after its first path
+---PRM*: a roadmap whose nodes have more neighbours the more nodes it has, so that its paths converge to the shortest; continues after its first path
 ---
 ---Source: Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning
 ---@param options? trellis.prm_star.Options
 ---@return trellis.Planner
 function prm_star(options) end
 
----Lazy-PRM*: the paths of PRM*, of whose edges only those are checked that a shortest path has had; goes on after its first path
+---Lazy-PRM*: the paths of PRM*; checks only edges that have been on a shortest path; continues after its first path
 ---
 ---Source: Hauser 2015, Lazy collision checking in asymptotically-optimal motion planning; the search is repaired by lifelong planning A*, Koenig, Likhachev and Furcy 2004
 ---@param options? trellis.lazy_prm_star.Options
 ---@return trellis.Planner
 function lazy_prm_star(options) end
 
----Lazy-RRG*: a graph that grows from start and goal towards proposals, of whose edges only those are checked that a shortest path has had; goes on after its first path
+---Lazy-RRG*: a graph that grows from start and goal towards proposals; checks only edges that have been on a shortest path; continues after its first path
 ---
 ---Source: Hauser 2015, Lazy collision checking in asymptotically-optimal motion planning; the search is repaired by lifelong planning A*, Koenig, Likhachev and Furcy 2004
 ---@param options? trellis.lazy_rrg_star.Options
@@ -1302,7 +1303,7 @@ function lazy_rrg_star(options) end
 ---@return trellis.Planner
 function kinodynamic_rrt(options) end
 
----exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; edges that nobody has looked at are checked as the search comes to them (A*)
+---exact shortest path on an explicit graph; where it is guided, proposals make the edges near them cheaper; edges that no search has checked yet are checked when the search reaches them (A*)
 ---
 ---Source: Dijkstra 1959; Hart, Nilsson and Raphael 1968
 ---@param options? trellis.graph_search.Options
@@ -1381,7 +1382,7 @@ function informed(options) end
 ---@return trellis.Guide
 function identity(options) end
 
----the robot as a free point: the shortest way of its reference point among the obstacles, on a grid or by the planner given
+---the robot as a free point: the shortest path of its reference point among the obstacles, on a grid or by the planner given
 ---
 ---Source: Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, Sandstrom, Bregger and Amato 2016
 ---@param options? trellis.workspace.Options
@@ -1435,7 +1436,7 @@ function widen(options) end
 ---@return trellis.Guide
 function lazy(options) end
 
----the world without some of its obstacles; each comes back when it is found to be in the way
+---the world without some of its obstacles; each returns when C finds that it blocks the path
 ---
 ---Source: Bayazit, Xie and Amato 2005, Iterative relaxation of constraints; with feedback as in Bohlin and Kavraki 2000
 ---@param options? trellis.drop.Options
@@ -1465,7 +1466,7 @@ function holonomic(options) end
 ---@return trellis.Guide
 function decomposition(options) end
 
----paths that solved problems before, joined into a graph where they come near each other; the way along them that has to be repaired least is followed
+---stored paths of earlier problems, joined into a graph where they come near each other; h follows the path in this graph that needs the least repair
 ---
 ---Source: Berenson, Abbeel and Goldberg 2012, A robot path planning framework that learns from experience (Lightning); paths joined into a graph: Phillips, Cohen, Chitta and Likhachev 2012, E-Graphs; what is checked first: Dellin and Srinivasa 2016, Lazy shortest paths
 ---@param options? trellis.experience.Options
@@ -1751,7 +1752,7 @@ function target(options) end
 ---@return trellis.Experiment
 function experiment(options) end
 
----figures and sentences of somebody else, to set the results beside
+---published figures and sentences, to compare the results with
 ---
 ---    published { source = "...", figures = { trap = { rrt = {9.6, 7.5} } } }
 ---@param options trellis.published.Options
@@ -1813,7 +1814,7 @@ function lifted(distribution) end
 ---prints what is known about a word, a function, or a value; all words without one
 ---
 ---    help "shrink"  help(scenes.trap)  help(strategy)
----@param subject? any a word, or a value: a strategy tells its tree; "guide.shrink" is the guide shrink
+---@param subject? any a word, or a value: a strategy shows its tree; "guide.shrink" is the guide shrink
 function help(subject) end
 
 ---the value of a module: one of the standard library, or NAME.lua in the script's folder
@@ -1911,7 +1912,7 @@ function finds_paths(length) end
 ---a matcher: how many nats above uniform sampling a level samples, on average over seeds; more is better
 ---
 ---    has_efficiency("root", above(0.5))
----@param level string|integer a level's name or number: "root", "lazy", "shrink(0.5)", the way to the root as "skeleton >> lazy", or 0, 1, ...
+---@param level string|integer a level's name or number: "root", "lazy", "shrink(0.5)", the route to the root as "skeleton >> lazy", or 0, 1, ...
 ---@param criterion trellis.Criterion a criterion: of nats; above(plain) compares two trials
 ---@param options? trellis.has_efficiency.Options
 ---@return trellis.Matcher
@@ -2009,7 +2010,7 @@ function scenes.exists(file) end
 ---@return trellis.Problem
 function scenes.simple_passage(options) end
 
----four false passages, two dead ends, and one true passage far off the direct way
+---four false passages, two dead ends, and one true passage far off the direct path
 ---
 ---    scenes.trap { resolution = 0.02 }
 ---
