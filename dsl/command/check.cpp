@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <string_view>
 
@@ -79,8 +80,6 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
   return faults.empty();
 }
 
-}  // namespace
-
 int check(const std::vector<std::string>& scripts, const ScriptOptions& options) {
   const dsl::SessionOptions session = session_options(options);
   int status = success;
@@ -96,6 +95,20 @@ int check(const std::vector<std::string>& scripts, const ScriptOptions& options)
     }
   }
   return status;
+}
+
+}  // namespace
+
+void add_check(CommandLine& line) {
+  struct Options {
+    std::vector<std::string> scripts;
+    ScriptOptions session;
+  };
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("check", "validate scripts without planning and print their strategies",
+                             [options] { return check(options->scripts, options->session); });
+  verb.arguments("SCRIPT", "FILE", options->scripts, "Lua scripts");
+  add_script_options(verb, options->session);
 }
 
 }  // namespace trellis::command

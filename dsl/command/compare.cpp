@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <dsl/command/commands.hpp>
 #include <dsl/command/figure_options.hpp>
@@ -14,7 +16,16 @@
 
 namespace trellis::command {
 
-int compare(const CompareOptions& options) {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;  ///< documents of trellis run --json
+  std::string baseline;            ///< a strategy, "" for the one that the documents name
+  std::string out;                 ///< a folder, "" if not given
+  FigureOptions style;
+};
+
+int compare(const Options& options) {
   constexpr std::size_t largest = std::size_t{4} << 30U;
   constexpr int unbounded_width = 160;
   check_format(options.style, !options.out.empty());
@@ -33,6 +44,19 @@ int compare(const CompareOptions& options) {
   write_cost_figures(data, baseline, (folder / "figures").string(), style);
   out.keep();
   return success;
+}
+
+}  // namespace
+
+void add_compare(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("compare", "compare what strategies cost, seed by seed, in results of trellis run",
+                             [options] { return compare(*options); });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  verb.text("--baseline", "NAME", options->baseline,
+            "the strategy that the others are compared with, instead of the experiment's");
+  verb.text("--out", "FOLDER", options->out, "write tables and figures into a folder");
+  add_figure_options(verb, options->style);
 }
 
 }  // namespace trellis::command

@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdio>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/learn.hpp>
 #include <dsl/command/outputs.hpp>
@@ -63,14 +65,26 @@ std::string listing(const std::vector<StoredPath>& paths) {
   return text;
 }
 
-}  // namespace
-
 int experience(const std::string& file, bool list) {
   const std::vector<StoredPath> paths = Library(file).paths();
   std::string text = fmt::format("{}: {}\n", file, counted(paths.size(), "path", "paths"));
   if (!paths.empty()) text += "\n" + (list ? listing(paths) : summary(paths));
   print_all(text);
   return success;
+}
+
+}  // namespace
+
+void add_experience(CommandLine& line) {
+  struct Options {
+    std::string library;
+    bool list = false;
+  };
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("experience", "print what is in a library of paths",
+                             [options] { return experience(options->library, options->list); });
+  verb.argument("LIBRARY", "FILE", options->library, "a file as trellis run --learn makes it");
+  verb.flag("--list", options->list, "a line for each path, not for each problem");
 }
 
 void learn(const Experiment& experiment, const ExperimentResult& result, const std::string& file,

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <dsl/command/choice.hpp>
 #include <dsl/command/commands.hpp>
-#include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
@@ -21,6 +22,15 @@
 namespace trellis::command {
 
 namespace {
+
+struct Options {
+  std::string script;
+  std::string strategy;                ///< a name, "" for all
+  std::string problem;                 ///< likewise
+  std::string json;                    ///< a file, "-" for stdout, "" if not given
+  std::optional<std::uint64_t> width;  ///< columns; none: the terminal's
+  ScriptOptions scripts;
+};
 
 /// Problems in the same space, in which a strategy has the same hierarchy; the command explains the first one.
 struct Similar {
@@ -47,14 +57,9 @@ std::vector<Similar> similar_problems(const std::vector<Problem>& problems) {
   return groups;
 }
 
-}  // namespace
-
-int explain(const ExplainOptions& options) {
-  constexpr std::uint64_t narrowest = 60;
-  constexpr std::uint64_t widest = 1000;
+int explain(const Options& options) {
   constexpr int unbounded_width = 100;
-  const auto typed = integer_option("--width", options.width, narrowest, widest);
-  const std::size_t width = typed ? *typed : static_cast<std::size_t>(report_width(unbounded_width));
+  const std::size_t width = options.width ? *options.width : static_cast<std::size_t>(report_width(unbounded_width));
   const bool document_alone = options.json == "-";
   if (!options.json.empty() && !document_alone) require_writable_file(options.json);
 
@@ -93,6 +98,23 @@ int explain(const ExplainOptions& options) {
   }
   print_all(text);
   return status;
+}
+
+}  // namespace
+
+void add_explain(CommandLine& line) {
+  constexpr std::uint64_t narrowest = 60;
+  constexpr std::uint64_t widest = 1000;
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("explain", "print what strategies will run, level by level, without planning",
+                             [options] { return explain(*options); });
+  verb.argument("SCRIPT", "FILE", options->script, "a Lua script");
+  verb.text("--strategy", "NAME", options->strategy, "the strategy of this name alone");
+  verb.text("--problem", "NAME", options->problem, "the problem of this name, instead of the first one in each space");
+  verb.text("--json", "FILE", options->json, "write the same for programs to a file, - for the standard output");
+  verb.integer("--width", "N", narrowest, widest, options->width,
+               "columns of the text (default those of the terminal, else 100)");
+  add_script_options(verb, options->scripts);
 }
 
 }  // namespace trellis::command

@@ -3,11 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <vector>
 
-#include <dsl/command/numbers.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/report/latex.hpp>
 #include <trellis/report/report.hpp>
@@ -19,21 +16,27 @@ namespace {
 constexpr double least_column = 60.0;  ///< mm; names and numbers require this width
 constexpr double most_column = 400.0;
 
-const std::vector<std::string>& formats() {
-  static const std::vector<std::string> all = {"markdown", "latex"};
-  return all;
-}
-
 }  // namespace
+
+void add_figure_options(Subcommand& verb, FigureOptions& options) {
+  verb.number("--column", "MM", least_column, options.column,
+              "the figures' width, in millimetres, as of a paper's column; below 127 panels stand below each other");
+  verb.flag("--untitled", options.untitled,
+            "figures without title and caption, which a text file beside each figure has");
+  verb.flag("--serif", options.serif, "figures in a typeface with serifs");
+  verb.flag("--scalebar", options.scale_bar, "a scale bar in pictures of the world");
+  verb.choice("--format", {"markdown", "latex"}, options.format,
+              "of the tables that --out writes: markdown (default) or latex");
+}
 
 FigureStyle figure_style(const FigureOptions& options, bool drawn) {
   FigureStyle style;
-  if (const auto column = number_option("--column", options.column, least_column)) {
-    if (*column > most_column) {
-      throw Error(fmt::format("--column: at most {:g} mm, got {:g}", most_column, *column));
+  if (options.column) {
+    if (*options.column > most_column) {
+      throw Error(fmt::format("--column: at most {:g} mm, got {:g}", most_column, *options.column));
     }
     constexpr double points_per_mm = 72.0 / 25.4;
-    style.width = *column * points_per_mm;
+    style.width = *options.column * points_per_mm;
   }
   style.titles = !options.untitled;
   if (options.serif) style.typeface = draw::Typeface::serif;
@@ -44,18 +47,12 @@ FigureStyle figure_style(const FigureOptions& options, bool drawn) {
 }
 
 void check_format(const FigureOptions& options, bool written) {
-  if (options.format.empty()) return;
-  const auto& all = formats();
-  if (std::find(all.begin(), all.end(), options.format) == all.end()) {
-    throw Error(fmt::format("--format: there are {}, got '{}'{}", fmt::join(all, " and "), options.format,
-                            did_you_mean(options.format, all)));
-  }
-  if (!written) throw Error("--format: no table is written without --out");
+  if (options.format && !written) throw Error("--format: no table is written without --out");
 }
 
 void write_tables(const FigureOptions& options, const std::string& folder, const std::string& markdown) {
   const std::filesystem::path place(folder);
-  if (options.format == "latex") {
+  if (options.format.value_or(0) == 1) {
     write_file((place / "table.tex").string(), latex(markdown));
   } else {
     write_file((place / "table.md").string(), markdown);

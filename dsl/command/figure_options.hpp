@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
-#include <dsl/command/commands.hpp>
+#include <dsl/command/command_line.hpp>
 #include <trellis/figures/pictures.hpp>
 
 namespace trellis::command {
+
+/// The style of figures and tables, for papers.
+struct FigureOptions {
+  std::optional<double> column;  ///< width in millimetres; none: each figure's own
+  bool untitled = false;
+  bool serif = false;
+  bool scale_bar = false;
+  std::optional<std::size_t> format;  ///< of tables: 0 or none for Markdown, 1 for LaTeX
+};
+
+void add_figure_options(Subcommand& verb, FigureOptions& options);
 
 /// Returns the style of figures. \throws Error for a width out of range, and for options of figures if the command
 /// draws none.
@@ -15,7 +28,7 @@ FigureStyle figure_style(const FigureOptions& options, bool drawn);
 /// Writes FOLDER/table.md, or FOLDER/table.tex for LaTeX.
 void write_tables(const FigureOptions& options, const std::string& folder, const std::string& markdown);
 
-/// \throws Error for an unknown format, and for a format if the command writes no table.
+/// \throws Error for a format if the command writes no table.
 void check_format(const FigureOptions& options, bool written);
 
 }  // namespace trellis::command

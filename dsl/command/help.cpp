@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/repl_verbs.hpp>
@@ -9,6 +10,8 @@
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
+
+namespace {
 
 int help(const std::string& topic, const std::string& usage) {
   if (topic.empty()) {
@@ -25,9 +28,20 @@ int help(const std::string& topic, const std::string& usage) {
   return success;
 }
 
-int version() {
-  print_all(fmt::format("trellis {}\n", trellis::version()));
-  return success;
+}  // namespace
+
+void add_version(CommandLine& line) {
+  line.add("version", "print the version", [] {
+    print_all(fmt::format("trellis {}\n", version()));
+    return success;
+  });
+}
+
+void add_help(CommandLine& line) {
+  const auto topic = std::make_shared<std::string>();
+  Subcommand verb = line.add("help", "print what is known about a word of the language",
+                             [topic, &line] { return help(*topic, line.usage()); });
+  verb.optional_argument("TOPIC", "WORD", *topic, "a planner, guide, constructor or module");
 }
 
 }  // namespace trellis::command

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include <dsl/command/commands.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
@@ -297,59 +296,6 @@ std::string zsh(const CLI::App& app) {
 }
 
 }  // namespace
-
-void name_values(CLI::App& app) {
-  const std::map<std::string, std::string> names = {{"CASE", "FILE"},
-                                                    {"FORM", joined(reference_forms(), "|")},
-                                                    {"NAME", "NAME"},
-                                                    {"SCRIPT", "FILE"},
-                                                    {"TOPIC", "WORD"},
-                                                    {"column", "MM"},
-                                                    {"cross", "N"},
-                                                    {"estimator", "NAME"},
-                                                    {"figures", "FOLDER"},
-                                                    {"format", "markdown|latex"},
-                                                    {"html", "FILE"},
-                                                    {"jobs", "N"},
-                                                    {"json", "FILE"},
-                                                    {"out", "FOLDER"},
-                                                    {"palette", "safe|paper"},
-                                                    {"report", "overview|levels|efficiency|full"},
-                                                    {"samples", "FOLDER"},
-                                                    {"seed", "SEED"},
-                                                    {"seeds", "N"},
-                                                    {"only", "SEED"},
-                                                    {"problem", "NAME"},
-                                                    {"strategy", "NAME"},
-                                                    {"filter", "NAME"},
-                                                    {"junit", "FILE"},
-                                                    {"memory", "MIB"},
-                                                    {"instructions", "N"},
-                                                    {"learn", "FILE"},
-                                                    {"novelty", "METRES"},
-                                                    {"LIBRARY", "FILE"},
-                                                    {"data", "FOLDER"},
-                                                    {"family", "NAME"},
-                                                    {"train out", "FILE"},
-                                                    {"RESULTS", "FILE"},
-                                                    {"baseline", "NAME"},
-                                                    {"script", "FILE"},
-                                                    {"cells", "N"},
-                                                    {"rounds", "N"},
-                                                    {"width", "N"},
-                                                    {"train samples", "N"}};
-  for (CLI::App* verb : app.get_subcommands({})) {
-    for (CLI::Option* option : verb->get_options()) {
-      const bool argument = option->get_positional();
-      if (!argument && option->get_lnames().empty()) continue;
-      const std::string word = argument ? option->get_name(true) : option->get_lnames().front();
-      // For most commands, `--out` is a folder.
-      const auto own = names.find(verb->get_name() + " " + word);
-      const auto name = own != names.end() ? own : names.find(word);
-      if (name != names.end() && option->get_expected_max() > 0) option->type_name(name->second);
-    }
-  }
-}
 
 std::string manual(const CLI::App& app) {
   std::string text = fmt::format(

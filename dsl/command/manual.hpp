@@ -13,9 +13,6 @@ class App;
 
 namespace trellis::command {
 
-/// Sets the type names of all options and arguments, for help, manual and completions.
-void name_values(CLI::App& app);
-
 /// Returns the manual page trellis(1), in roff.
 std::string manual(const CLI::App& app);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -323,9 +324,14 @@ std::string table(const Case& c, const Measured& m) {
   return text;
 }
 
-}  // namespace
+struct Options {
+  std::string file;       ///< the case
+  std::string json;       ///< a file, "-" for stdout, "" if not given
+  std::string estimator;  ///< a name, "all", "" for the default
+  ScriptOptions scripts;
+};
 
-int measure(const MeasureOptions& options) {
+int measure(const Options& options) {
   const auto specs = specs_of(options.estimator);
   const bool to_stdout = options.json == "-";
   const bool to_file = !options.json.empty() && !to_stdout;
@@ -336,6 +342,18 @@ int measure(const MeasureOptions& options) {
   if (to_file) write_file(options.json, json);
   print_all(to_stdout ? json : table(c, m));
   return success;
+}
+
+}  // namespace
+
+void add_measure(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("measure", "measure samples that any program drew, and print the figures",
+                             [options] { return measure(*options); });
+  verb.argument("CASE", "FILE", options->file, "a case file: the space, the path, and where the samples are");
+  verb.text("--json", "FILE", options->json, "write all figures to a file, - for the standard output");
+  verb.text("--estimator", "NAME", options->estimator, "the estimator instead of knn, or all");
+  add_script_options(verb, options->scripts);
 }
 
 }  // namespace trellis::command

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
 #include <trellis/base/error.hpp>
@@ -117,8 +118,6 @@ void write_new(const fs::path& path, const std::string& text) {
   if (std::fclose(file.release()) != 0) fail();
 }
 
-}  // namespace
-
 int create(const std::string& name) {
   const fs::path given(name);
   const fs::path path = given.extension() == ".lua" ? given : fs::path(name + ".lua");
@@ -145,6 +144,16 @@ int create(const std::string& name) {
                   "{}: what is expected of it; try it with: trellis test {}\n",
                   path.string(), path.string(), test.string(), test.string()));
   return success;
+}
+
+}  // namespace
+
+void add_new(CommandLine& line) {
+  const auto name = std::make_shared<std::string>();
+  Subcommand verb =
+      line.add("new", "write a small script to begin with, and its test", [name] { return create(*name); });
+  verb.argument("NAME", "NAME", *name,
+                "the script is NAME.lua, its test NAME_test.lua; files that exist are left as they are");
 }
 
 }  // namespace trellis::command

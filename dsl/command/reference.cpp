@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/manual.hpp>
 #include <dsl/command/outputs.hpp>
@@ -23,12 +25,11 @@ std::string names_of_words() {
   return text;
 }
 
-}  // namespace
-
-const std::vector<std::string>& reference_forms() {
-  static const std::vector<std::string> forms = {"markdown", "catalogue", "stubs", "luacheck", "words",
-                                                 "man",      "bash",      "fish",  "zsh"};
-  return forms;
+/// The formats of the printed words; the first is the default.
+const std::vector<std::string>& forms() {
+  static const std::vector<std::string> all = {"markdown", "catalogue", "stubs", "luacheck", "words",
+                                               "man",      "bash",      "fish",  "zsh"};
+  return all;
 }
 
 int reference(const std::string& form, const CLI::App& app) {
@@ -47,10 +48,22 @@ int reference(const std::string& form, const CLI::App& app) {
   } else if (std::find(shells().begin(), shells().end(), form) != shells().end()) {
     print_all(shell_completion(form, app));
   } else {
-    throw Error(fmt::format("reference: no form '{}'{}; there are: {}", form, did_you_mean(form, reference_forms()),
-                            fmt::join(reference_forms(), ", ")));
+    throw Error(fmt::format("reference: no form '{}'{}; there are: {}", form, did_you_mean(form, forms()),
+                            fmt::join(forms(), ", ")));
   }
   return success;
+}
+
+}  // namespace
+
+void add_reference(CommandLine& line) {
+  const auto form = std::make_shared<std::string>();
+  Subcommand verb = line.add("reference", "print all words of the language, for reading or for other programs",
+                             [form, &line] { return reference(*form, line.app()); });
+  verb.optional_argument(
+      "FORM", fmt::format("{}", fmt::join(forms(), "|")), *form,
+      "markdown (the default), stubs for lua-language-server, luacheck's configuration, words, one a line; "
+      "of the command line: man, the manual page, or the completion for bash, fish or zsh");
 }
 
 }  // namespace trellis::command

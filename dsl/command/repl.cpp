@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,8 +36,6 @@ bool coloured() {
   return ::isatty(STDOUT_FILENO) == 1 && variable("NO_COLOR").empty() && variable("TERM") != "dumb" &&
          !variable("TERM").empty();
 }
-
-}  // namespace
 
 int repl(const std::string& script, const ScriptOptions& options) {
   dsl::SessionOptions session = session_options(options);
@@ -105,6 +104,20 @@ int repl(const std::string& script, const ScriptOptions& options) {
     }
   }
   return status;
+}
+
+}  // namespace
+
+void add_repl(CommandLine& line) {
+  struct Options {
+    std::string script;
+    ScriptOptions session;
+  };
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("repl", "an interactive session: plan, step through runs, draw them",
+                             [options] { return repl(options->script, options->session); });
+  verb.optional_argument("SCRIPT", "FILE", options->script, "a Lua script to begin with");
+  add_script_options(verb, options->session);
 }
 
 }  // namespace trellis::command

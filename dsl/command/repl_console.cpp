@@ -132,6 +132,54 @@ void open_editor(const std::string& path) {
   if (status != 0) throw Error(fmt::format("edit: '{}' failed; VISUAL or EDITOR names another one", editor));
 }
 
+/// Inside a string: the words that the language allows there, the session commands for help, files otherwise.
+Completion completion_in_string(const std::string& text, const std::vector<dsl::Token>& all) {
+  Completion found = {.words = dsl::completions(text).words};
+  std::size_t before = all.size() - 1;
+  if (before > 0 && all[before - 1].text == "(") --before;
+  if (before == 0 || all[before - 1].text != "help") {
+    found.files = found.words.empty();
+    return found;
+  }
+  const std::string begun(all.back().text.substr(1));
+  for (const Verb& verb : verbs()) {
+    if (verb.name.starts_with(begun)) found.words.emplace_back(verb.name);
+  }
+  return found;
+}
+
+/// Returns the names of the chain before a '.' or ':', the last one first; none where it has something else.
+std::optional<std::vector<std::string>> chain_before(const std::vector<dsl::Token>& all) {
+  const auto sign = [&](std::size_t i) { return all[i].text == "." || all[i].text == ":"; };
+  std::vector<std::string> path;
+  for (std::size_t i = all.size(); i >= 2 && sign(i - 1); i -= 2) {
+    if (all[i - 2].kind != dsl::Token::Kind::name) return {};
+    path.emplace_back(all[i - 2].text);
+    if (i < 4) break;
+  }
+  return path;
+}
+
+/// Returns the members of the value that a chain of names gives: fields after '.', methods after ':'.
+std::vector<std::string> members(Stack& stack, const std::vector<std::string>& path, const std::string& sign) {
+  if (path.empty()) return {};
+  stack.push_global(path.back());
+  const auto modules = dsl::module_names();
+  if (!stack.top().given() && std::find(modules.begin(), modules.end(), path.back()) != modules.end()) {
+    stack.load("return require('" + path.back() + "')", "=completion");
+    stack.call(0);
+  }
+  for (std::size_t i = path.size() - 1; i-- > 0;) {
+    if (stack.top().type() != Type::table) return {};
+    static_cast<void>(stack.top().field(path[i]));
+  }
+  const Value value = stack.top();
+  if (value.type() == Type::table && sign == ".") return value.keys().names;
+  if (value.get<RunPointer>() != nullptr && sign == ".") return run_fields();
+  if (dsl::as_strategy(value) && sign == ":") return {"tree", "json", "hash"};
+  return {};
+}
+
 }  // namespace
 
 Console::Console(const std::string& folder, bool colour, const dsl::SessionOptions& options)
@@ -277,22 +325,8 @@ void Console::warn_of_locals(const std::string& input) {
 Completion Console::complete(const std::string& text) {
   auto all = dsl::tokens(text);
   if (!all.empty() && all.back().unfinished) {
-    if (all.back().kind != dsl::Token::Kind::string) return {};
-    // Inside a string: the words that the language allows there, the session commands for help, files otherwise.
-    Completion found = {.words = dsl::completions(text).words};
-    std::size_t before = all.size() - 1;
-    if (before > 0 && all[before - 1].text == "(") --before;
-    if (before == 0 || all[before - 1].text != "help") {
-      found.files = found.words.empty();
-      return found;
-    }
-    const std::string begun(all.back().text.substr(1));
-    for (const Verb& verb : verbs()) {
-      if (verb.name.starts_with(begun)) found.words.emplace_back(verb.name);
-    }
-    return found;
+    return all.back().kind == dsl::Token::Kind::string ? completion_in_string(text, all) : Completion{};
   }
-
   std::vector<std::string> names;
   session_.with([&](Stack& stack) {
     for (const auto& name : stack.push_globals().keys().names) {
@@ -311,39 +345,13 @@ Completion Console::complete(const std::string& text) {
     word = all.back().text;
     all.pop_back();
   }
-  // The names of the chain, the last one first.
-  std::vector<std::string> path;
-  const std::string_view sign = all.empty() ? "" : all.back().text;
-  const bool field = sign == "." || sign == ":";
-  for (std::size_t i = all.size(); field && i >= 2; i -= 2) {
-    if (all[i - 1].text != "." && all[i - 1].text != ":") break;
-    if (all[i - 2].kind != dsl::Token::Kind::name) return found;
-    path.emplace_back(all[i - 2].text);
-    if (i < 4) break;
-  }
-  const auto offer = [&](const std::string& name) {
-    if (!name.starts_with("_") && name.starts_with(word)) found.words.push_back(name);
-  };
+  const auto path = chain_before(all);
+  if (!path) return found;
+  const std::string sign(all.empty() ? "" : all.back().text);
   try {
     session_.with([&](Stack& stack) {
-      if (path.empty()) return;
-      stack.push_global(path.back());
-      const auto modules = dsl::module_names();
-      if (!stack.top().given() && std::find(modules.begin(), modules.end(), path.back()) != modules.end()) {
-        stack.load("return require('" + path.back() + "')", "=completion");
-        stack.call(0);
-      }
-      for (std::size_t i = path.size() - 1; i-- > 0;) {
-        if (stack.top().type() != Type::table) return;
-        static_cast<void>(stack.top().field(path[i]));
-      }
-      const Value value = stack.top();
-      if (value.type() == Type::table && sign == ".") {
-        for (const auto& name : value.keys().names) offer(name);
-      } else if (value.get<RunPointer>() != nullptr && sign == ".") {
-        for (const auto& name : run_fields()) offer(name);
-      } else if (dsl::as_strategy(value) && sign == ":") {
-        for (const char* name : {"tree", "json", "hash"}) offer(name);
+      for (const std::string& name : members(stack, *path, sign)) {
+        if (!name.starts_with("_") && name.starts_with(word)) found.words.push_back(name);
       }
     });
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a module that cannot be loaded says so when it is used

@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -20,7 +21,6 @@
 #include <dsl/command/figure_options.hpp>
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/learn.hpp>
-#include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
@@ -41,6 +41,31 @@ namespace {
 constexpr std::uint64_t most_jobs = 1024;
 constexpr int unbounded_width = 160;
 constexpr int overview_width = 100;
+
+struct Options {
+  std::string script;
+  ScriptOptions scripts;
+  std::optional<std::uint64_t> seeds;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> only;  ///< one seed
+  std::string problem;                ///< a name, "" for all
+  std::string strategy;               ///< likewise
+  std::optional<std::uint64_t> jobs;
+  std::optional<std::uint64_t> cross;
+  std::string json;                    ///< a file, "" if not given
+  std::string html;                    ///< a file, "" if not given
+  std::string samples;                 ///< a folder, "" if not given
+  std::string figures;                 ///< a folder, "" if not given
+  std::string out;                     ///< a folder for tables, figures and the document, "" if not given
+  std::string learn;                   ///< a library of paths, "" if not given
+  std::optional<double> novelty;       ///< metres
+  std::optional<std::size_t> palette;  ///< of the figures: 0 or none for safe, 1 for paper
+  FigureOptions style;
+  std::optional<std::size_t> report;  ///< a ReportKind; none: the overview
+  bool full = false;                  ///< the full report
+  bool ablate = false;
+  bool quiet = false;
+};
 
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
   const InterruptibleRun interruptible;
@@ -66,7 +91,7 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
 }
 
 /// Applies --problem, --strategy and --only to an experiment.
-void narrow(Experiment& experiment, const RunOptions& options, std::optional<std::uint64_t> only) {
+void narrow(Experiment& experiment, const Options& options) {
   choose_problem(experiment, options.problem);
   choose_strategy(experiment, options.strategy);
   if (!options.strategy.empty()) {
@@ -75,7 +100,7 @@ void narrow(Experiment& experiment, const RunOptions& options, std::optional<std
   }
   // The published claims refer to the complete experiment.
   if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
-  if (only) experiment.seeds = {*only};
+  if (options.only) experiment.seeds = {*options.only};
 }
 
 void write_all_figures(const Experiment& experiment, const ExperimentResult& result, const std::string& folder,
@@ -88,7 +113,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
 }
 
 /// Writes the output of --out for the finished problems, except the figures of each strategy.
-void write_out(const Experiment& experiment, const ExperimentResult& result, const RunOptions& options,
+void write_out(const Experiment& experiment, const ExperimentResult& result, const Options& options,
                const FigureStyle& style) {
   const std::filesystem::path folder(options.out);
   write_tables(options.style, options.out, report_markdown(experiment, result));
@@ -99,7 +124,7 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
 }
 
 /// Runs problem by problem, so that finished results remain if a later problem fails.
-ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const RunOptions& options,
+ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const Options& options,
                               const SceneFigureOptions& drawing) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
@@ -169,65 +194,85 @@ void warn(const dsl::Program& program, const ExperimentResult& result) {
   }
 }
 
-draw::RoleColours palette_option(const RunOptions& options) {
-  if (options.palette.empty()) return draw::RoleColours::safe;
-  static const std::vector<std::string> names = {"safe", "paper"};
-  const auto found = std::find(names.begin(), names.end(), options.palette);
-  if (found == names.end()) {
-    throw Error(fmt::format("--palette: there are safe and paper, got '{}'{}", options.palette,
-                            did_you_mean(options.palette, names)));
-  }
-  if (options.figures.empty() && options.out.empty()) throw Error("--palette: nothing is drawn without --figures");
-  return found == names.begin() ? draw::RoleColours::safe : draw::RoleColours::paper;
-}
-
-ReportKind report_option(const RunOptions& options) {
-  if (options.full && !options.report.empty() && options.report != "full") {
-    throw Error(fmt::format("--full: it is --report full; leave out --report {}", options.report));
-  }
-  if (options.full) return ReportKind::full;
-  if (options.report.empty()) return ReportKind::overview;
-  const std::vector<std::string>& kinds = report_kinds();
-  const auto found = std::find(kinds.begin(), kinds.end(), options.report);
-  if (found == kinds.end()) {
-    throw Error(fmt::format("--report: there are {}, got '{}'{}", fmt::join(kinds, ", "), options.report,
-                            did_you_mean(options.report, kinds)));
-  }
-  return static_cast<ReportKind>(found - kinds.begin());
-}
-
-}  // namespace
-
-int run(const RunOptions& options) {
-  const auto seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
-  const auto seed = integer_option("--seed", options.seed, 0, dsl::largest_seed);
-  const auto only = integer_option("--only", options.only, 0, dsl::largest_seed);
-  if (only && (seeds || seed)) throw Error("--only: it is one seed; leave out --seed and --seeds");
-  const auto jobs = integer_option("--jobs", options.jobs, 1, most_jobs);
-  const auto cross = integer_option("--cross", options.cross, 0, dsl::most_seeds);
-
-  const auto novelty = number_option("--novelty", options.novelty, 0.0);
-  if (novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
-
+SceneFigureOptions drawing_options(const Options& options) {
   const bool drawn = !options.figures.empty() || !options.out.empty();
-  const SceneFigureOptions drawing{.colours = palette_option(options),
-                                   .jobs = std::max(1U, std::thread::hardware_concurrency()),
-                                   .style = figure_style(options.style, drawn)};
+  if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
+  return {.colours = options.palette.value_or(0) == 0 ? draw::RoleColours::safe : draw::RoleColours::paper,
+          .jobs = std::max(1U, std::thread::hardware_concurrency()),
+          .style = figure_style(options.style, drawn)};
+}
+
+ReportKind report_kind(const Options& options) {
+  if (!options.full) return static_cast<ReportKind>(options.report.value_or(0));
+  const auto full = static_cast<std::size_t>(ReportKind::full);
+  if (options.report.value_or(full) != full) {
+    throw Error(fmt::format("--full: it is --report full; leave out --report {}", report_kinds()[*options.report]));
+  }
+  return ReportKind::full;
+}
+
+/// \throws Error for options that contradict each other.
+void check_combination(const Options& options) {
+  if (options.only && (options.seeds || options.seed)) {
+    throw Error("--only: it is one seed; leave out --seed and --seeds");
+  }
+  if (options.novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
   check_format(options.style, !options.out.empty());
-  const ReportKind kind = report_option(options);
+}
+
+/// Loads the script and applies the options to its experiment.
+dsl::Program program_of(const Options& options) {
+  dsl::SessionOptions session = session_options(options.scripts);
+  session.seed = options.seed.value_or(session.seed);
+  dsl::Program program = dsl::load_script(options.script, session);
+  dsl::override_seeds(program, options.seeds, options.seed);
+  if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
+  narrow(program.experiment, options);
+  if (options.cross) {
+    if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
+    program.experiment.measure->cross = static_cast<std::int64_t>(*options.cross);
+  }
+  return program;
+}
+
+/// Runs writers of outputs. If one fails, the others write anyway, and `finish` throws its error.
+class Writers {
+ public:
+  void attempt(bool wanted, const std::function<void()>& write) {
+    if (!wanted) return;
+    try {
+      write();
+    } catch (const Error& error) {
+      if (!failure_) failure_ = error;
+    }
+  }
+  void finish() const {
+    if (failure_) throw Error(*failure_);
+  }
+
+ private:
+  std::optional<Error> failure_;
+};
+
+void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind) {
+  const int width = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+  print_all(report_text(experiment, result, width, kind));
+}
+
+void write_page(const Experiment& experiment, const ExperimentResult& result, const Options& options) {
+  Progress progress(!options.quiet);
+  const auto show = [&](std::size_t done, std::size_t all) { progress.show(done, all); };
+  write_html(experiment, result, options.html, {.script = options.script, .progress = show});
+}
+
+int run(const Options& options) {
+  check_combination(options);
+  const SceneFigureOptions drawing = drawing_options(options);
+  const ReportKind kind = report_kind(options);
   // Create the library before the script runs, so that a script may use a library without paths.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
-
-  dsl::SessionOptions session = session_options(options.scripts);
-  session.seed = seed.value_or(session.seed);
-  dsl::Program program = dsl::load_script(options.script, session);
-  dsl::override_seeds(program, seeds, seed);
-  if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
-  narrow(program.experiment, options, only);
-  if (cross) {
-    if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
-    program.experiment.measure->cross = static_cast<std::int64_t>(*cross);
-  }
+  const dsl::Program program = program_of(options);
+  const Experiment& experiment = program.experiment;
 
   // A run may take hours: check first that its results can be stored.
   if (!options.json.empty()) require_writable_file(options.json);
@@ -236,54 +281,67 @@ int run(const RunOptions& options) {
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
 
-  const auto threads = static_cast<unsigned>(jobs.value_or(1));
-  const ExperimentResult result = options.out.empty() ? run_cells(program.experiment, threads, options.quiet)
-                                                      : run_problems(program.experiment, threads, options, drawing);
+  const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
+  const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet)
+                                                      : run_problems(experiment, threads, options, drawing);
+  samples.keep();
+  figures.keep();
   out.keep();
-  if (!options.out.empty()) tell_unsolved(program.experiment, result);
+  if (!options.out.empty()) tell_unsolved(experiment, result);
 
-  // If one output fails, write the others anyway.
-  std::optional<Error> failure;
-  const auto attempt = [&](const std::function<void()>& write) {
-    try {
-      write();
-    } catch (const Error& error) {
-      if (!failure) failure = error;
-    }
-  };
-  if (!options.quiet) {
-    attempt([&] {
-      print_all(report_text(program.experiment, result,
-                            report_width(kind == ReportKind::overview ? overview_width : unbounded_width), kind));
-    });
-  }
-  if (!options.json.empty()) {
-    attempt([&] { write_file(options.json, report_json(program.experiment, result, options.script)); });
-  }
-  if (!options.html.empty()) {
-    attempt([&] {
-      Progress progress(!options.quiet);
-      write_html(
-          program.experiment, result, options.html,
-          {.script = options.script, .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); }});
-    });
-  }
-  if (!options.samples.empty()) {
-    attempt([&] { write_samples(result, options.samples); });
-    samples.keep();
-  }
-  if (!options.figures.empty()) {
-    attempt([&] {
-      write_all_figures(program.experiment, result, options.figures, drawing, options.quiet);
-      write_comparison_figures(program.experiment, result, options.figures, drawing.style);
-    });
-    figures.keep();
-  }
-  if (!options.learn.empty())
-    attempt([&] { learn(program.experiment, result, options.learn, novelty, options.quiet); });
+  Writers writers;
+  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind); });
+  writers.attempt(!options.json.empty(),
+                  [&] { write_file(options.json, report_json(experiment, result, options.script)); });
+  writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });
+  writers.attempt(!options.samples.empty(), [&] { write_samples(result, options.samples); });
+  writers.attempt(!options.figures.empty(), [&] {
+    write_all_figures(experiment, result, options.figures, drawing, options.quiet);
+    write_comparison_figures(experiment, result, options.figures, drawing.style);
+  });
+  writers.attempt(!options.learn.empty(),
+                  [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
   warn(program, result);
-  if (failure) throw Error(*failure);
+  writers.finish();
   return success;
+}
+
+}  // namespace
+
+void add_run(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb =
+      line.add("run", "run a script's experiment and print the report", [options] { return run(*options); });
+  verb.argument("SCRIPT", "FILE", options->script, "a Lua script");
+  verb.integer("--seeds", "N", 1, dsl::most_seeds, options->seeds,
+               "the number of consecutive seeds, instead of the script's");
+  verb.integer("--seed", "SEED", 0, dsl::largest_seed, options->seed, "the first seed, instead of the script's");
+  verb.integer("--only", "SEED", 0, dsl::largest_seed, options->only,
+               "this seed alone, in the world that the script makes for its own seeds");
+  verb.text("--problem", "NAME", options->problem, "the problem of this name alone");
+  verb.text("--strategy", "NAME", options->strategy, "the strategy of this name alone");
+  verb.integer("--jobs", "N", 1, most_jobs, options->jobs,
+               "runs at the same time (default 1, so that their times compare); scoring takes all cores");
+  verb.integer("--cross", "N", 0, dsl::most_seeds, options->cross,
+               "paths of other seeds to score each run on, instead of the script's");
+  verb.flag("--ablate", options->ablate, "run every strategy with each of its guides taken out, too");
+  verb.text("--json", "FILE", options->json, "write all figures to a file");
+  verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
+  verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
+  verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
+  verb.text("--out", "FOLDER", options->out,
+            "write tables, the document and figures into a folder, problem by problem");
+  verb.text("--learn", "FILE", options->learn, "add the paths that were found and are new to a library of paths");
+  verb.number("--novelty", "METRES", 0.0, options->novelty,
+              "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");
+  verb.choice("--palette", {"safe", "paper"}, options->palette,
+              "the figures' colours of samples: safe, for any colour vision, or paper");
+  add_figure_options(verb, options->style);
+  verb.choice("--report", report_kinds(), options->report,
+              "what is printed: overview (default), levels, efficiency or full");
+  verb.flag("--full", options->full, "as --report full");
+  verb.flag("--quiet", options->quiet, "print neither report nor progress");
+  add_script_options(verb, options->scripts);
 }
 
 }  // namespace trellis::command

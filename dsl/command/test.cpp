@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,7 +15,6 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/junit.hpp>
-#include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
@@ -29,6 +29,7 @@ namespace trellis::command {
 namespace {
 
 constexpr int table_width = 120;
+constexpr std::uint64_t most_jobs = 1024;
 constexpr std::string_view margin = "        ";
 
 std::string indented(std::string_view text) {
@@ -42,6 +43,15 @@ std::string indented(std::string_view text) {
   }
   return all;
 }
+
+struct Options {
+  std::vector<std::string> files;
+  std::string filter;  ///< a part of the names of the scenarios to run
+  std::optional<std::uint64_t> seeds;
+  std::optional<std::uint64_t> jobs;
+  std::string junit;  ///< a file, "" if not given
+  ScriptOptions scripts;
+};
 
 struct Tally {
   std::size_t scenarios = 0;
@@ -147,14 +157,11 @@ std::string summary(const Tally& tally) {
                      part(tally.expectations, tally.failed_expectations, "expectation"));
 }
 
-}  // namespace
-
-int test(const TestOptions& options) {
-  constexpr std::uint64_t most_jobs = 1024;
+int test(const Options& options) {
   dsl::ScenarioFile::Options playing;
   playing.session = session_options(options.scripts);
-  playing.seeds = integer_option("--seeds", options.seeds, 1, dsl::most_seeds);
-  playing.making.jobs = static_cast<unsigned>(integer_option("--jobs", options.jobs, 1, most_jobs).value_or(0));
+  playing.seeds = options.seeds;
+  playing.making.jobs = static_cast<unsigned>(options.jobs.value_or(0));
   playing.making.interrupted = InterruptibleRun::requested;
   if (!options.junit.empty()) require_writable_file(options.junit);
 
@@ -170,6 +177,21 @@ int test(const TestOptions& options) {
   print_all(summary(tally));
   if (tally.script_wrong) return their_fault;
   return tally.failed_scenarios > 0 ? tests_failed : success;
+}
+
+}  // namespace
+
+void add_test(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb =
+      line.add("test", "run the scenarios of scripts and say what holds", [options] { return test(*options); });
+  verb.arguments("SCRIPT", "FILE", options->files, "Lua scripts of scenarios");
+  verb.text("--filter", "NAME", options->filter, "only the scenarios whose names contain this");
+  verb.integer("--seeds", "N", 1, dsl::most_seeds, options->seeds,
+               "the number of seeds of every trial, instead of the script's");
+  verb.integer("--jobs", "N", 1, most_jobs, options->jobs, "runs at the same time (default all cores)");
+  verb.text("--junit", "FILE", options->junit, "write what came out as JUnit's XML");
+  add_script_options(verb, options->scripts);
 }
 
 }  // namespace trellis::command

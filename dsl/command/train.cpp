@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
-#include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <trellis/base/error.hpp>
@@ -21,6 +22,18 @@
 namespace trellis::command {
 
 namespace {
+
+struct Options {
+  std::string data;                   ///< a folder of families
+  std::string out;                    ///< a file
+  std::vector<std::string> families;  ///< none: all
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> samples;
+  std::optional<std::uint64_t> cells;
+  std::optional<std::uint64_t> rounds;
+  bool search = false;  ///< a search heuristic instead of a classifier of cells
+  bool quiet = false;
+};
 
 namespace fs = std::filesystem;
 
@@ -92,10 +105,8 @@ std::string row(const std::string& family, const Validation& found) {
 
 constexpr std::uint64_t most_count = 1'000'000;
 
-std::int64_t count_option(const char* name, const std::string& typed, std::uint64_t least, std::uint64_t most,
-                          std::int64_t otherwise) {
-  return static_cast<std::int64_t>(
-      integer_option(name, typed, least, most).value_or(static_cast<std::uint64_t>(otherwise)));
+std::int64_t count(const std::optional<std::uint64_t>& option, std::int64_t otherwise) {
+  return option ? static_cast<std::int64_t>(*option) : otherwise;
 }
 
 /// Returns the mean effort of one family's searches, as expansions and edge evaluations.
@@ -121,12 +132,12 @@ std::string search_row(const std::string& family, const std::vector<SearchTrial>
                      means(&SearchTrial::euclidean), means(&SearchTrial::a_star), fewer, more);
 }
 
-int train_search(const TrainOptions& options, const std::vector<std::string>& families) {
+int train_search(const Options& options, const std::vector<std::string>& families) {
   SearchTrainingSettings settings;
-  settings.forest.seed = integer_option("--seed", options.seed, 0, most_count).value_or(settings.forest.seed);
-  settings.samples = count_option("--samples", options.samples, 1, most_count, settings.samples);
-  settings.cells = count_option("--cells", options.cells, 2, 1000, settings.cells);
-  settings.rounds = count_option("--rounds", options.rounds, 1, 1000, settings.rounds);
+  settings.forest.seed = options.seed.value_or(settings.forest.seed);
+  settings.samples = count(options.samples, settings.samples);
+  settings.cells = count(options.cells, settings.cells);
+  settings.rounds = count(options.rounds, settings.rounds);
   const auto learn_from = tasks_of(options.data, families, "train");
   const std::string description = fmt::format(
       "searches of {} worlds of {}, {} cells along the longer side, {} rounds, {} vertices of each search, "
@@ -152,21 +163,19 @@ int train_search(const TrainOptions& options, const std::vector<std::string>& fa
   return success;
 }
 
-}  // namespace
-
-int train(const TrainOptions& options) {
-  if (!options.search && !(options.cells.empty() && options.rounds.empty())) {
+int train(const Options& options) {
+  if (!options.search && (options.cells || options.rounds)) {
     throw Error(
         fmt::format("--{}: only a search heuristic is trained by searches of grids; expected together with "
                     "--search",
-                    options.cells.empty() ? "rounds" : "cells"));
+                    options.cells ? "cells" : "rounds"));
   }
   const std::vector<std::string> families = families_in(options.data, options.families);
   require_writable_file(options.out);
   if (options.search) return train_search(options, families);
   TrainingSettings settings;
-  settings.forest.seed = integer_option("--seed", options.seed, 0, most_count).value_or(settings.forest.seed);
-  settings.samples = count_option("--samples", options.samples, 1, most_count, settings.samples);
+  settings.forest.seed = options.seed.value_or(settings.forest.seed);
+  settings.samples = count(options.samples, settings.samples);
   const auto learn_from = tasks_of(options.data, families, "train");
   const std::string description = fmt::format("{} worlds of {}, {} cells each, seed {}", learn_from.size(),
                                               fmt::join(families, ", "), settings.samples, settings.forest.seed);
@@ -187,6 +196,27 @@ int train(const TrainOptions& options) {
             "\nThe divergence of the cells on nearly shortest paths from the samples of each; lower is "
             "better.\nuniform: free cells evenly. straight: less the longer the detour, obstacles ignored.\n");
   return success;
+}
+
+}  // namespace
+
+void add_train(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb =
+      line.add("train", "train a heuristic to imitate exact search on worlds", [options] { return train(*options); });
+  verb.text("--data", "FOLDER", options->data,
+            "a folder of families, each with the folders train and validation of PNGs", true);
+  verb.text("--out", "FILE", options->out, "the file that the model is written to", true);
+  verb.list("--family", "NAME", options->families, "families to train on, separated by commas, instead of all");
+  verb.integer("--seed", "SEED", 0, most_count, options->seed, "of the samples and the forest (default 1)");
+  verb.flag("--search", options->search,
+            "train a heuristic of best_first on searches of the worlds' grids, instead of learned's classifier");
+  verb.integer("--samples", "N", 1, most_count, options->samples,
+               "cells drawn from each world (default 500); with --search, vertices from each search (default 60)");
+  verb.integer("--cells", "N", 2, 1000, options->cells,
+               "cells of the grid along a world's longer side, for --search (default 40)");
+  verb.integer("--rounds", "N", 1, 1000, options->rounds, "rounds of data aggregation, for --search (default 10)");
+  verb.flag("--quiet", options->quiet, "print neither figures nor progress");
 }
 
 }  // namespace trellis::command

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <dsl/command/commands.hpp>
-#include <dsl/command/numbers.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
@@ -19,6 +21,13 @@
 namespace trellis::command {
 
 namespace {
+
+struct Options {
+  std::vector<std::string> files;     ///< documents of trellis run --json
+  std::string script;                 ///< replaces the script that the documents name, "" if not given
+  std::optional<std::uint64_t> seed;  ///< of math.random while the script loads
+  ScriptOptions scripts;
+};
 
 /// Returns the problem with finer motion checks by the other collision backend.
 Problem stricter(const Problem& problem) {
@@ -37,12 +46,10 @@ const Problem& problem_of(const std::vector<Problem>& problems, const std::strin
                           did_you_mean(name, known)));
 }
 
-}  // namespace
-
-int verify(const VerifyOptions& options) {
+int verify(const Options& options) {
   constexpr std::size_t largest = std::size_t{4} << 30U;
   dsl::SessionOptions session = session_options(options.scripts);
-  session.seed = integer_option("--seed", options.seed, 0, dsl::largest_seed).value_or(session.seed);
+  session.seed = options.seed.value_or(session.seed);
   std::size_t verified = 0;
   std::size_t faults = 0;
   std::size_t unsolved = 0;
@@ -74,6 +81,19 @@ int verify(const VerifyOptions& options) {
                       unsolved > 0 ? fmt::format("; {} runs found no path", unsolved) : "");
   print_all(text);
   return faults == 0 ? success : tests_failed;
+}
+
+}  // namespace
+
+void add_verify(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("verify", "validate the paths in results of trellis run again, more finely",
+                             [options] { return verify(*options); });
+  verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
+  verb.text("--script", "FILE", options->script, "the script of the results, instead of the one that they name");
+  verb.integer("--seed", "SEED", 0, dsl::largest_seed, options->seed,
+               "the --seed that trellis run had, where the script makes random worlds");
+  add_script_options(verb, options->scripts);
 }
 
 }  // namespace trellis::command

@@ -17,6 +17,19 @@ struct Library {
 
 }  // namespace
 
+void wrap(lua_State* state, const char* name, lua_CFunction by) {
+  lua_getfield(state, -1, name);
+  lua_pushcclosure(state, by, 1);
+  lua_setfield(state, -2, name);
+}
+
+int call_replaced(lua_State* state) {
+  lua_pushvalue(state, lua_upvalueindex(1));
+  lua_insert(state, 1);
+  lua_call(state, lua_gettop(state) - 1, LUA_MULTRET);
+  return lua_gettop(state);
+}
+
 void open_libraries(Stack& stack, bool trust) {
   lua_State* state = stack.state();
   constexpr std::array<Library, 6> harmless = {{{LUA_GNAME, luaopen_base, replace_base},

@@ -5,13 +5,19 @@
 
 namespace trellis::lua {
 
-// New implementations of functions of Lua's library that observe the limits: none runs without a bound, and none
-// prevents the end of a script. Each replaces the function of its name in the table on top of the stack. For the
-// sources of this folder only.
+// Functions of Lua's library that observe the limits: none runs without a bound, and none prevents the end of a script.
+// Where the work of Lua's own function has a bound that is known before the call, the replacement counts that and calls
+// it (`wrap`). Each replaces the function of its name in the table on top of the stack. For the sources of this folder
+// only.
 
-/// pcall, xpcall, load, next, pairs, setmetatable, collectgarbage.
+/// Replaces a function by another with the replaced one as its upvalue.
+void wrap(lua_State* state, const char* name, lua_CFunction by);
+/// Calls the replaced function with the arguments on the stack.
+int call_replaced(lua_State* state);
+
+/// pcall, xpcall, load, setmetatable, collectgarbage.
 void replace_base(lua_State* state);
-/// create, wrap, resume, close.
+/// wrap, resume, close.
 void replace_coroutine(lua_State* state);
 /// concat, insert, move, remove, sort.
 void replace_table(lua_State* state);

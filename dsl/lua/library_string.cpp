@@ -279,34 +279,29 @@ int gsub(lua_State* state) {
 }
 
 int rep(lua_State* state) {
-  const std::string_view text = text_argument(state, 1);
+  const std::size_t size = text_argument(state, 1).size();
   const lua_Integer count = luaL_checkinteger(state, 2);
   std::size_t between = 0;
-  const char* separator = luaL_optlstring(state, 3, "", &between);
-  if (count <= 0 || text.size() + between == 0) {
+  luaL_optlstring(state, 3, "", &between);
+  if (count <= 0 || size + between == 0) {  // Lua's own repeats an empty string as often
     lua_pushliteral(state, "");
     return 1;
   }
   const auto times = static_cast<std::size_t>(count);
   if (times > Guard::longest_string(state)) check_length(state, times);
-  check_length(state, times * (text.size() + between) - between);
-  std::string result;
-  result.reserve(times * (text.size() + between));
-  for (std::size_t i = 0; i < times; ++i) {
-    result.append(text);
-    if (i + 1 < times) result.append(separator, between);
-  }
-  Guard::spend(state, times + result.size() / bytes_at_once);
-  lua_pushlstring(state, result.data(), result.size());
-  return 1;
+  const std::size_t length = times * (size + between) - between;
+  check_length(state, length);
+  Guard::spend(state, times + length / bytes_at_once);
+  return call_replaced(state);
 }
 
 }  // namespace
 
 void replace_string(lua_State* state) {
-  constexpr std::array<luaL_Reg, 6> functions = {
-      {{"find", find}, {"match", match}, {"gmatch", gmatch}, {"gsub", gsub}, {"rep", rep}, {nullptr, nullptr}}};
+  constexpr std::array<luaL_Reg, 5> functions = {
+      {{"find", find}, {"match", match}, {"gmatch", gmatch}, {"gsub", gsub}, {nullptr, nullptr}}};
   luaL_setfuncs(state, functions.data(), 0);
+  wrap(state, "rep", rep);
   lua_pushnil(state);
   lua_setfield(state, -2, "dump");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -62,23 +63,10 @@ int remove(lua_State* state) {
 int move(lua_State* state) {
   const lua_Integer first = luaL_checkinteger(state, 2);
   const lua_Integer last = luaL_checkinteger(state, 3);
-  const lua_Integer to = luaL_checkinteger(state, 4);
-  const int target = lua_isnoneornil(state, 5) ? 1 : 5;
   check_table(state, 1, {"__index"});
-  check_table(state, target, {"__newindex"});
-  constexpr lua_Integer largest = std::numeric_limits<lua_Integer>::max();
-  if (last >= first) {
-    luaL_argcheck(state, first > 0 || last < largest + first, 3, "too many elements to move");
-    const lua_Integer count = last - first + 1;
-    luaL_argcheck(state, to <= largest - count + 1, 4, "destination wrap around");
-    const bool apart = to > last || to <= first || (target != 1 && lua_compare(state, 1, target, LUA_OPEQ) == 0);
-    for (lua_Integer k = 0; k < count; ++k) {
-      const lua_Integer i = apart ? k : count - 1 - k;
-      move_element(state, 1, first + i, target, to + i);
-    }
-  }
-  lua_pushvalue(state, target);
-  return 1;
+  check_table(state, lua_isnoneornil(state, 5) ? 1 : 5, {"__newindex"});
+  if (last >= first) Guard::spend(state, static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first));
+  return call_replaced(state);
 }
 
 int concat(lua_State* state) {
@@ -111,7 +99,8 @@ int concat(lua_State* state) {
   return 1;
 }
 
-/// Heap sort of the table at 1 by the function at 2, or by `<`: it terminates for every comparison function.
+/// Heap sort of the table at 1 by the function at 2, or by `<`: it terminates for every comparison function. Lua's own
+/// sort takes pivots by the clock, so that the order of equal elements would differ from run to run.
 class Sort {
  public:
   explicit Sort(lua_State* state) : state_(state), size_(luaL_len(state, 1)) {}
@@ -186,9 +175,10 @@ int sort(lua_State* state) {
 }  // namespace
 
 void replace_table(lua_State* state) {
-  constexpr std::array<luaL_Reg, 6> functions = {
-      {{"insert", insert}, {"remove", remove}, {"move", move}, {"concat", concat}, {"sort", sort}, {nullptr, nullptr}}};
+  constexpr std::array<luaL_Reg, 5> functions = {
+      {{"insert", insert}, {"remove", remove}, {"concat", concat}, {"sort", sort}, {nullptr, nullptr}}};
   luaL_setfuncs(state, functions.data(), 0);
+  wrap(state, "move", move);
 }
 
 }  // namespace trellis::lua

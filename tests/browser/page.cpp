@@ -169,7 +169,8 @@ return experiment {
 
 }  // namespace
 
-TEST_CASE("the page shows what its address says, as the other files have it, and does what hands ask", "[browser]") {
+TEST_CASE("the page shows what its address says, as the other files have it, and does what hands ask",
+          "[browser][slow]") {
   if (!browser_is_here()) return;
   const Place place;
   place.script("script.lua", script);

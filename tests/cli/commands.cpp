@@ -97,7 +97,7 @@ TEST_CASE("a page is written where it is asked for") {
   CHECK(page.ends_with("</html>\n"));
 }
 
-TEST_CASE("the command line asks for ablations, other paths and figures") {
+TEST_CASE("the command line asks for ablations, other paths and figures", "[slow]") {
   const Place place;
   place.script("guided.lua",
                "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
@@ -121,7 +121,7 @@ TEST_CASE("the command line asks for ablations, other paths and figures") {
         "trellis: --cross: the script measures nothing (measure = false)\n");
 }
 
-TEST_CASE("figures are drawn of every strategy, in the palette asked for") {
+TEST_CASE("figures are drawn of every strategy, in the palette asked for", "[slow]") {
   const Place place;
   place.script("guided.lua",
                "return experiment { problems = scenes.cup(), seeds = 2, measure = tube { points = 256, pool = 1024 }, "
@@ -379,7 +379,7 @@ TEST_CASE("the manual page and the completions have every verb and option of --h
   CHECK(count >= 7);
 }
 
-TEST_CASE("new writes a script that runs, and never over another") {
+TEST_CASE("new writes a script that runs, and never over another", "[slow]") {
   const Place place;
   const auto made = place.run({"new", "mine"});
   INFO(made.err);
@@ -453,7 +453,7 @@ TEST_CASE("Ctrl-C ends a run, and a script that loops, promptly with 130") {
   }
 }
 
-TEST_CASE("a folder gets the tables, the document, the page and the figures") {
+TEST_CASE("a folder gets the tables, the document, the page and the figures", "[slow]") {
   const Place place;
   place.script(
       "pair.lua",

@@ -300,7 +300,7 @@ TEST_CASE("an option that is none is named, with the one that may be meant") {
         "trellis: no option --estimater (did you mean '--estimator'?); 'trellis help' shows the usage\n");
 }
 
-TEST_CASE("bad input gives one message with what and where, and no figure") {
+TEST_CASE("bad input gives one message with what and where, and no figure", "[slow]") {
   struct Bad {
     const char* what;
     Json changes;      // of the capsule's case; null takes a key out

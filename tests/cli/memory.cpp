@@ -129,7 +129,7 @@ TEST_CASE("a script reaches the libraries in its folder, and others where it is 
   CHECK(place.run({"check", "scripts/use.lua"}).status == 0);
 }
 
-TEST_CASE("a heuristic is trained on worlds drawn as images, and used") {
+TEST_CASE("a heuristic is trained on worlds drawn as images, and used", "[slow]") {
   const Place place;
   draw_family(place / "data/gaps");
   const std::vector<std::string> train = {"train", "--data", "data", "--out", "gaps.model", "--samples", "200"};

@@ -33,7 +33,7 @@ int pays(const Place& place, const std::string& options) {
 
 }  // namespace
 
-TEST_CASE("scripts/pays writes tables and figures of the worlds and strategies that were asked for", "[pays]") {
+TEST_CASE("scripts/pays writes tables and figures of the worlds and strategies that were asked for", "[pays][slow]") {
   const Place place;
   const std::string out = place / "pays";
   const int status = pays(place, "--seeds 1 --only cup --strategies 'skeleton >> rrt,shrink>>rrt' --out '" + out + "'");
@@ -118,7 +118,7 @@ TEST_CASE("every guide of the catalogue that searches a space or samples is in p
   CHECK(missing.empty());
 }
 
-TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][worlds]") {
+TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][slow][worlds]") {
   const Place place;
   place.script(
       "worlds.lua",
@@ -145,7 +145,7 @@ TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][
         "trellis: there is no strategy 'conect' (did you mean 'connect'?); there are: connect\n");
 }
 
-TEST_CASE("a false gap is one: half the robot passes, the robot does not", "[pays][worlds]") {
+TEST_CASE("a false gap is one: half the robot passes, the robot does not", "[pays][slow][worlds]") {
   const Place place;
   // The wall of one row, without its true gap.
   place.script("bent.lua", R"(

@@ -99,25 +99,19 @@ void bound_below(Figure& figure, double least) {
   }
 }
 
-Figure figure(const LevelResults& levels, Where where, Role role) {
-  Figure result;
+/// Returns the scores with a value, and adds what names and counts all scores: reasons, estimators, flags.
+std::vector<const Efficiency*> collect(const std::vector<const Efficiency*>& all, Figure& result) {
+  const auto add_once = [](std::vector<std::string>& names, const std::string& name) {
+    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
   std::vector<const Efficiency*> figures;
-  std::vector<double> uniform;
-  for (const auto* level : levels) {
-    const Efficiency* e = find(*level, where, role);
-    if (e == nullptr) continue;
-    uniform.push_back(e->uniform);
+  for (const Efficiency* e : all) {
     if (std::isnan(e->value)) {
-      if (!e->reason.empty() &&
-          std::find(result.reasons.begin(), result.reasons.end(), e->reason) == result.reasons.end()) {
-        result.reasons.push_back(e->reason);
-      }
+      add_once(result.reasons, e->reason);
       continue;
     }
     figures.push_back(e);
-    if (std::find(result.estimators.begin(), result.estimators.end(), e->estimator) == result.estimators.end()) {
-      result.estimators.push_back(e->estimator);
-    }
+    add_once(result.estimators, e->estimator);
     for (const auto& flag : e->flags) {
       const auto same = [&](const auto& entry) { return entry.first == flag; };
       const auto it = std::find_if(result.flags.begin(), result.flags.end(), same);
@@ -128,46 +122,47 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
       }
     }
   }
-  result.scored = figures.size();
-  result.uniform = student_interval(uniform);
-  const auto over_runs = [&](auto field) {
-    std::vector<double> values;
-    values.reserve(figures.size());
-    for (const Efficiency* e : figures) values.push_back(field(*e));
-    return student_interval(values);
-  };
-  using E = const Efficiency&;
-  const auto middle = [&](auto field) {
-    std::vector<double> values;
-    values.reserve(figures.size());
-    for (const Efficiency* e : figures) values.push_back(static_cast<double>(field(*e)));
-    return median(values);
-  };
-  result.samples = middle([](E e) { return e.samples; });
-  result.in_target = middle([](E e) { return e.in_target; });
-  result.free_share = over_runs([](E e) { return e.free_share; });
-  result.value = over_runs([](E e) { return e.value; });
-  result.light_value = over_runs([](E e) { return e.light_value; });
-  result.undefended = over_runs([](E e) { return e.undefended; });
-  result.gain = over_runs([](E e) { return e.gain; });
-  result.perfect = over_runs([](E e) { return e.perfect; });
-  result.mass = over_runs([](E e) { return e.mass; });
-  result.spread = over_runs([](E e) { return e.undefended_parts.spread; });
-  result.mass_part = over_runs([](E e) { return e.parts.mass; });
-  result.spread_part = over_runs([](E e) { return e.parts.spread; });
-  result.along_part = over_runs([](E e) { return e.parts.along; });
-  result.across_part = over_runs([](E e) { return e.parts.across; });
-  result.mass_lower95 = over_runs([](E e) { return e.mass_lower95; });
-  result.js = over_runs([](E e) { return e.js; });
-  result.coverage = over_runs([](E e) { return e.coverage; });
-  result.uniform_coverage = over_runs([](E e) { return e.uniform_coverage; });
-  result.coverage_half = over_runs([](E e) { return e.coverage_half; });
-  result.along = over_runs([](E e) { return e.along.divergence; });
-  result.empty_share = over_runs([](E e) { return e.along.empty_share; });
-  bound_below(result,
-              over_runs([](E e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); }).value);
-  add_profile(figures, result);
+  return figures;
+}
 
+template <class Field>
+std::vector<double> values_of(const std::vector<const Efficiency*>& figures, const Field& field) {
+  std::vector<double> values;
+  values.reserve(figures.size());
+  for (const Efficiency* e : figures) values.push_back(static_cast<double>(field(*e)));
+  return values;
+}
+
+/// A mean over the runs and the field of a score that it averages.
+struct Average {
+  Interval Figure::*mean;
+  double (*field)(const Efficiency&);
+};
+
+constexpr Average averages[] = {
+    {&Figure::free_share, [](const Efficiency& e) { return e.free_share; }},
+    {&Figure::value, [](const Efficiency& e) { return e.value; }},
+    {&Figure::light_value, [](const Efficiency& e) { return e.light_value; }},
+    {&Figure::undefended, [](const Efficiency& e) { return e.undefended; }},
+    {&Figure::gain, [](const Efficiency& e) { return e.gain; }},
+    {&Figure::perfect, [](const Efficiency& e) { return e.perfect; }},
+    {&Figure::mass, [](const Efficiency& e) { return e.mass; }},
+    {&Figure::spread, [](const Efficiency& e) { return e.undefended_parts.spread; }},
+    {&Figure::mass_part, [](const Efficiency& e) { return e.parts.mass; }},
+    {&Figure::spread_part, [](const Efficiency& e) { return e.parts.spread; }},
+    {&Figure::along_part, [](const Efficiency& e) { return e.parts.along; }},
+    {&Figure::across_part, [](const Efficiency& e) { return e.parts.across; }},
+    {&Figure::mass_lower95, [](const Efficiency& e) { return e.mass_lower95; }},
+    {&Figure::js, [](const Efficiency& e) { return e.js; }},
+    {&Figure::coverage, [](const Efficiency& e) { return e.coverage; }},
+    {&Figure::uniform_coverage, [](const Efficiency& e) { return e.uniform_coverage; }},
+    {&Figure::coverage_half, [](const Efficiency& e) { return e.coverage_half; }},
+    {&Figure::along, [](const Efficiency& e) { return e.along.divergence; }},
+    {&Figure::empty_share, [](const Efficiency& e) { return e.along.empty_share; }},
+};
+
+/// Compares the headline estimator with the first other one, in the runs that have both.
+void add_check(const std::vector<const Efficiency*>& figures, Figure& result) {
   std::vector<double> headline;
   std::vector<double> beside;
   for (const Efficiency* e : figures) {
@@ -178,6 +173,24 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
     beside.push_back(e->others.front().value);
   }
   result.check_difference = paired(headline, beside);
+}
+
+Figure figure(const LevelResults& levels, Where where, Role role) {
+  std::vector<const Efficiency*> all;
+  for (const auto* level : levels) {
+    if (const Efficiency* e = find(*level, where, role)) all.push_back(e);
+  }
+  Figure result;
+  const auto figures = collect(all, result);
+  result.scored = figures.size();
+  result.uniform = student_interval(values_of(all, [](const Efficiency& e) { return e.uniform; }));
+  result.samples = median(values_of(figures, [](const Efficiency& e) { return e.samples; }));
+  result.in_target = median(values_of(figures, [](const Efficiency& e) { return e.in_target; }));
+  for (const auto& [mean, field] : averages) result.*mean = student_interval(values_of(figures, field));
+  const auto least = [](const Efficiency& e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); };
+  bound_below(result, student_interval(values_of(figures, least)).value);
+  add_profile(figures, result);
+  add_check(figures, result);
   return result;
 }
 

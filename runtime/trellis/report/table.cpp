@@ -68,80 +68,92 @@ void Table::add(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-std::string Table::part(const std::vector<std::size_t>& columns, std::size_t gap) const {
-  std::vector<std::size_t> widths;
+/// The layout of a part of a table: its columns, their widths, and the spans of columns with the same group.
+struct Table::Layout {
+  const std::vector<std::size_t>& columns;
+  std::size_t gap;
+  std::vector<std::size_t> widths = {};
+  std::vector<Span> spans = {};
   std::size_t heading_lines = 0;
-  for (const auto c : columns) {
-    std::size_t width = 0;
-    for (const auto& line : columns_[c].heading) width = std::max(width, display_width(line));
-    for (const auto& row : rows_) width = std::max(width, display_width(row[c]));
-    widths.push_back(width);
-    heading_lines = std::max(heading_lines, columns_[c].heading.size());
-  }
 
-  std::vector<Span> spans;
+  [[nodiscard]] std::size_t width(const Span& span) const {
+    std::size_t all = (span.last - span.first) * gap;
+    for (std::size_t i = span.first; i <= span.last; ++i) all += widths[i];
+    return all;
+  }
+  /// Joins a line's cells; `cell(i)` is the text of column i of the part.
+  template <class Cell>
+  [[nodiscard]] std::string line(const std::vector<Column>& all, const Cell& cell) const {
+    std::string text;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (i > 0) text += std::string(gap, ' ');
+      text += pad(cell(i), widths[i], !all[columns[i]].left);
+    }
+    return text;
+  }
+};
+
+Table::Layout Table::layout_of(const std::vector<std::size_t>& columns, std::size_t gap) const {
+  Layout layout{columns, gap};
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const std::string& group = columns_[columns[i]].group;
-    if (i > 0 && !group.empty() && columns_[columns[i - 1]].group == group) {
-      spans.back().last = i;
+    const Column& column = columns_[columns[i]];
+    std::size_t width = 0;
+    for (const auto& line : column.heading) width = std::max(width, display_width(line));
+    for (const auto& row : rows_) width = std::max(width, display_width(row[columns[i]]));
+    layout.widths.push_back(width);
+    layout.heading_lines = std::max(layout.heading_lines, column.heading.size());
+    if (i > 0 && !column.group.empty() && columns_[columns[i - 1]].group == column.group) {
+      layout.spans.back().last = i;
     } else {
-      spans.push_back({i, i});
+      layout.spans.push_back({i, i});
     }
   }
-  const auto span_width = [&](const Span& span) {
-    std::size_t width = (span.last - span.first) * gap;
-    for (std::size_t i = span.first; i <= span.last; ++i) width += widths[i];
-    return width;
-  };
-  bool grouped = false;
-  for (const auto& span : spans) {
-    const std::string& group = columns_[columns[span.first]].group;
-    grouped = grouped || !group.empty();
-    const std::size_t needed = display_width(group);
-    if (needed > span_width(span)) widths[span.last] += needed - span_width(span);
+  for (const Span& span : layout.spans) {
+    const std::size_t needed = display_width(columns_[columns[span.first]].group);
+    const std::size_t width = layout.width(span);
+    if (needed > width) layout.widths[span.last] += needed - width;
   }
+  return layout;
+}
 
-  const std::string space(gap, ' ');
+std::string Table::headings(const Layout& layout) const {
+  const auto group = [&](const Span& span) -> const std::string& { return columns_[layout.columns[span.first]].group; };
   std::string out;
-  if (grouped) {
+  if (std::any_of(layout.spans.begin(), layout.spans.end(), [&](const Span& span) { return !group(span).empty(); })) {
     std::string line;
-    for (const auto& span : spans) {
-      const std::string& group = columns_[columns[span.first]].group;
-      if (span.first > 0) line += space;
-      std::string label = group;
-      const std::size_t width = span_width(span);
-      if (!group.empty() && display_width(group) + 1 < width) {
-        label += ' ' + repeat("─", width - display_width(group) - 1);
-      }
+    for (const auto& span : layout.spans) {
+      if (span.first > 0) line += std::string(layout.gap, ' ');
+      std::string label = group(span);
+      const std::size_t width = layout.width(span);
+      const std::size_t used = display_width(label);
+      if (!label.empty() && used + 1 < width) label += ' ' + repeat("─", width - used - 1);
       line += pad(label, width, false);
     }
     append_line(out, std::move(line));
   }
-  for (std::size_t h = 0; h < heading_lines; ++h) {
-    std::string line;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Column& column = columns_[columns[i]];
-      const std::size_t above = heading_lines - column.heading.size();  // headings are bottom-aligned
-      if (i > 0) line += space;
-      line += pad(h < above ? "" : column.heading[h - above], widths[i], !column.left);
-    }
-    append_line(out, std::move(line));
+  for (std::size_t h = 0; h < layout.heading_lines; ++h) {
+    append_line(out, layout.line(columns_, [&](std::size_t i) -> std::string {
+      const auto& heading = columns_[layout.columns[i]].heading;
+      const std::size_t above = layout.heading_lines - heading.size();  // headings are bottom-aligned
+      return h < above ? "" : heading[h - above];
+    }));
   }
+  return out;
+}
+
+std::string Table::part(const std::vector<std::size_t>& columns, std::size_t gap) const {
+  const Layout layout = layout_of(columns, gap);
+  const auto& widths = layout.widths;
   const std::size_t total = std::accumulate(widths.begin(), widths.end(), gap * (widths.size() - 1));
   const std::string thin = repeat("─", total) + '\n';
-  out += thin;
+  std::string out = headings(layout) + thin;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     // Omit a row without values from this part of a split table.
     const bool blank = columns.size() > 1 && std::all_of(columns.begin() + 1, columns.end(),
                                                          [&](std::size_t c) { return rows_[r][c].empty(); });
     if (blank) continue;
     if (std::find(rules_.begin(), rules_.end(), r) != rules_.end()) out += thin;
-    std::string line;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) line += space;
-      line += pad(rows_[r][columns[i]], widths[i], !columns_[columns[i]].left);
-    }
-    append_line(out, std::move(line));
+    append_line(out, layout.line(columns_, [&](std::size_t i) { return rows_[r][columns[i]]; }));
   }
   return out;
 }

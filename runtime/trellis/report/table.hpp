@@ -44,6 +44,9 @@ class Table {
   [[nodiscard]] std::string text(std::size_t width) const;
 
  private:
+  struct Layout;
+  [[nodiscard]] Layout layout_of(const std::vector<std::size_t>& columns, std::size_t gap) const;
+  [[nodiscard]] std::string headings(const Layout& layout) const;
   [[nodiscard]] std::string part(const std::vector<std::size_t>& columns, std::size_t gap) const;
 
   std::vector<Column> columns_;

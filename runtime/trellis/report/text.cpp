@@ -303,87 +303,101 @@ std::string reasons_text(const std::vector<LevelSummary>& levels, std::size_t wi
 }
 
 /// Returns the measure of every level and role: in its own space on its own path, and lifted to the root.
-std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t width) {
+std::vector<Table::Column> measure_columns() {
   const std::string own = "own space, own path";
   const std::string root = "root space: above uniform on";
-  std::vector<Table::Column> columns = {text_column("level"),
-                                        text_column("samples"),
-                                        number_column({"runs"}),
-                                        number_column({"N"}),
-                                        number_column({"in", "target"}),
-                                        number_column({"uniform", "nats"}, own),
-                                        number_column({"above", "uniform"}, own),
-                                        number_column({"divergence", "SE"}, own),
-                                        number_column({"mass", "nats"}, own),
-                                        number_column({"spread", "nats"}, own),
-                                        number_column({"D", "nats"}, own),
-                                        number_column({"D at", "least"}, own),
-                                        number_column({"along", "nats"}, own),
-                                        number_column({"empty", "%"}, own),
-                                        number_column({"covered", "(uniform) %"}, own),
-                                        number_column({"JS", "nats"}, own),
-                                        number_column({"own", "path"}, root),
-                                        number_column({"other", "seeds'"}, root)};
-  Notes told;
-  FigureColumn own_above;
-  FigureColumn root_above;
-  FigureColumn cross_above;
+  return {text_column("level"),
+          text_column("samples"),
+          number_column({"runs"}),
+          number_column({"N"}),
+          number_column({"in", "target"}),
+          number_column({"uniform", "nats"}, own),
+          number_column({"above", "uniform"}, own),
+          number_column({"divergence", "SE"}, own),
+          number_column({"mass", "nats"}, own),
+          number_column({"spread", "nats"}, own),
+          number_column({"D", "nats"}, own),
+          number_column({"D at", "least"}, own),
+          number_column({"along", "nats"}, own),
+          number_column({"empty", "%"}, own),
+          number_column({"covered", "(uniform) %"}, own),
+          number_column({"JS", "nats"}, own),
+          number_column({"own", "path"}, root),
+          number_column({"other", "seeds'"}, root)};
+}
+
+/// The rows of the measure: each level's tree and expansion.
+class MeasureRows {
+ public:
+  /// A level's role, where it has samples.
+  void add(std::size_t i, const LevelSummary& level, const std::string& label, bool tree) {
+    Figure FigurePair::*const role = tree ? &FigurePair::tree : &FigurePair::expansion;
+    if (!any_sample(level.own, level.root, role) && !any_sample(level.own_cross, level.root_cross, role)) return;
+    const char* name = tree ? "tree" : "expansion";
+    const std::string row = fmt::format("level {} {}", i, name);
+    own_.add(level.own.*role, {row, "own"}, told_);
+    // The root's own target is the root's target: print it once.
+    Notes heard_already;
+    root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told_);
+    cross_.add(level.root_cross.*role, {row, "other seeds'"}, told_);
+    lines_.push_back({label, name, &(level.own.*role)});
+  }
+
+  /// Perfect guidance or uniform sampling: the estimators' results for as many samples of it.
+  void add_reference(const std::string& name, const FigurePair& pair) {
+    static const Figure nothing;
+    Notes unread;
+    for (const auto& [role, figure] : {std::pair{"tree", &pair.tree}, std::pair{"expansion", &pair.expansion}}) {
+      if (figure->scored == 0) continue;
+      own_.add(*figure, {name, role}, unread);
+      root_.add(*figure, {name, role}, unread);
+      cross_.add(nothing, {name, role}, unread);
+      lines_.push_back({name, role, figure});
+    }
+  }
+
+  [[nodiscard]] std::string text(std::size_t width) const {
+    const auto own = own_.text();
+    const auto root = root_.text();
+    const auto cross = cross_.text();
+    const auto nats = [](double x) { return std::isfinite(x) ? fixed(x, 2) : "-"; };
+    Table table(measure_columns());
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+      const Figure& f = *lines_[k].own;
+      const bool first = k == 0 || lines_[k - 1].label != lines_[k].label;
+      const std::string covered =
+          f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
+      table.add({first ? lines_[k].label : "", lines_[k].role, std::to_string(f.scored), count_text(f.samples),
+                 count_text(f.in_target), nats(f.uniform.value), own[k], interval_text(f.value),
+                 interval_text(f.mass_part), interval_text(f.spread_part),
+                 std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value), nats(f.mass_lower95.value),
+                 nats(f.along.value), percent(f.empty_share.value), covered, nats(f.js.value), root[k], cross[k]});
+    }
+    return table.text(width) + told_.text(width);
+  }
+
+ private:
   struct Line {
     std::string label;
     const char* role;
     const Figure* own;
   };
-  std::vector<Line> lines;
+  Notes told_;
+  FigureColumn own_;
+  FigureColumn root_;
+  FigureColumn cross_;
+  std::vector<Line> lines_;
+};
+
+std::string measure_table(const std::vector<LevelSummary>& levels, std::size_t width) {
+  MeasureRows rows;
   const auto labels = level_labels(levels);
-  static const Figure nothing;
-  // Perfect guidance above, uniform sampling below: the estimators' results for as many samples of each.
-  const auto add_reference = [&](const std::string& name, const FigurePair& pair) {
-    Notes unread;
-    for (const auto& [role, figure] : {std::pair{"tree", &pair.tree}, std::pair{"expansion", &pair.expansion}}) {
-      if (figure->scored == 0) continue;
-      own_above.add(*figure, {name, role}, unread);
-      root_above.add(*figure, {name, role}, unread);
-      cross_above.add(nothing, {name, role}, unread);
-      lines.push_back({name, role, figure});
-    }
-  };
-  if (!levels.empty()) add_reference("oracle", levels.front().oracle);
+  if (!levels.empty()) rows.add_reference("oracle", levels.front().oracle);
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    for (const bool tree : {true, false}) {
-      const LevelSummary& level = levels[i];
-      Figure FigurePair::*const role = tree ? &FigurePair::tree : &FigurePair::expansion;
-      if (!any_sample(level.own, level.root, role) && !any_sample(level.own_cross, level.root_cross, role)) continue;
-      const char* name = tree ? "tree" : "expansion";
-      const std::string row = fmt::format("level {} {}", i, name);
-      own_above.add(level.own.*role, {row, "own"}, told);
-      // The root's own target is the root's target: print it once.
-      Notes heard_already;
-      root_above.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told);
-      cross_above.add(level.root_cross.*role, {row, "other seeds'"}, told);
-      lines.push_back({labels[i], name, &(level.own.*role)});
-    }
+    for (const bool tree : {true, false}) rows.add(i, levels[i], labels[i], tree);
   }
-  if (!levels.empty()) add_reference("uniform", levels.front().uniform);
-  const auto own_text = own_above.text();
-  const auto root_text = root_above.text();
-  const auto cross_text = cross_above.text();
-  Table table(columns);
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    const Figure& f = *lines[k].own;
-    const bool first = k == 0 || lines[k - 1].label != lines[k].label;
-    const std::string covered =
-        f.scored == 0 ? "-" : fmt::format("{} ({})", percent(f.coverage.value), percent(f.uniform_coverage.value));
-    table.add({first ? lines[k].label : "", lines[k].role, std::to_string(f.scored), count_text(f.samples),
-               count_text(f.in_target), std::isfinite(f.uniform.value) ? fixed(f.uniform.value, 2) : "-", own_text[k],
-               interval_text(f.value), interval_text(f.mass_part), interval_text(f.spread_part),
-               std::isnan(f.undefended.value)   ? "-"
-               : std::isinf(f.undefended.value) ? "inf"
-                                                : fixed(f.undefended.value, 2),
-               std::isfinite(f.mass_lower95.value) ? fixed(f.mass_lower95.value, 2) : "-",
-               std::isfinite(f.along.value) ? fixed(f.along.value, 2) : "-", percent(f.empty_share.value), covered,
-               std::isfinite(f.js.value) ? fixed(f.js.value, 2) : "-", root_text[k], cross_text[k]});
-  }
-  return table.text(width) + told.text(width) + reasons_text(levels, width);
+  if (!levels.empty()) rows.add_reference("uniform", levels.front().uniform);
+  return rows.text(width) + reasons_text(levels, width);
 }
 
 /// Lists where a headline without estimation and the estimate beside it differ by more than their interval.
@@ -505,6 +519,60 @@ std::string scored_text(const FigurePair& pair) {
   return fmt::format("{}, {}", pair.tree.scored, pair.expansion.scored);
 }
 
+const LevelSummary& root_of(const Row& row) {
+  static const LevelSummary none;
+  return row.summary.levels.empty() ? none : row.summary.levels.front();
+}
+
+/// The columns of the root's efficiency in the summary: on the own path, on other seeds' paths, and with equally many
+/// samples, each where any strategy has it.
+class RootColumns {
+ public:
+  explicit RootColumns(const std::vector<Row>& rows) {
+    for (const Row& row : rows) {
+      const LevelSummary& root = root_of(row);
+      crossed_ = crossed_ || root.root_cross.tree.scored > 0;
+      equal_ = equal_ || root.equal.tree.scored + root.equal.expansion.scored > 0;
+      tree_.add(root.root.tree, {row.strategy, "tree"}, told_);
+      expansion_.add(root.root.expansion, {row.strategy, "expansion"}, told_);
+      cross_tree_.add(root.root_cross.tree, {row.strategy, "tree on other seeds'"}, told_);
+      cross_expansion_.add(root.root_cross.expansion, {row.strategy, "expansion on other seeds'"}, told_);
+    }
+  }
+
+  void add_columns(std::vector<Table::Column>& columns) const {
+    const auto add = [&](const std::string& group, std::initializer_list<const char*> names) {
+      for (const char* name : names) columns.push_back(number_column({name}, group));
+    };
+    add("above uniform, own path", {"n", "tree", "expansion"});
+    if (crossed_) add("above uniform, other seeds' paths", {"n", "tree", "expansion"});
+    if (equal_) add("with equally many samples", {"tree", "expansion"});
+  }
+
+  /// Adds the cells of row `i`.
+  void add_cells(std::size_t i, const LevelSummary& root, std::vector<std::string>& cells) const {
+    cells.insert(cells.end(), {scored_text(root.root), tree_.text()[i], expansion_.text()[i]});
+    if (crossed_) {
+      cells.insert(cells.end(), {scored_text(root.root_cross), cross_tree_.text()[i], cross_expansion_.text()[i]});
+    }
+    if (equal_) {
+      cells.insert(cells.end(),
+                   {interval_text(root.equal.tree.gain, 2, true), interval_text(root.equal.expansion.gain, 2, true)});
+    }
+  }
+
+  [[nodiscard]] const Notes& told() const { return told_; }
+
+ private:
+  Notes told_;
+  FigureColumn tree_;
+  FigureColumn expansion_;
+  FigureColumn cross_tree_;
+  FigureColumn cross_expansion_;
+  bool crossed_ = false;
+  bool equal_ = false;
+};
+
 std::string summary_table(const std::vector<Row>& rows, bool measured, std::size_t width) {
   std::vector<Table::Column> columns = {text_column("strategy"),
                                         number_column({"solved"}, "success"),
@@ -513,54 +581,12 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                         number_column({"motion", "checks"}, "medians, all levels"),
                                         number_column({"time", "ms"}, "medians, all levels"),
                                         number_column({"path length", "m"})};
-  const bool crossed = std::any_of(rows.begin(), rows.end(), [](const Row& row) {
-    return !row.summary.levels.empty() && row.summary.levels.front().root_cross.tree.scored > 0;
-  });
-  const bool equal = std::any_of(rows.begin(), rows.end(), [](const Row& row) {
-    if (row.summary.levels.empty()) return false;
-    const FigurePair& pair = row.summary.levels.front().equal;
-    return pair.tree.scored + pair.expansion.scored > 0;
-  });
-  if (measured) {
-    const std::string own = "above uniform, own path";
-    columns.push_back(number_column({"n"}, own));
-    columns.push_back(number_column({"tree"}, own));
-    columns.push_back(number_column({"expansion"}, own));
-    if (crossed) {
-      const std::string cross = "above uniform, other seeds' paths";
-      columns.push_back(number_column({"n"}, cross));
-      columns.push_back(number_column({"tree"}, cross));
-      columns.push_back(number_column({"expansion"}, cross));
-    }
-    if (equal) {
-      const std::string number = "with equally many samples";
-      columns.push_back(number_column({"tree"}, number));
-      columns.push_back(number_column({"expansion"}, number));
-    }
-  }
-  Notes told;
-  FigureColumn tree;
-  FigureColumn expansion;
-  FigureColumn cross_tree;
-  FigureColumn cross_expansion;
+  const RootColumns root(rows);
+  if (measured) root.add_columns(columns);
   double slowest = 0.0;
-  static const LevelSummary none;
-  const auto root = [](const Row& row) -> const LevelSummary& {
-    return row.summary.levels.empty() ? none : row.summary.levels.front();
-  };
   for (const auto& row : rows) {
-    const FigurePair& pair = root(row).root;
-    tree.add(pair.tree, {row.strategy, "tree"}, told);
-    expansion.add(pair.expansion, {row.strategy, "expansion"}, told);
-    const FigurePair& cross = root(row).root_cross;
-    cross_tree.add(cross.tree, {row.strategy, "tree on other seeds'"}, told);
-    cross_expansion.add(cross.expansion, {row.strategy, "expansion on other seeds'"}, told);
     if (std::isfinite(row.summary.seconds.value)) slowest = std::max(slowest, 1000.0 * row.summary.seconds.value);
   }
-  const auto tree_text = tree.text();
-  const auto expansion_text = expansion.text();
-  const auto cross_tree_text = cross_tree.text();
-  const auto cross_expansion_text = cross_expansion.text();
   Table table(columns);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const RunsSummary& s = rows[i].summary;
@@ -571,25 +597,10 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                       count_text(s.motion_checks.value),
                                       milliseconds_text(s.seconds.value, decimals_for(slowest)),
                                       interval_text(s.length)};
-    if (measured) {
-      const FigurePair& pair = root(rows[i]).root;
-      cells.push_back(scored_text(pair));
-      cells.push_back(tree_text[i]);
-      cells.push_back(expansion_text[i]);
-      if (crossed) {
-        cells.push_back(scored_text(root(rows[i]).root_cross));
-        cells.push_back(cross_tree_text[i]);
-        cells.push_back(cross_expansion_text[i]);
-      }
-      if (equal) {
-        const FigurePair& thinned = root(rows[i]).equal;
-        cells.push_back(interval_text(thinned.tree.gain, 2, true));
-        cells.push_back(interval_text(thinned.expansion.gain, 2, true));
-      }
-    }
+    if (measured) root.add_cells(i, root_of(rows[i]), cells);
     table.add(std::move(cells));
   }
-  return table.text(width) + told.text(width);
+  return table.text(width) + root.told().text(width);
 }
 
 /// Compares strategies with a baseline, paired by seed; one table for each baseline.

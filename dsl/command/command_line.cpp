@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/command_line.hpp>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include <trellis/base/error.hpp>
+
+namespace trellis::command {
+
+CLI::Option& Subcommand::option(const std::string& name, const std::string& value, const std::string& doc,
+                                std::function<void(const std::string&)> take) {
+  const auto store = [name, take = std::move(take)](const std::string& typed) {
+    if (typed.empty()) throw Error(fmt::format("{} is empty", name));
+    take(typed);
+  };
+  return *app_.add_option_function<std::string>(name, store, doc)->type_name(value);
+}
+
+void Subcommand::argument(const std::string& name, const char* value, std::string& to, const std::string& doc) {
+  text(name, value, to, doc, true);
+}
+
+void Subcommand::arguments(const std::string& name, const char* value, std::vector<std::string>& to,
+                           const std::string& doc) {
+  app_.add_option(name, to, doc)->required()->type_name(value)->each([name](const std::string& typed) {
+    if (typed.empty()) throw Error(fmt::format("{} is empty", name));
+  });
+}
+
+void Subcommand::optional_argument(const std::string& name, const std::string& value, std::string& to,
+                                   const std::string& doc) {
+  app_.add_option(name, to, doc)->type_name(value);
+}
+
+void Subcommand::flag(const std::string& name, bool& to, const std::string& doc) { app_.add_flag(name, to, doc); }
+
+void Subcommand::text(const std::string& name, const char* value, std::string& to, const std::string& doc,
+                      bool required) {
+  option(name, value, doc, [&to](const std::string& typed) { to = typed; }).required(required);
+}
+
+void Subcommand::list(const std::string& name, const char* value, std::vector<std::string>& to,
+                      const std::string& doc) {
+  app_.add_option(name, to, doc)->delimiter(',')->type_name(value);
+}
+
+void Subcommand::integer(const std::string& name, const char* value, std::uint64_t least, std::uint64_t most,
+                         std::optional<std::uint64_t>& to, const std::string& doc) {
+  option(name, value, doc, [=, &to](const std::string& typed) {
+    std::uint64_t number = 0;
+    const char* end = typed.data() + typed.size();
+    const auto [stop, error] = std::from_chars(typed.data(), end, number);
+    const bool padded = typed.size() > 1 && typed.front() == '0';
+    if (error != std::errc() || stop != end || padded || number < least || number > most) {
+      throw Error(fmt::format("{} must be an integer in [{}, {}], got '{}'", name, least, most, typed));
+    }
+    to = number;
+  });
+}
+
+void Subcommand::number(const std::string& name, const char* value, double least, std::optional<double>& to,
+                        const std::string& doc) {
+  option(name, value, doc, [=, &to](const std::string& typed) {
+    double number = 0.0;
+    const char* end = typed.data() + typed.size();
+    const auto [stop, error] = std::from_chars(typed.data(), end, number);
+    if (error != std::errc() || stop != end || !std::isfinite(number) || number < least) {
+      throw Error(fmt::format("{} must be a number of at least {:g}, got '{}'", name, least, typed));
+    }
+    to = number;
+  });
+}
+
+void Subcommand::choice(const std::string& name, const std::vector<std::string>& words, std::optional<std::size_t>& to,
+                        const std::string& doc) {
+  option(name, fmt::format("{}", fmt::join(words, "|")), doc, [=, &to](const std::string& typed) {
+    const auto found = std::find(words.begin(), words.end(), typed);
+    if (found == words.end()) {
+      throw Error(fmt::format("{}: there are {}, got '{}'{}", name,
+                              fmt::join(words, words.size() == 2 ? " and " : ", "), typed, did_you_mean(typed, words)));
+    }
+    to = static_cast<std::size_t>(found - words.begin());
+  });
+}
+
+CommandLine::CommandLine()
+    : app_(std::make_unique<CLI::App>(
+          "Trellis runs scripts that declare hierarchies of guiding spaces for motion planning.", "trellis")) {
+  app_->require_subcommand(1);
+}
+
+CommandLine::~CommandLine() = default;
+
+Subcommand CommandLine::add(const std::string& name, const std::string& summary, std::function<int()> run) {
+  CLI::App* verb = app_->add_subcommand(name, summary);
+  verbs_.emplace_back(verb, std::move(run));
+  return Subcommand(*verb);
+}
+
+std::string CommandLine::unknown_option(const std::string& word) const {
+  std::vector<std::string> known;
+  for (const auto* parsed : app_->get_subcommands()) {
+    for (const auto* option : parsed->get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    }
+  }
+  return fmt::format("no option {}{}", word, did_you_mean(word, known));
+}
+
+int CommandLine::run(int argc, char** argv) {
+  usage_ = app_->help();  // after parsing, help() returns that of the verb
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app_->exit(error);
+    std::string why = error.what();
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+      const auto words = app_->remaining(true);
+      const auto word = std::find_if(words.begin(), words.end(), [](const auto& w) { return w.starts_with("--"); });
+      if (word != words.end()) why = unknown_option(*word);
+    }
+    throw Error(why + "; 'trellis help' shows the usage");
+  }
+  const auto typed = std::find_if(verbs_.begin(), verbs_.end(), [](const auto& verb) { return verb.first->parsed(); });
+  return typed->second();
+}
+
+}  // namespace trellis::command
