@@ -202,7 +202,7 @@ class FclChecker final : public Checker {
       constexpr std::size_t few = 16;
       by_tree = found_.size() > few;
     }
-    const Order& order = orders_.of(n);
+    const Order& order = order_of(n);
     for (std::uint32_t rank = 0; rank < n; ++rank) {
       space_.interpolate(a, b, order.share(rank), q_);
       robot_.place(q_, frames_);
@@ -391,7 +391,6 @@ class FclChecker final : public Checker {
   // Scratch.
   mutable fcl::DynamicAABBTreeCollisionManagerd tree_;
   mutable std::vector<Piece> pieces_;  ///< the robot's, body by body
-  mutable Orders orders_;
   mutable std::shared_ptr<fcl::Boxd> probe_box_ = std::make_shared<fcl::Boxd>(1.0, 1.0, 1.0);
   mutable fcl::CollisionObjectd probe_{probe_box_};
   mutable fcl::CollisionResultd result_;

@@ -18,18 +18,20 @@ void fill(Order& order, std::uint32_t n) {
 
 }  // namespace
 
-const Order& Orders::of(std::uint32_t n) {
-  constexpr std::uint32_t longest_kept = 1024;
-  if (n > longest_kept) {
-    if (long_.indices.size() != n) fill(long_, n);
-    return long_;
+const Order& order_of(std::uint32_t n) {
+  constexpr std::uint32_t longest_stored = 1024;
+  thread_local std::vector<std::unique_ptr<Order>> stored;
+  thread_local Order last_long;  // the last order that is too long to store
+  if (n > longest_stored) {
+    if (last_long.indices.size() != n) fill(last_long, n);
+    return last_long;
   }
-  if (n >= kept_.size()) kept_.resize(n + 1);
-  if (!kept_[n]) {
-    kept_[n] = std::make_unique<Order>();
-    fill(*kept_[n], n);
+  if (n >= stored.size()) stored.resize(n + 1);
+  if (!stored[n]) {
+    stored[n] = std::make_unique<Order>();
+    fill(*stored[n], n);
   }
-  return *kept_[n];
+  return *stored[n];
 }
 
 }  // namespace trellis

@@ -18,14 +18,8 @@ struct Order {
   [[nodiscard]] double share(std::size_t rank) const { return shares[rank / kernel::lanes].v[rank % kernel::lanes]; }
 };
 
-/// Stores the order for each n: motions are short, so few values of n occur.
-class Orders {
- public:
-  const Order& of(std::uint32_t n);
-
- private:
-  std::vector<std::unique_ptr<Order>> kept_;
-  Order long_;  ///< the last order that is too long to store
-};
+/// The order for n configurations. All checkers of a thread share the orders: motions are short, so few values of n
+/// occur. Valid until the thread's next call.
+const Order& order_of(std::uint32_t n);
 
 }  // namespace trellis

@@ -33,11 +33,11 @@ void PartIndex::build(Axis& axis, double kernel::Box::*lo, double kernel::Box::*
   axis.begins.assign(slabs_ * words_, 0);
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const std::uint64_t bit = std::uint64_t{1} << (i % 64);
-    const std::size_t first = slab(axis, boxes_[i].*lo);
-    const std::size_t last = slab(axis, boxes_[i].*hi);
-    for (std::size_t k = 0; k <= last; ++k) axis.reach[k * words_ + i / 64] |= bit;
-    for (std::size_t k = first; k < slabs_; ++k) axis.begins[k * words_ + i / 64] |= bit;
+    axis.reach[slab(axis, boxes_[i].*hi) * words_ + i / 64] |= bit;
+    axis.begins[slab(axis, boxes_[i].*lo) * words_ + i / 64] |= bit;
   }
+  for (std::size_t k = axis.reach.size() - words_; k-- > 0;) axis.reach[k] |= axis.reach[k + words_];
+  for (std::size_t k = words_; k < axis.begins.size(); ++k) axis.begins[k] |= axis.begins[k - words_];
 }
 
 unsigned PartIndex::query(const kernel::Box& box, unsigned* out) const {

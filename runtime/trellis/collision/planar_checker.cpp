@@ -158,7 +158,7 @@ class PlanarChecker final : public Checker {
       // A box around several bodies is much larger than they are: cull each body by its own box.
       if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
     }
-    const Order& order = orders_.of(n);
+    const Order& order = order_of(n);
     for (std::uint32_t first = 0; first < n; first += kernel::lanes) {
       const kernel::Lanes& shares = order.shares[first / kernel::lanes];
       const unsigned wanted = std::min(n - first, kernel::lanes);
@@ -210,7 +210,6 @@ class PlanarChecker final : public Checker {
   [[nodiscard]] double invalid_radius(View q) const override {
     if (!continuous_ || !is_finite(robot_, q) || valid(q)) return 0.0;
     robot_.place(q, frames_);
-    const auto& world = scene_->world;
     double best = 0.0;
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
       for (const auto& part : robot_.bodies()[i].parts) {
@@ -517,7 +516,6 @@ class PlanarChecker final : public Checker {
   kernel::Lanes end_{};
 
   // Scratch.
-  mutable Orders orders_;
   mutable kernel::Line line_;
   mutable std::vector<kernel::Poses> poses_;  ///< per body
   mutable kernel::Placed placed_{};

@@ -153,13 +153,21 @@ void Tube::point(double s, MutableView out) const {
 }
 
 TubeDensity::TubeDensity(std::vector<Part> parts)
-    : parts_(std::move(parts)),
-      space_(parts_.front().tube->ball().space()),
-      radius_(parts_.front().tube->ball().radius()),
-      height_(std::exp(-parts_.front().tube->ball().log_volume())) {}
+    : tube_(parts.front().tube),
+      parts_(std::move(parts)),
+      space_(tube_->ball().space()),
+      radius_(tube_->ball().radius()),
+      height_(std::exp(-tube_->ball().log_volume())) {}
+
+TubeDensity::TubeDensity(std::shared_ptr<const Tube> tube, const Stretch& stretch)
+    : tube_(std::move(tube)),
+      stretch_(stretch),
+      space_(tube_->ball().space()),
+      radius_(tube_->ball().radius()),
+      height_(std::exp(-tube_->ball().log_volume())) {}
 
 void TubeDensity::index() const {
-  for (const auto& part : parts_) add_legs(part);
+  for_each_stretch([&](const auto& tube, const Stretch& stretch) { add_legs(*tube, stretch); });
   if (legs_.empty()) return;
   std::vector<std::uint32_t> order(legs_.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -179,35 +187,32 @@ void TubeDensity::index() const {
   numbers_ = std::move(numbers);
 }
 
-void TubeDensity::add_legs(const Part& part) const {
-  const auto& tube = *part.tube;
+void TubeDensity::add_legs(const Tube& tube, const Stretch& stretch) const {
   const auto& axes = space_.axes();
   const auto& at = tube.at();
   const std::size_t d = axes.size();
   std::vector<double> v(d);
-  for (const auto& stretch : part.stretches) {
-    if (stretch.to <= stretch.from || tube.length() == 0.0) {
-      tube.point(stretch.from, v);
-      for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * v[j]);
-      numbers_.insert(numbers_.end(), d, 0.0);
-      legs_.push_back({0.0, stretch.mass});
-      continue;
+  if (stretch.to <= stretch.from || tube.length() == 0.0) {
+    tube.point(stretch.from, v);
+    for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * v[j]);
+    numbers_.insert(numbers_.end(), d, 0.0);
+    legs_.push_back({0.0, stretch.mass});
+    return;
+  }
+  const double rate = stretch.mass / (stretch.to - stretch.from);
+  auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), stretch.from) - at.begin());
+  for (i = std::max<std::size_t>(i, 1); i < at.size() && at[i - 1] < stretch.to; ++i) {
+    const double span = at[i] - at[i - 1];
+    const double from = std::max(stretch.from, at[i - 1]);
+    const double to = std::min(stretch.to, at[i]);
+    if (to <= from) continue;
+    const View a = tube.path()[i - 1];
+    space_.difference(a, tube.path()[i], v);
+    for (std::size_t j = 0; j < d; ++j) {
+      numbers_.push_back(axes[j].weight * (a[j] + (from - at[i - 1]) / span * v[j]));
     }
-    const double rate = stretch.mass / (stretch.to - stretch.from);
-    auto i = static_cast<std::size_t>(std::upper_bound(at.begin(), at.end(), stretch.from) - at.begin());
-    for (i = std::max<std::size_t>(i, 1); i < at.size() && at[i - 1] < stretch.to; ++i) {
-      const double span = at[i] - at[i - 1];
-      const double from = std::max(stretch.from, at[i - 1]);
-      const double to = std::min(stretch.to, at[i]);
-      if (to <= from) continue;
-      const View a = tube.path()[i - 1];
-      space_.difference(a, tube.path()[i], v);
-      for (std::size_t j = 0; j < d; ++j) {
-        numbers_.push_back(axes[j].weight * (a[j] + (from - at[i - 1]) / span * v[j]));
-      }
-      for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * ((to - from) / span * v[j]));
-      legs_.push_back({to - from, rate});
-    }
+    for (std::size_t j = 0; j < d; ++j) numbers_.push_back(axes[j].weight * ((to - from) / span * v[j]));
+    legs_.push_back({to - from, rate});
   }
 }
 
@@ -309,14 +314,12 @@ std::shared_ptr<const Density> TubeDensity::sum(const std::vector<Term>& terms) 
   std::vector<Part> all;
   std::unordered_map<const Tube*, std::size_t> places;
   for (const auto& term : terms) {
-    for (const auto& part : dynamic_cast<const TubeDensity&>(*term.density).parts_) {
-      const auto [it, fresh] = places.try_emplace(part.tube.get(), all.size());
-      if (fresh) all.push_back({part.tube, {}});
-      for (auto stretch : part.stretches) {
-        stretch.mass *= term.weight;
-        all[it->second].stretches.push_back(stretch);
-      }
-    }
+    dynamic_cast<const TubeDensity&>(*term.density).for_each_stretch([&](const auto& tube, Stretch stretch) {
+      const auto [it, fresh] = places.try_emplace(tube.get(), all.size());
+      if (fresh) all.push_back({tube, {}});
+      stretch.mass *= term.weight;
+      all[it->second].stretches.push_back(stretch);
+    });
   }
   for (auto& part : all) part.stretches = added_up(part.stretches);
   return std::make_shared<TubeDensity>(std::move(all));
@@ -324,10 +327,14 @@ std::shared_ptr<const Density> TubeDensity::sum(const std::vector<Term>& terms) 
 
 TubeKernel::TubeKernel(const Space& space, Configurations path, double radius)
     : tube_(std::make_shared<Tube>(space, std::move(path), radius)), centre_(space.dimension()) {
-  activate({{0.0, tube_->length()}});
+  activate(0.0, tube_->length());
 }
 
 void TubeKernel::activate(std::vector<std::pair<double, double>> stretches) {
+  if (stretches.size() == 1) {
+    activate(stretches.front().first, stretches.front().second);
+    return;
+  }
   active_ = std::move(stretches);
   active_length_ = 0.0;
   for (const auto& [from, to] : active_) active_length_ += to - from;
@@ -337,6 +344,13 @@ void TubeKernel::activate(std::vector<std::pair<double, double>> stretches) {
   }
   if (shares.empty()) shares.push_back({active_.front().first, active_.front().first, 1.0});
   density_ = std::make_shared<TubeDensity>(std::vector<TubeDensity::Part>{{tube_, std::move(shares)}});
+}
+
+void TubeKernel::activate(double from, double to) {
+  active_.assign(1, {from, to});
+  active_length_ = to - from;
+  const double end = active_length_ > 0.0 ? to : from;
+  density_ = std::make_shared<TubeDensity>(tube_, TubeDensity::Stretch{from, end, 1.0});
 }
 
 void TubeKernel::sample(Stream& stream, MutableView out) {

@@ -77,6 +77,8 @@ class TubeDensity final : public Density {
 
   /// \param parts  at least one; all with the same space and radius
   explicit TubeDensity(std::vector<Part> parts);
+  /// A single interval of one tube. It needs no allocation for its parts; a search records many of these.
+  TubeDensity(std::shared_ptr<const Tube> tube, const Stretch& stretch);
 
   [[nodiscard]] double at(View q) const override;
   /// True for another tube density with the same space and radius.
@@ -98,12 +100,22 @@ class TubeDensity final : public Density {
 
   /// Builds the data that `at` reads. Not done at construction, because most densities of a run are only summed.
   void index() const;
-  void add_legs(const Part& part) const;
+  void add_legs(const Tube& tube, const Stretch& stretch) const;
+  /// Calls f(tube, stretch) for every interval.
+  template <class F>
+  void for_each_stretch(const F& f) const {
+    if (parts_.empty()) f(tube_, stretch_);
+    for (const auto& part : parts_) {
+      for (const auto& stretch : part.stretches) f(part.tube, stretch);
+    }
+  }
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end) const;
   /// The mass of ball centres within the radius of y, an image of a configuration in metric coordinates.
   [[nodiscard]] double mass_near(const double* y) const;
   [[nodiscard]] double mass_near(const Leg& leg, const double* numbers, const double* y) const;
 
+  std::shared_ptr<const Tube> tube_;  ///< the first tube
+  Stretch stretch_;                   ///< the only interval, of the first tube, if `parts_` is empty
   std::vector<Part> parts_;
   const Space& space_;
   double radius_;
@@ -124,6 +136,8 @@ class TubeKernel {
   /// Sets the intervals [from, to] of arc length to draw from; disjoint and in order. Initially the whole path is
   /// active.
   void activate(std::vector<std::pair<double, double>> stretches);
+  /// As above, with one interval.
+  void activate(double from, double to);
   void sample(Stream& stream, MutableView out);
   [[nodiscard]] double density(View q) const { return density_->at(q); }
   /// The density of the active intervals.

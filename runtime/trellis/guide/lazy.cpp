@@ -283,24 +283,24 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     const Space& space = parent_->space;
     const double length = space.distance(a, b);
     const double step = parent_->step > 0.0 ? parent_->step : length;
-    Configuration from(a.begin(), a.end());
-    Configuration to(a.size());
-    for (double left = length;; left = space.distance(from, b)) {
-      const bool last = steer(space, from, b, left, step, to);
-      MotionReport report = parent_->motion(from, to);
+    from_.assign(a.begin(), a.end());
+    to_.resize(a.size());
+    for (double left = length;; left = space.distance(from_, b)) {
+      const bool last = steer(space, from_, b, left, step, to_);
+      MotionReport report = parent_->motion(from_, to_);
       if (!report.valid) {
         refuted_ = true;
         Configuration q(a.size());
-        space.interpolate(from, to, report.invalid_at, q);
+        space.interpolate(from_, to_, report.invalid_at, q);
         forbid(q);
         if (length > 0.0) {
           report.invalid_at = std::clamp(1.0 - (left - report.invalid_at * std::min(left, step)) / length, 0.0, 1.0);
         }
         return report;
       }
-      verified_->add(from, to);
+      verified_->add(from_, to_);
       if (last) break;
-      std::swap(from, to);
+      std::swap(from_, to_);
     }
     evaluated_->add(a, b);
     return {true, 0, std::numeric_limits<double>::quiet_NaN()};
@@ -382,6 +382,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   std::optional<Places> left_;                  ///< places that the planner in C searches around
   double margin_ = 0.0;
   std::shared_ptr<PresumedValidity> validity_;
+  Configuration from_;  ///< the step that `motion` validates
+  Configuration to_;
 };
 
 }  // namespace

@@ -235,12 +235,12 @@ void WaypointHeuristic::go_on() {
   ++epoch_;
   if (at_ == path.size()) {
     draw_ = Draw::near;
-    tube_.activate({{0.0, tube_.length()}});
+    tube_.activate(0.0, tube_.length());
     return;
   }
   const bool known = at_ > 0 && parent_.is_verified(path[at_ - 1], path[at_]);
   draw_ = known || parent_.valid(path[at_]) ? Draw::itself : Draw::near;
-  tube_.activate({{lengths_[at_], lengths_[at_]}});
+  tube_.activate(lengths_[at_], lengths_[at_]);
 }
 
 SeveralPaths::SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts)

@@ -315,7 +315,10 @@ class ReachedNodes {
     if (!trees_.empty()) trees_[from_goal ? 1 : 0].add(q);
   }
   /// Removes all nodes except the roots.
-  void clear() { begin(space_, start_, goal_); }
+  void clear() {
+    const auto grown = [](const NearestIndex& tree) { return tree.size() > 1; };
+    if (std::any_of(trees_.begin(), trees_.end(), grown)) begin(space_, start_, goal_);
+  }
   [[nodiscard]] bool begun() const { return !trees_.empty(); }
   [[nodiscard]] const NearestIndex& from_start() const { return trees_[0]; }
   [[nodiscard]] std::array<const NearestIndex*, 2> both() const { return {&trees_.front(), &trees_.back()}; }

@@ -12,8 +12,9 @@ namespace {
 
 /// Arc length up to each point of a path.
 std::vector<double> arc_lengths(const Space& space, const Configurations& path) {
-  std::vector<double> lengths = {0.0};
-  lengths.reserve(path.size());
+  std::vector<double> lengths;
+  lengths.reserve(std::max<std::size_t>(1, path.size()));
+  lengths.push_back(0.0);
   for (std::size_t i = 1; i < path.size(); ++i) {
     lengths.push_back(lengths.back() + space.distance(path[i - 1], path[i]));
   }
@@ -61,6 +62,11 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   // Points 0 and `pieces` are the start and, for a whole path, the goal.
   std::array<Configurations, 2> chains = {Configurations(dimension), Configurations(dimension)};
   std::array<std::vector<double>, 2> places;
+  const std::size_t rows = (whole ? pieces / 2 : pieces) + 2;
+  chains[0].reserve(whole ? pieces + 1 : rows);  // becomes the result
+  chains[1].reserve(whole ? rows : 0);
+  places[0].reserve(whole ? pieces + 1 : rows);
+  places[1].reserve(whole ? rows : 0);
   chains[0].push(parent.start);
   places[0].push_back(0.0);
   if (whole) {
@@ -112,6 +118,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
         valid = this->valid(parent, q);
       }
       known_.add(s);
+      if (waypoints_.empty()) waypoints_.reserve(pieces + 1);
       waypoints_.push(q);
       usable_.push_back(valid ? 1 : 0);
       checked_at_.push_back(parent.epoch());
@@ -230,9 +237,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
       const double near = very_near();
       const double distance = std::sqrt(nodes->nearest(centres()[bin]).squared_distance);
       if (distance > near) {
-        // Skips centres that, by the triangle inequality, have no node nearby.
-        const auto passed = bin_ > 0.0 ? static_cast<std::size_t>((distance - near) / bin_) : std::size_t{0};
-        i -= std::min(i, std::max<std::size_t>(1, passed));
+        i -= std::min(i, bins_to(distance, near));
         continue;
       }
       front.at = bin_ * static_cast<double>(i);
@@ -246,6 +251,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
 const Configurations& StepHeuristic::centres() const {
   if (centres_.size() > 0) return centres_;
   Configuration centre(space_.dimension());
+  centres_.reserve(last_bin_ + 1);
   std::size_t leg = 0;
   for (std::size_t i = 0; i <= last_bin_; ++i) {
     const double at = bin_ * static_cast<double>(i);
@@ -353,7 +359,7 @@ TubeKernel& StepHeuristic::current() const {
     kernel.emplace(space_, path_, settings_.radius * 0.25 * std::exp2(static_cast<double>(front.size)));
     front.aimed = false;
   }
-  if (!std::exchange(front.aimed, true)) kernel->activate({{front.from, front.to}});
+  if (!std::exchange(front.aimed, true)) kernel->activate(front.from, front.to);
   return *kernel;
 }
 
@@ -367,16 +373,21 @@ std::optional<double> StepHeuristic::place(std::size_t side, View q, bool far) c
   const double reach = std::max(settings_.radius, 0.4 * settings_.step);
   double best = reach * reach;
   std::optional<double> at;
-  for (std::size_t i = first; i <= last; ++i) {
-    const double distance = space_.squared_distance(centre(i), q);
-    if (distance <= best) {
-      best = distance;
-      at = bin_ * static_cast<double>(i);
+  for (std::size_t i = first; i <= last;) {
+    const double squared = space_.squared_distance(centre(i), q);
+    if (squared <= best) {
+      best = squared;
+      at = bin_ * static_cast<double>(i++);
+    } else {
+      i += bins_to(std::sqrt(squared), std::sqrt(best));
     }
   }
   if (far) {
-    for (std::size_t i = n - 1; i > std::max(last, first); --i) {
-      if (space_.squared_distance(centre(i), q) <= very_near() * very_near()) return bin_ * static_cast<double>(i);
+    const std::size_t end = std::max(last, first);
+    for (std::size_t i = n - 1; i > end;) {
+      const double squared = space_.squared_distance(centre(i), q);
+      if (squared <= very_near() * very_near()) return bin_ * static_cast<double>(i);
+      i -= std::min(i - end, bins_to(std::sqrt(squared), very_near()));
     }
   }
   return at;

@@ -153,6 +153,11 @@ class StepHeuristic final : public PathFollower {
   [[nodiscard]] TubeKernel& current() const;
   [[nodiscard]] double length() const { return lengths_.back(); }
   [[nodiscard]] const Configurations& centres() const;
+  /// For a configuration at a distance of a bin's centre: the number of bins, at least 1, from there to the first one
+  /// whose centre can be within another distance of it, by the triangle inequality.
+  [[nodiscard]] std::size_t bins_to(double distance, double within) const {
+    return bin_ > 0.0 ? std::max<std::size_t>(1, static_cast<std::size_t>((distance - within) / bin_)) : 1;
+  }
   /// A node within this distance of the path counts as on it at any arc length, also outside of the window.
   [[nodiscard]] double very_near() const { return 0.5 * settings_.radius; }
   /// The vertex that is proposed itself, if any.

@@ -14,10 +14,10 @@ MotionReport RelaxedValidity::motion(View a, View b) {
   passed_over_ = 0;
   // A motion check presumes a valid first configuration, which is known for S only.
   MotionReport in_c;
-  const bool begun = states_.contains(configuration_digest(a));
-  if (!begun) in_c.checks = 1;
-  if (begun || c_->state(a)) {
-    states_.insert(configuration_digest(a));
+  const bool known = states_.contains(configuration_digest(a));
+  if (!known) in_c.checks = 1;
+  if (known || c_->state(a)) {
+    if (!known) states_.insert(configuration_digest(a));
     const std::uint32_t before = in_c.checks;
     in_c = c_->motion(a, b);
     in_c.checks += before;

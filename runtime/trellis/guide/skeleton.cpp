@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <queue>
-#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -107,12 +107,17 @@ constexpr std::size_t most_sights = 100;
 class GraphBuilder {
  public:
   GraphBuilder(const Skeleton& skeleton, double clearance, Instance& instance) : instance_(instance) {
+    // Start and goal add a vertex each, and may split an edge each.
     graph_.vertices = Configurations(2);
+    graph_.vertices.reserve(skeleton.vertices.size() + 4);
+    graph_.edges.reserve(skeleton.edges.size() + 4);
+    clearances_.reserve(skeleton.edges.size() + 4);
     for (const Vec2 v : skeleton.vertices) graph_.vertices.push(std::array{v.x, v.y});
     for (const auto& edge : skeleton.edges) {
       const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
       if (least < clearance) continue;
       Configurations points(2);
+      points.reserve(edge.points.size());
       for (const Vec2 p : edge.points) points.push(std::array{p.x, p.y});
       add_edge(edge.from, edge.to, std::move(points), edge.clearance);
     }
@@ -137,62 +142,93 @@ class GraphBuilder {
     clearances_.push_back(std::move(clearance));
   }
 
+  /// A point of an edge that a configuration may connect to. Sights are in order of distance.
+  struct Sight {
+    double distance = std::numeric_limits<double>::infinity();
+    std::size_t edge = 0;
+    std::size_t point = 0;
+    friend bool operator<(const Sight& a, const Sight& b) {
+      return std::tie(a.distance, a.edge, a.point) < std::tie(b.distance, b.edge, b.point);
+    }
+  };
+
+  /// Adds q as a vertex and connects it to the nearest visible point of the edges.
   std::uint32_t join(const Configuration& q) {
     const std::uint32_t vertex = graph_.vertices.push(q);
-    struct Sight {
-      double distance;
-      std::size_t edge;
-      std::size_t point;
-    };
-    std::vector<Sight> sights;
-    std::size_t count = 0;
-    for (const auto& edge : graph_.edges) count += edge.points.size();
-    sights.reserve(count);
-    for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
-      const auto& points = std::as_const(graph_.edges[e].points);
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        sights.push_back({std::hypot(points[i][0] - q[0], points[i][1] - q[1]), e, i});
-      }
-    }
-    const auto nearer = [](const Sight& a, const Sight& b) {
-      return std::tie(a.distance, a.edge, a.point) < std::tie(b.distance, b.edge, b.point);
-    };
-    for (std::size_t tried = 0; tried < std::min(most_sights, sights.size()); ++tried) {
-      // The nearest point is usually visible; then the other points need no sorting.
-      const auto first = sights.begin() + static_cast<std::ptrdiff_t>(tried);
-      if (tried == 0) std::iter_swap(first, std::min_element(first, sights.end(), nearer));
-      if (tried == 1) {
-        const auto last = sights.begin() + static_cast<std::ptrdiff_t>(std::min(most_sights, sights.size()));
-        std::partial_sort(first, last, sights.end(), nearer);
-      }
-      const Sight sight = sights[tried];
-      const View p = std::as_const(graph_.edges[sight.edge].points)[sight.point];
-      if (sight.distance > 0.0 && !instance_.motion(q, p).valid) continue;
-      Configurations way(2);
-      way.push(q);
-      way.push(p);
-      const std::uint32_t foot = split(sight.edge, sight.point);
-      add_edge(vertex, foot, std::move(way), {0.0, 0.0});
-      break;
+    // The nearest point is usually visible; then the other points need no sorting.
+    const std::optional<Sight> nearest = nearest_sight(q);
+    if (!nearest || connect(vertex, *nearest)) return vertex;
+    std::vector<Sight> sights = all_sights(q);
+    const auto last = sights.begin() + static_cast<std::ptrdiff_t>(std::min(most_sights, sights.size()));
+    std::partial_sort(sights.begin(), last, sights.end());
+    for (auto sight = sights.begin() + 1; sight != last; ++sight) {
+      if (connect(vertex, *sight)) break;
     }
     return vertex;
   }
 
+  [[nodiscard]] std::optional<Sight> nearest_sight(const Configuration& q) const {
+    std::optional<Sight> nearest;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
+      const auto& points = graph_.edges[e].points;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double dx = points[i][0] - q[0];
+        const double dy = points[i][1] - q[1];
+        // Only a point that is nearer, up to rounding, needs its exact distance.
+        const double squared = dx * dx + dy * dy;
+        if (squared > least) continue;
+        const double distance = std::hypot(dx, dy);
+        if (nearest && distance >= nearest->distance) continue;
+        nearest = Sight{distance, e, i};
+        least = squared * (1.0 + 1e-9);
+      }
+    }
+    return nearest;
+  }
+
+  [[nodiscard]] std::vector<Sight> all_sights(const Configuration& q) const {
+    std::vector<Sight> sights;
+    for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
+      const auto& points = graph_.edges[e].points;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        sights.push_back({std::hypot(points[i][0] - q[0], points[i][1] - q[1]), e, i});
+      }
+    }
+    return sights;
+  }
+
+  /// Adds the edge from a vertex to a point of an edge if the motion between them is valid.
+  bool connect(std::uint32_t vertex, const Sight& sight) {
+    Configurations way(2);
+    way.push(std::as_const(graph_.vertices)[vertex]);
+    way.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
+    if (sight.distance > 0.0 && !instance_.motion(way.front(), way.back()).valid) return false;
+    const std::uint32_t foot = split(sight.edge, sight.point);
+    add_edge(vertex, foot, std::move(way), {0.0, 0.0});
+    return true;
+  }
+
   /// The vertex at a point of an edge. Splits the edge if the point is not one of its ends.
   std::uint32_t split(std::size_t e, std::size_t i) {
-    Graph::Edge edge = graph_.edges[e];
-    if (i == 0) return edge.from;
-    if (i + 1 == edge.points.size()) return edge.to;
+    const Graph::Edge& edge = graph_.edges[e];
+    const std::uint32_t from = edge.from;
+    const std::uint32_t to = edge.to;
+    if (i == 0) return from;
+    if (i + 1 == edge.points.size()) return to;
     Configurations first(2);
     Configurations second(2);
-    for (std::size_t k = 0; k <= i; ++k) first.push(std::as_const(edge.points)[k]);
-    for (std::size_t k = i; k < edge.points.size(); ++k) second.push(std::as_const(edge.points)[k]);
-    const std::uint32_t middle = graph_.vertices.push(std::as_const(edge.points)[i]);
-    graph_.edges[e] = {edge.from, middle, path_length(instance_.space, first), std::move(first)};
+    first.reserve(i + 1);
+    second.reserve(edge.points.size() - i);
+    for (std::size_t k = 0; k <= i; ++k) first.push(edge.points[k]);
+    for (std::size_t k = i; k < edge.points.size(); ++k) second.push(edge.points[k]);
+    const std::uint32_t middle = graph_.vertices.push(edge.points[i]);
+    const double length = path_length(instance_.space, first);
+    graph_.edges[e] = {from, middle, length, std::move(first)};
     const auto cut = clearances_[e].begin() + static_cast<std::ptrdiff_t>(i);
     std::vector<double> rest(cut, clearances_[e].end());
     clearances_[e].resize(i + 1);
-    add_edge(middle, edge.to, std::move(second), std::move(rest));
+    add_edge(middle, to, std::move(second), std::move(rest));
     return middle;
   }
 
@@ -204,15 +240,17 @@ class GraphBuilder {
 /// A path in terms of a graph: the edges that it contains, and lower bounds of its clearance.
 class PathOnGraph {
  public:
-  PathOnGraph(const Graph& graph, const Configurations& path) {
-    points_.reserve(path.size());
-    for (std::size_t i = 0; i < path.size(); ++i) points_.push_back({path[i][0], path[i][1], i});
-    std::sort(points_.begin(), points_.end());
+  /// \param path  outlives this object
+  PathOnGraph(const Graph& graph, const Configurations& path)
+      : path_(path), buckets_(std::bit_ceil(2 * path.size() + 1), none), next_(path.size(), none) {
+    for (std::uint32_t i = 0; i < path.size(); ++i) {
+      next_[i] = std::exchange(buckets_[bucket(path[i])], i);
+    }
     along_.reserve(graph.edges.size());
     for (const auto& edge : graph.edges) {
       const std::size_t n = edge.points.size();
       // An edge is on the path if its middle point is; of an edge with two points, both must be.
-      along_.push_back(at(edge.points[n / 2]).empty() || at(edge.points[(n - 1) / 2]).empty() ? 0 : 1);
+      along_.push_back(contains(edge.points[n / 2]) && contains(edge.points[(n - 1) / 2]) ? 1 : 0);
     }
   }
 
@@ -223,36 +261,42 @@ class PathOnGraph {
   /// \param clearances  for each edge, along its points
   [[nodiscard]] std::vector<double> clearance(const Graph& graph,
                                               const std::vector<std::vector<double>>& clearances) const {
-    std::vector<double> most(points_.size(), 0.0);
+    std::vector<double> most(path_.size(), 0.0);
     for (std::size_t e = 0; e < along_.size(); ++e) {
       if (along_[e] == 0) continue;
       const auto& points = graph.edges[e].points;
       for (std::size_t i = 0; i < points.size(); ++i) {
-        for (const Point& p : at(points[i])) most[p.index] = std::max(most[p.index], clearances[e][i]);
+        for (std::uint32_t p = first(points[i]); p != none; p = next(p, points[i])) {
+          most[p] = std::max(most[p], clearances[e][i]);
+        }
       }
     }
     return most;
   }
 
  private:
-  struct Point {
-    double x;
-    double y;
-    std::size_t index;  ///< in the path
-    friend bool operator<(const Point& a, const Point& b) {
-      return std::tie(a.x, a.y, a.index) < std::tie(b.x, b.y, b.index);
-    }
-  };
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// The points of the path at a position.
-  [[nodiscard]] std::span<const Point> at(View position) const {
-    const auto first = std::lower_bound(points_.begin(), points_.end(), Point{position[0], position[1], 0});
-    auto last = first;
-    while (last != points_.end() && last->x == position[0] && last->y == position[1]) ++last;
-    return {first, last};
+  /// The hash table's bucket of a position.
+  [[nodiscard]] std::size_t bucket(View position) const {
+    // The sum with 0 gives both zeros the same bits.
+    const auto x = std::bit_cast<std::uint64_t>(position[0] + 0.0);
+    const auto y = std::bit_cast<std::uint64_t>(position[1] + 0.0);
+    const std::uint64_t mixed = (x ^ std::rotl(y, 29)) * 0x9e3779b97f4a7c15ULL;
+    return (mixed >> 32U) & (buckets_.size() - 1);
   }
+  /// The first of the points from p on, in the same bucket, that is at a position; `none` if there is none.
+  [[nodiscard]] std::uint32_t from(std::uint32_t p, View position) const {
+    while (p != none && (path_[p][0] != position[0] || path_[p][1] != position[1])) p = next_[p];
+    return p;
+  }
+  [[nodiscard]] std::uint32_t first(View position) const { return from(buckets_[bucket(position)], position); }
+  [[nodiscard]] std::uint32_t next(std::uint32_t p, View position) const { return from(next_[p], position); }
+  [[nodiscard]] bool contains(View position) const { return first(position) != none; }
 
-  std::vector<Point> points_;  ///< of the path, sorted by position
+  const Configurations& path_;
+  std::vector<std::uint32_t> buckets_;  ///< last point of the path in each bucket
+  std::vector<std::uint32_t> next_;     ///< for each point, another point in its bucket
   std::vector<char> along_;
 };
 

@@ -14,6 +14,11 @@ bool EvaluatedGraph::begin() {
   seen_.assign(graph_->edges.size(), 0);
   blocked_.clear();
   rows_.assign(graph_->vertices.size(), no_node);
+  // Every vertex and every point of an edge is recorded once at most.
+  std::size_t points = context_.search.nodes.size() + graph_->vertices.size();
+  for (const auto& edge : graph_->edges) points += edge.points.size();
+  context_.search.nodes.reserve(points);
+  context_.search.parents.reserve(points);
   return true;
 }
 
@@ -28,7 +33,8 @@ bool EvaluatedGraph::valid(std::uint32_t e, std::uint32_t to) {
     const std::uint32_t from = graph_->edges[e].from == to ? graph_->edges[e].to : graph_->edges[e].from;
     const View a = std::as_const(graph_->vertices)[from];
     const View b = std::as_const(graph_->vertices)[to];
-    const MotionReport report = seen_[e] == stale ? context_.instance.recheck_motion(a, b) : context_.instance.motion(a, b);
+    const MotionReport report =
+        seen_[e] == stale ? context_.instance.recheck_motion(a, b) : context_.instance.motion(a, b);
     seen_[e] = report.valid ? found_valid : found_invalid;
     if (!report.valid) {
       Configuration& blocked = blocked_[e];
@@ -107,11 +113,14 @@ Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, cons
     }
   }
   std::vector<std::uint32_t> edges;
+  std::size_t points = 1;
   for (std::uint32_t at = end; at != graph.start;) {
     const auto& edge = graph.edges[parent[at]];
     edges.push_back(parent[at]);
+    points += std::max<std::size_t>(1, edge.points.size());
     at = edge.from == at ? edge.to : edge.from;
   }
+  solution.path.reserve(points);
   solution.path.push(graph.vertices[graph.start]);
   std::uint32_t at = graph.start;
   for (auto it = edges.rbegin(); it != edges.rend(); ++it) {

@@ -155,11 +155,11 @@ class Tree final : public NearestIndex::Implementation {
     Node node;
     node.leaf = static_cast<std::int32_t>(count_.size());
     nodes_.push_back(node);
-    boxes_.insert(boxes_.end(), dim(), infinity);
-    boxes_.insert(boxes_.end(), dim(), -infinity);
+    boxes_.resize(boxes_.size() + 2 * dim(), infinity);
+    std::fill(boxes_.end() - static_cast<std::ptrdiff_t>(dim()), boxes_.end(), -infinity);
     count_.push_back(0);
-    coordinates_.resize(coordinates_.size() + dim() * bucket, 0.0);
-    ids_.resize(ids_.size() + bucket, 0);
+    coordinates_.resize(coordinates_.size() + dim() * bucket);
+    ids_.resize(ids_.size() + bucket);
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
 

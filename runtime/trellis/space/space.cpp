@@ -93,10 +93,12 @@ Space Space::product(const std::vector<std::pair<double, Space>>& factors) {
 
 double Space::squared_distance(View a, View b) const {
   double sum = 0.0;
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    double delta = b[j] - a[j];
-    if (axes_[j].periodic) delta = short_way(axes_[j], delta);
-    delta *= axes_[j].weight;
+  const double* from = a.data();
+  const double* to = b.data();
+  for (const Axis& axis : axes_) {
+    double delta = *to++ - *from++;
+    if (axis.periodic) delta = short_way(axis, delta);
+    delta *= axis.weight;
     sum += delta * delta;
   }
   return sum;
@@ -112,10 +114,12 @@ void Space::difference(View a, View b, MutableView out) const {
 }
 
 void Space::interpolate(View a, View b, double t, MutableView out) const {
+  if (t == 1.0) {
+    std::copy_n(b.begin(), axes_.size(), out.begin());
+    return;
+  }
   for (std::size_t j = 0; j < axes_.size(); ++j) {
-    if (t == 1.0) {
-      out[j] = b[j];
-    } else if (axes_[j].periodic) {
+    if (axes_[j].periodic) {
       out[j] = wrap(axes_[j], a[j] + t * short_way(axes_[j], b[j] - a[j]));
     } else {
       out[j] = a[j] + t * (b[j] - a[j]);

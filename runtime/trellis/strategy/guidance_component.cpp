@@ -19,13 +19,15 @@ namespace {
 class ComponentGuidance final : public SearchedGuidance {
  public:
   ComponentGuidance(Run& run, Level& parent, const GuideSpec& spec, const std::string& key)
-      : parent_(parent),
+      : run_(run),
+        parent_(parent),
+        spec_(spec),
+        number_(run.levels.size()),
         name_(spec.text_alone()),
-        guided_below_(spec.below() != nullptr),
-        site_{run.seed, key, place(run, spec), run.shared} {
+        guided_below_(spec.below() != nullptr) {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
-    make(spec);
+    make(key);
     auto sub = told([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
@@ -206,26 +208,26 @@ class ComponentGuidance final : public SearchedGuidance {
     if (level_ && !level_->resolves().exhausted) level_->resolves().limit_reached = true;
   }
 
-  void make(const GuideSpec& spec) {
-    if (spec.custom()) {
+  void make(const std::string& key) {
+    if (spec_.custom()) {
       custom_ = true;
-      guide_ = told([&] { return spec.custom()->make(site_); });
-      resolves_left_ = spec.custom()->description().resolves;
+      guide_ = told([&] { return spec_.custom()->make({run_.seed, key, place(), run_.shared}); });
+      resolves_left_ = spec_.custom()->description().resolves;
     } else {
-      const GuideKind& kind = *find_guide(spec.name());
-      guide_ = kind.make(spec.options());
-      resolves_left_ = kind.resolves(spec.options());
+      const GuideKind& kind = *find_guide(spec_.name());
+      guide_ = kind.make(spec_.options());
+      resolves_left_ = kind.resolves(spec_.options());
     }
   }
 
   /// "script.lua:7: in shrink(0.5) >> rrt, level 1 (problem 'trap', seed 3)".
-  [[nodiscard]] std::string place(const Run& run, const GuideSpec& spec) const {
-    const auto at = [&](int i) -> const LevelRecord& { return run.levels[static_cast<std::size_t>(i)]->record(); };
+  [[nodiscard]] std::string place() const {
+    const auto at = [&](int i) -> const LevelRecord& { return run_.levels[static_cast<std::size_t>(i)]->record(); };
     const std::string path = level_path(parent_.record(), at);
-    const std::string level = spec.planner() ? fmt::format(", level {}", run.levels.size()) : "";
-    const std::string seed = run.seeded ? fmt::format(", seed {}", run.seed) : "";
-    return fmt::format("{}in {} >> {}{} (problem '{}'{})", where(spec.origin()), name_, path.substr(0, path.rfind(',')),
-                       level, run.problem, seed);
+    const std::string level = spec_.planner() ? fmt::format(", level {}", number_) : "";
+    const std::string seed = run_.seeded ? fmt::format(", seed {}", run_.seed) : "";
+    return fmt::format("{}in {} >> {}{} (problem '{}'{})", where(spec_.origin()), name_,
+                       path.substr(0, path.rfind(',')), level, run_.problem, seed);
   }
 
   /// Calls `body` and adds the location to its errors.
@@ -236,7 +238,7 @@ class ComponentGuidance final : public SearchedGuidance {
     } catch (const PlacedError&) {
       throw;
     } catch (const Error& error) {
-      throw PlacedError(fmt::format("{}: {}", site_.place, error.what()));
+      throw PlacedError(fmt::format("{}: {}", place(), error.what()));
     }
   }
 
@@ -307,10 +309,12 @@ class ComponentGuidance final : public SearchedGuidance {
     return first_;
   }
 
+  Run& run_;
   Level& parent_;
+  GuideSpec spec_;
+  std::size_t number_;  ///< of the level below, if there is one
   std::string name_;
-  bool guided_below_;  ///< a guide guides the search of S
-  GuideSite site_;
+  bool guided_below_;    ///< a guide guides the search of S
   bool custom_ = false;  ///< not in the registry
   std::shared_ptr<Guide> guide_;
   std::unique_ptr<Level> level_;

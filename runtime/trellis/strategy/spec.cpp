@@ -236,6 +236,7 @@ PlannerSpec split(const PlannerSpec& part, const SplitSettings& settings) {
 struct GuideSpec::Node {
   Kind kind = Kind::component;
   std::string name;
+  std::string text_alone;  ///< of a component: its text without planner and guide below
   Options options;
   std::shared_ptr<const CustomGuide> custom;
   std::optional<PlannerSpec> planner;
@@ -277,6 +278,7 @@ GuideSpec GuideSpec::make(const std::string& name, const std::vector<Options::En
   node->options = Options::validate(described, given);
   node->origin = std::move(origin);
   node->search_by(kind.default_planner, kind.graph_optional, std::move(planner));
+  node->text_alone = text_of_component(*node, "");
   return GuideSpec(std::move(node));
 }
 
@@ -287,6 +289,7 @@ GuideSpec GuideSpec::make(std::shared_ptr<const CustomGuide> custom, std::option
   node->origin = std::move(origin);
   node->search_by(custom->description().default_planner, false, std::move(planner));
   node->custom = std::move(custom);
+  node->text_alone = text_of_component(*node, "");
   return GuideSpec(std::move(node));
 }
 
@@ -351,7 +354,7 @@ std::string GuideSpec::text_of_component(const Node& node, const std::string& pl
   return planner.empty() ? node.name : fmt::format("{} {{ {} }}", node.name, planner);
 }
 
-std::string GuideSpec::text_alone() const { return text_of_component(*node_, ""); }
+std::string GuideSpec::text_alone() const { return node_->text_alone; }
 
 std::string GuideSpec::text() const {
   switch (kind()) {
