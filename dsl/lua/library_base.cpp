@@ -11,7 +11,7 @@ namespace {
 
 // Functions that catch errors ----------------------------------------------------------------------------------------
 
-/// Ends a call of Lua's own function: the end of a script, which the function may have caught, goes on.
+/// Ends a call of Lua's own function: the end of a script, which the function may have caught, continues.
 int pass_on(lua_State* state, int status, lua_KContext context) {
   static_cast<void>(status), static_cast<void>(context);
   Guard::pass_on(state);

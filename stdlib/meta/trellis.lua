@@ -137,7 +137,7 @@
 
 ---What `rrt` takes.
 ---@class trellis.rrt.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field connect_goal? boolean true or false; default true: try the motion to the goal from every new node within one step of it
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
@@ -148,7 +148,7 @@
 
 ---What `rrt_connect` takes.
 ---@class trellis.rrt_connect.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of a tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of a tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
@@ -187,7 +187,7 @@
 
 ---What `rrt_star` takes.
 ---@class trellis.rrt_star.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree, and longest motion tried to the goal from a new node
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree, and longest motion tried to the goal from a new node
 ---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
@@ -224,7 +224,7 @@
 
 ---What `lazy_rrg_star` takes.
 ---@class trellis.lazy_rrg_star.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: how far a new node may be from the nearest one
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: how far a new node may be from the nearest one
 ---@field connect? "k_nearest"|"within" one of "k_nearest", "within"; default "k_nearest": what a new node may be joined to, n nodes in d dimensions: "k_nearest", the e (1 + 1/d) log n nearest; "within", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball
 ---@field factor? number a number greater than 0 (times); default 1.1: by what that number or that radius is multiplied; the proofs ask for more than 1
 ---@field improve? number a number at least 0 (proposals); default 1000: proposals spent on shorter paths once one is known, in each solve, within the budget
@@ -867,12 +867,12 @@
 
 ---What `strategies.rrt` takes.
 ---@class trellis.strategies.rrt.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 
 ---What `strategies.parasol_rrt` takes.
 ---@class trellis.strategies.parasol_rrt.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 
 ---What `strategies.lazy_prm` takes.
@@ -915,7 +915,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 
 ---What `strategies.parasol_dr_rrt` takes.
@@ -927,13 +927,13 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 1: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field alignment? number a number in [-1, 0.99] (cosine); default -1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 0: proposals of a region without a new node, in a row, after which it is dropped; 0: never
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 
 ---What `strategies.relaxation` takes.
 ---@class trellis.strategies.relaxation.Options
 ---@field scales? number[] a list of numbers that grow, below 1; default {0.25, 0.5, 0.75}: the robots from the smallest to the largest, by the size of the real one
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
@@ -944,7 +944,7 @@
 ---@class trellis.strategies.irc.Options
 ---@field scales? number[] a list of numbers that grow, below 1; default {0.25, 0.5, 0.75}: the robots from the smallest to the largest, by the size of the real one
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
@@ -955,7 +955,7 @@
 ---@class trellis.strategies.parasol_irc.Options
 ---@field scales? number[] a list of numbers that grow, below 1; default {0.25, 0.5, 0.75}: the robots from the smallest to the largest, by the size of the real one
 ---@field planner? trellis.Planner a planner; default an rrt with the step and the shares above: the planner at the root
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
@@ -971,7 +971,7 @@
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 
 ---What `strategies.vonasek` takes.
@@ -984,13 +984,13 @@
 ---@field paths? integer an integer in [1, 64] (paths); default 3: guiding paths that are looked for, each distinct from those before it; all found guide at once
 ---@field distinct? number a number at least 0 (m in the metric); default 0: distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base
 ---@field effort? integer an integer at least 1 (proposals); default 2000: budget of the search for each further path
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.5: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 
 ---What `strategies.rrt_connect` takes.
 ---@class trellis.strategies.rrt_connect.Options
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of a tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of a tree
 
 ---What `strategies.nested` takes.
 ---@class trellis.strategies.nested.Options
@@ -1008,7 +1008,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base
@@ -1028,7 +1028,7 @@
 ---@field penetration? number a number in [0, 1] (share of its diameter); default 0.5: how much of the robot's bounding circle, in its diameters, is inside a region where a node moves it on; 0.5: the reference point is inside; 1: the whole circle
 ---@field alignment? number a number in [-1, 0.99] (cosine); default 0.1: of a robot with a motion model: the least cosine of the angle between the edge at a region and the velocity of a proposal from it, of which a state without velocities has the one at its greatest speed; -1: velocities are uniform
 ---@field drop? integer an integer at least 0 (proposals); default 1000: proposals of a region without a new node, in a row, after which it is dropped; 0: never
----@field step? number a number greater than 0 (m in the metric); default 0.5: longest extension of the tree
+---@field step? number a number at least 1e-06 (m in the metric); default 0.5: longest extension of the tree
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.1: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field radius? number a number at least 0 (m in the metric); default 0: radius of the tube about the path that proposals are drawn from; 0: half the robot's bounding radius, or of the space's diameter 1 % for a point and 5 % for a robot that is fixed to its base

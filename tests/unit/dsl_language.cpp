@@ -252,7 +252,7 @@ TEST_CASE("help lists the operators and members of a type") {
 TEST_CASE("functions of the standard library check what they are given") {
   CHECK(failure("strategies.dr_rrt { regon = 3 }")
             .find("test.lua:1: strategies.dr_rrt: unknown field 'regon' (did you mean 'region'?)") == 0);
-  CHECK(failure("strategies.irc { step = -1 }").find("strategies.irc: option 'step' must be a number greater than 0") !=
+  CHECK(failure("strategies.irc { step = -1 }").find("strategies.irc: option 'step' must be a number at least 1e-06") !=
         std::string::npos);
   CHECK(failure("strategies.nested { planner = lazy() }")
             .find("strategies.nested: field 'planner' must be a planner, got the guide 'lazy()'") != std::string::npos);

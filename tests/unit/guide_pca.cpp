@@ -235,5 +235,5 @@ TEST_CASE("a failed fit is reported", "[guide][pca]") {
       test::make_problem("walled", test::rectangle_world({{0, 0, 10, 9.99}}), Robot::disc(1.0), {5, 5}, {6, 5});
   auto closed = make_instance(walled);
   CHECK_THROWS_WITH(guide_of({{"samples", std::int64_t{2}}})->project(*closed),
-                    Contains("none of 100 configurations") && Contains("is valid"));
+                    Contains("none of 100 checked configurations") && Contains("is valid"));
 }

@@ -123,7 +123,8 @@ TEST_CASE("a world checks its obstacles and names the faulty one", "[scene][worl
   };
   CHECK_THAT(fault(Box2{{1, 1}, {1, 2}}), Contains("obstacle 3 (mine)") && Contains("xmin < xmax"));
   CHECK_THAT(fault(Box2{{1, 1}, {2, inf}}), Contains("obstacle 3 (mine)"));
-  CHECK_THAT(fault(Disc{{1, 1}, 0.0}), Contains("obstacle 3 (mine)") && Contains("radius greater than 0, got 0"));
+  CHECK_THAT(fault(Disc{{1, 1}, 0.0}),
+             Contains("obstacle 3 (mine)") && Contains("radius greater than 0 and at most 1e+09 m, got 0"));
   CHECK_THAT(fault(Disc{{1, 1}, -1.0}), Contains("got -1"));
   CHECK_THAT(fault(Disc{{inf, 1}, 1.0}), Contains("centre within 1e+09 m of 0"));
   CHECK_THAT(fault(Polygon{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}}), Contains("obstacle 3 (mine)") && Contains("meets"));

@@ -282,7 +282,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     ++evaluations_;
     const Space& space = parent_->space;
     const double length = space.distance(a, b);
-    const double step = parent_->step > 0.0 ? parent_->step : length;
+    // Steps below the resolution would only cost memory.
+    const double step = parent_->step > 0.0 ? std::max(parent_->step, parent_->resolution) : length;
     from_.assign(a.begin(), a.end());
     to_.resize(a.size());
     for (double left = length;; left = space.distance(from_, b)) {

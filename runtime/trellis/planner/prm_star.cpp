@@ -45,7 +45,7 @@ const Settings<LazyRrgStarSettings>& lazy_rrg_star_settings() {
           "Lazy-RRG*: a graph that grows from start and goal towards proposals; checks only edges that have been on a "
           "shortest path; continues after its first path",
           hauser)
-          .number("step", &LazyRrgStarSettings::step, "m in the metric", Range::positive(),
+          .number("step", &LazyRrgStarSettings::step, "m in the metric", Range::at_least(1e-6),
                   "how far a new node may be from the nearest one"));
   return settings;
 }

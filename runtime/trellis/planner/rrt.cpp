@@ -19,7 +19,7 @@ const Settings<RrtSettings>& rrt_settings() {
       Settings<RrtSettings>(Component::Kind::planner, "rrt",
                             "rapidly-exploring random tree: grows from the start towards proposals",
                             "LaValle and Kuffner 2001, Randomized kinodynamic planning")
-          .number("step", &RrtSettings::step, "m in the metric", Range::positive(), "longest extension of the tree")
+          .number("step", &RrtSettings::step, "m in the metric", Range::at_least(1e-6), "longest extension of the tree")
           .boolean("connect_goal", &RrtSettings::connect_goal,
                    "try the motion to the goal from every new node within one step of it"));
   return settings;

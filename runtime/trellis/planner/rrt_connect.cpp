@@ -23,7 +23,7 @@ const Settings<RrtConnectSettings>& rrt_connect_settings() {
       Settings<RrtConnectSettings>(Component::Kind::planner, "rrt_connect",
                                    "two trees from start and goal, grown towards proposals and greedily to each other",
                                    "Kuffner and LaValle 2000, RRT-Connect")
-          .number("step", &RrtConnectSettings::step, "m in the metric", Range::positive(),
+          .number("step", &RrtConnectSettings::step, "m in the metric", Range::at_least(1e-6),
                   "longest extension of a tree"));
   return settings;
 }

@@ -22,7 +22,7 @@ const Settings<RrtStarSettings>& rrt_star_settings() {
           "RRT*: a random tree that connects each new node to the neighbour with the shortest path to it, and rewires "
           "nodes when a shorter path is found; continues after its first path",
           "Karaman and Frazzoli 2011, Sampling-based algorithms for optimal motion planning")
-          .number("step", &RrtStarSettings::step, "m in the metric", Range::positive(),
+          .number("step", &RrtStarSettings::step, "m in the metric", Range::at_least(1e-6),
                   "longest extension of the tree, and longest motion tried to the goal from a new node"));
   return settings;
 }

@@ -46,7 +46,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.presumed = !instance_->validity->spends_checks();
   record_.planner = planner.name();
   record_.search = Search(instance_->space.dimension());
-  guidance_.limit_slice([this] { return work_limit_ < Budget::unlimited ? work_limit_ - work() : work_limit_; });
+  guidance_.limit_slice([this] { return work_limit_ - work(); });
   if (parent == nullptr) guidance_.report_paths([this](double length) { note_improvement(length); });
   run.levels.push_back(this);
 }
