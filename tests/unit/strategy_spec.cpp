@@ -97,7 +97,7 @@ TEST_CASE("options are validated with the nearest right name", "[spec][errors]")
                     Contains("unknown option 'stepp'") && Contains("'step'"));
   CHECK_THROWS_WITH(PlannerSpec::make("rtr", {}), Contains("unknown planner 'rtr'"));
   CHECK_THROWS_WITH(GuideSpec::make("shrnk", {}), Contains("did you mean 'shrink'?"));
-  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", 0.0}}), Contains("'step'") && Contains("greater than 0"));
+  CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", 0.0}}), Contains("'step'") && Contains("at least 1e-06"));
   CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::nan("")}}), Contains("'step'"));
   CHECK_THROWS_WITH(PlannerSpec::make("rrt", {{"step", std::string("long")}}),
                     Contains("a number") && Contains("\"long\""));
