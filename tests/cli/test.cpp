@@ -199,7 +199,7 @@ TEST_CASE("an error in a script is reported on stderr, and the other files run")
   CHECK(place.run({"test", "none.lua"}).err == "trellis: cannot read 'none.lua': No such file or directory\n");
 }
 
-TEST_CASE("what scenarios are given is checked") {
+TEST_CASE("what scenarios are given is checked", "[slow]") {
   const Place place;
   place.script("pair.lua", pair_script);
   const auto says = [&](const std::string& body) {

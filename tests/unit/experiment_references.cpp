@@ -49,7 +49,7 @@ void check_perfect(const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("in every scene the oracle scores 0 and uniform sampling its own divergence, tree and expansion",
-          "[references]") {
+          "[references][slow]") {
   const std::vector<Problem> scenes = {test::simple_passage_problem(), test::trap_problem(), test::cup_problem(),
                                        test::point_problem(3)};
   for (const Problem& scene : scenes) {
@@ -82,7 +82,7 @@ TEST_CASE("in every scene the oracle scores 0 and uniform sampling its own diver
   }
 }
 
-TEST_CASE("every estimator that claims accuracy scores the oracle 0", "[references]") {
+TEST_CASE("every estimator that claims accuracy scores the oracle 0", "[references][slow]") {
   for (const Problem& scene : {test::simple_passage_problem(), test::cup_problem(), test::point_problem(3)}) {
     const ExperimentResult result = run(experiment_on(scene, plain(), 8));
     for (const EstimatorSpec& estimator : {EstimatorSpec::make("exact"), EstimatorSpec::make("knn"),

@@ -375,7 +375,7 @@ TEST_CASE("numbers of samples that differ much are also compared at the least", 
   for (const RunResult& run : run(experiment).runs) CHECK_FALSE(root_of(run).equal);
 }
 
-TEST_CASE("every figure is the same to the last bit whatever the number of jobs", "[scoring]") {
+TEST_CASE("every figure is the same to the last bit whatever the number of jobs", "[scoring][slow]") {
   Experiment experiment;
   experiment.problems = {test::cup_problem()};
   experiment.strategies = {{"plain", rrt(0.5)}, {"nested", GuideSpec::make("shrink", {{"scale", 0.5}}) >> rrt(0.5)}};

@@ -283,7 +283,7 @@ TEST_CASE("what is not there has no figure", "[experiment][search_metrics]") {
   CHECK(std::isnan(blocked.coverage));
 }
 
-TEST_CASE("metrics of runs: trees are one component, and shares add up", "[experiment][search_metrics]") {
+TEST_CASE("metrics of runs: trees are one component, and shares add up", "[experiment][search_metrics][slow]") {
   const auto guide = [](const char* name) { return GuideSpec::make(name, {}); };
   const auto rrt = PlannerSpec::make("rrt", {});
   const std::vector<StrategySpec> strategies = {rrt,

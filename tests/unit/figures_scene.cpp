@@ -71,7 +71,7 @@ Files formats(const std::vector<std::string>& stems) {
 
 }  // namespace
 
-TEST_CASE("every strategy has a picture of its samples, and guides have theirs", "[report][scene-figures]") {
+TEST_CASE("every strategy has a picture of its samples, and guides have theirs", "[report][scene-figures][slow]") {
   Experiment experiment;
   experiment.problems = {test::simple_passage_problem()};
   experiment.strategies = {{"rrt", fixture::plain()}, {"nested", fixture::nested()}};
