@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -139,7 +140,7 @@ struct Average {
   double (*field)(const Efficiency&);
 };
 
-constexpr Average averages[] = {
+constexpr auto averages = std::to_array<Average>({
     {&Figure::free_share, [](const Efficiency& e) { return e.free_share; }},
     {&Figure::value, [](const Efficiency& e) { return e.value; }},
     {&Figure::light_value, [](const Efficiency& e) { return e.light_value; }},
@@ -159,7 +160,7 @@ constexpr Average averages[] = {
     {&Figure::coverage_half, [](const Efficiency& e) { return e.coverage_half; }},
     {&Figure::along, [](const Efficiency& e) { return e.along.divergence; }},
     {&Figure::empty_share, [](const Efficiency& e) { return e.along.empty_share; }},
-};
+});
 
 /// Compares the headline estimator with the first other one, in the runs that have both.
 void add_check(const std::vector<const Efficiency*>& figures, Figure& result) {
