@@ -223,6 +223,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
       RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                {experiment.shortcut, interrupted, {}});
       if (run.run.status == Status::interrupted) throw Interrupted();
+      if (!experiment.measure) release(run);
       result.runs[index] = std::move(run);
       progress();
     } catch (...) {
