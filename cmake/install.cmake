@@ -8,7 +8,9 @@ set(program DESTINATION ${data} COMPONENT trellis)
 
 install(TARGETS trellis RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT trellis)
 install(DIRECTORY stdlib ${program} FILES_MATCHING PATTERN "*.lua")
-install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt)
+install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt
+        PATTERN "*.slurm")
+install(PROGRAMS examples/cluster/sweep-parallel DESTINATION ${data}/examples/cluster COMPONENT trellis)
 install(FILES .luacheckrc ${program} RENAME luacheckrc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)

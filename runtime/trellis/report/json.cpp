@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
+#include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/summary.hpp>
@@ -659,6 +660,22 @@ std::string report_json(const Experiment& experiment, const ExperimentResult& re
   out += " \"comparisons\": " + lines(comparisons) + ",\n";
   out += " \"warnings\": " + lines(warnings) + "\n";
   return out + "}\n";
+}
+
+std::string run_line(const RunResult& run) { return dump(run_json(run)); }
+
+std::string experiment_line(const Experiment& experiment) { return dump(experiment_json(experiment)); }
+
+std::string runs_document(const std::string& script, const std::string& experiment,
+                          const std::vector<std::string>& runs) {
+  std::string out = "{\n";
+  out += " \"trellis\": " + dump({{"version", version()}}) + ",\n";
+  out += " \"script\": " + dump(script) + ",\n";
+  out += " \"experiment\": " + experiment + ",\n";
+  out += " \"runs\": [";
+  for (std::size_t i = 0; i < runs.size(); ++i) out += (i == 0 ? "\n  " : ",\n  ") + runs[i];
+  out += runs.empty() ? "],\n" : "\n ],\n";
+  return out + " \"summary\": [],\n \"comparisons\": [],\n \"warnings\": []\n}\n";
 }
 
 }  // namespace trellis

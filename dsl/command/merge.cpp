@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <dsl/command/commands.hpp>
+#include <dsl/command/outputs.hpp>
+#include <dsl/command/records.hpp>
+#include <dsl/language/stdlib.hpp>
+#include <trellis/base/error.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+constexpr std::size_t largest_file = std::size_t{4} << 30U;
+
+struct Options {
+  std::vector<std::string> folders;  ///< of trellis sweep
+  std::string out;
+};
+
+/// Adds a folder's records. Records of one run must be equal, except for times; the first one remains.
+void add_records(Records& all, const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / "runs.jsonl").string();
+  std::size_t complete = 0;
+  for (const auto& [key, line] : parse_records(dsl::read_file(path, largest_file), path, complete)) {
+    const auto [at, added] = all.emplace(key, line);
+    if (!added && without_times(at->second) != without_times(line)) {
+      throw Error(
+          fmt::format("{}: {} differs from its record in a folder before; they ran on different programs or "
+                      "scenes",
+                      path, key.text()));
+    }
+  }
+}
+
+/// \throws Error that names the first missing run and the first that the experiment does not have.
+void check_complete(const Manifest& manifest, const Records& records) {
+  const std::vector<RunKey> keys = keys_of(manifest.experiment);
+  const auto missing = [&](const RunKey& key) { return !records.contains(key); };
+  const auto count = std::count_if(keys.begin(), keys.end(), missing);
+  if (count > 0) {
+    throw Error(fmt::format("merge: {} of {} runs are missing, the first is {}; repeat the sweep of its shard", count,
+                            keys.size(), std::find_if(keys.begin(), keys.end(), missing)->text()));
+  }
+  if (records.size() > keys.size()) {
+    throw Error(
+        fmt::format("merge: {} records are of runs that the experiment does not have", records.size() - keys.size()));
+  }
+}
+
+int merge(const Options& options) {
+  Manifest manifest = Manifest::read(options.folders.front());
+  Records records;
+  for (const std::string& folder : options.folders) {
+    const std::string difference = manifest.difference(Manifest::read(folder), false);
+    if (!difference.empty()) {
+      throw Error(fmt::format("merge: '{}' and '{}' are of different sweeps: {} differs", options.folders.front(),
+                              folder, difference));
+    }
+    add_records(records, folder);
+  }
+  manifest.shard = {};
+  check_complete(manifest, records);
+  OutputFolder out(options.out);
+  if (std::filesystem::exists(std::filesystem::path(options.out) / "manifest.json")) {
+    throw Error(fmt::format("--out: '{}' holds a sweep already; name another folder", options.out));
+  }
+  write_results(options.out, manifest, records);
+  manifest.write(options.out);
+  out.keep();
+  print_all(fmt::format("{} runs of {} folders in '{}'\n", records.size(), options.folders.size(), options.out));
+  return success;
+}
+
+}  // namespace
+
+void add_merge(CommandLine& line) {
+  const auto options = std::make_shared<Options>();
+  Subcommand verb = line.add("merge", "join the shards of a sweep, checked for missing and contradictory runs",
+                             [options] { return merge(*options); });
+  verb.arguments("FOLDER", "FOLDER", options->folders, "folders that trellis sweep wrote");
+  verb.text("--out", "FOLDER", options->out, "the folder of the joined sweep", true);
+}
+
+}  // namespace trellis::command

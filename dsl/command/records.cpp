@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dsl/command/records.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <dsl/language/stdlib.hpp>
+#include <trellis/base/error.hpp>
+#include <trellis/report/records.hpp>
+#include <trellis/report/report.hpp>
+
+namespace trellis::command {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t largest_file = std::size_t{4} << 30U;
+
+std::string in(const std::string& folder, const char* name) { return (std::filesystem::path(folder) / name).string(); }
+
+[[noreturn]] void fail(const std::string& path, int reason) {
+  throw Error(fmt::format("cannot write '{}': {}; the records before remain, and the same command continues", path,
+                          std::strerror(reason)));  // NOLINT(concurrency-mt-unsafe)
+}
+
+/// Returns 0 or the error code.
+int write_all(int file, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(file, content.data(), content.size());
+    if (written >= 0) {
+      content.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
+}
+
+void remove_times(Json& json) {
+  if (json.is_object()) {
+    for (const char* name : {"time_s", "cpu_s"}) json.erase(std::string(name));
+  }
+  if (json.is_structured()) {
+    for (Json& part : json) remove_times(part);
+  }
+}
+
+std::uint64_t number_of(std::string_view text, std::string_view whole) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value == 0) {
+    throw Error(fmt::format("--shard: '{}' is not I/N, two integers of at least 1, as 2/10", whole));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string RunKey::text() const { return fmt::format("'{}' on '{}', seed {}", strategy, problem, seed); }
+
+Shard Shard::parse(const std::string& text) {
+  if (text.empty()) return {};
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) throw Error(fmt::format("--shard: '{}' is not I/N, as 2/10", text));
+  const std::string_view whole = text;
+  const Shard shard{number_of(whole.substr(0, slash), whole), number_of(whole.substr(slash + 1), whole)};
+  if (shard.index > shard.count) {
+    throw Error(fmt::format("--shard: {} is more than the {} shards; the first is 1/{}", shard.index, shard.count,
+                            shard.count));
+  }
+  return shard;
+}
+
+std::string Shard::text() const { return fmt::format("{}/{}", index, count); }
+
+Manifest Manifest::read(const std::string& folder) {
+  const std::string path = in(folder, "manifest.json");
+  try {
+    const Json json = Json::parse(dsl::read_file(path, largest_file));
+    return {json.at("version").get<std::string>(),
+            json.at("script").get<std::string>(),
+            json.at("script_hash").get<std::string>(),
+            json.at("options").get<std::string>(),
+            Shard::parse(json.at("shard").get<std::string>()),
+            json.at("experiment").dump()};
+  } catch (const Json::exception&) {
+    throw Error(fmt::format("{}: this is no manifest that trellis sweep writes", path));
+  }
+}
+
+void Manifest::write(const std::string& folder) const {
+  const Json json = {{"version", version}, {"script", script},      {"script_hash", script_hash},
+                     {"options", options}, {"shard", shard.text()}, {"experiment", Json::parse(experiment)}};
+  write_file(in(folder, "manifest.json"), json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+std::string Manifest::difference(const Manifest& other, bool shards) const {
+  if (version != other.version) return fmt::format("the version of trellis ({} and {})", version, other.version);
+  if (script_hash != other.script_hash) return "the content of the script";
+  if (options != other.options) return fmt::format("the options ({} and {})", options, other.options);
+  if (shards && shard.text() != other.shard.text()) {
+    return fmt::format("the shard ({} and {})", shard.text(), other.shard.text());
+  }
+  return experiment != other.experiment ? "the experiment" : "";
+}
+
+std::vector<RunKey> keys_of(const std::string& experiment) {
+  const Json json = Json::parse(experiment);
+  std::vector<RunKey> keys;
+  for (const Json& problem : json.at("problems")) {
+    for (const Json& strategy : json.at("strategies")) {
+      for (const Json& seed : json.at("seeds")) {
+        keys.push_back(
+            {problem.at("name").get<std::string>(), strategy.at("name").get<std::string>(), seed.get<std::uint64_t>()});
+      }
+    }
+  }
+  return keys;
+}
+
+std::vector<std::size_t> cells_of(const std::string& experiment, const Shard& shard) {
+  const Json json = Json::parse(experiment);
+  const std::size_t strategies = json.at("strategies").size();
+  const std::size_t seeds = json.at("seeds").size();
+  std::vector<std::size_t> cells;
+  for (std::size_t i = 0; i < json.at("problems").size() * strategies * seeds; ++i) {
+    const std::size_t problem = i / seeds / strategies;
+    if ((problem * seeds + i % seeds) % shard.count == shard.index - 1) cells.push_back(i);
+  }
+  return cells;
+}
+
+Records parse_records(const std::string& text, const std::string& file, std::size_t& complete) {
+  Records records;
+  complete = 0;
+  std::size_t number = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', complete)) {
+    std::string line = text.substr(complete, end - complete);
+    complete = end + 1;
+    ++number;
+    try {
+      const Json json = Json::parse(line);
+      const RunKey key{json.at("problem").get<std::string>(), json.at("strategy").get<std::string>(),
+                       json.at("seed").get<std::uint64_t>()};
+      if (!records.emplace(key, std::move(line)).second) {
+        throw Error(fmt::format("{}:{}: {} is there twice; delete one of the lines", file, number, key.text()));
+      }
+    } catch (const Json::exception&) {
+      throw Error(fmt::format("{}:{}: this is no record of a run; delete the line, and the same command runs it again",
+                              file, number));
+    }
+  }
+  return records;
+}
+
+std::string without_times(const std::string& line) {
+  Json json = Json::parse(line);
+  remove_times(json);
+  return json.dump();
+}
+
+std::string hash_of(const std::string& bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return fmt::format("{:016x}", hash);
+}
+
+void write_results(const std::string& folder, const Manifest& manifest, const Records& records) {
+  std::vector<std::string> lines;
+  std::string text;
+  const std::vector<RunKey> keys = keys_of(manifest.experiment);
+  for (const std::size_t cell : cells_of(manifest.experiment, manifest.shard)) {
+    lines.push_back(records.at(keys[cell]));
+    text += lines.back() + '\n';
+  }
+  write_file(in(folder, "runs.jsonl"), text);
+  write_file(in(folder, "results.json"), runs_document(manifest.script, manifest.experiment, lines));
+}
+
+RecordFile::RecordFile(const std::string& folder) : path_(in(folder, "runs.jsonl")) {
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (file_ < 0) fail(path_, errno);
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(file_);
+    throw Error(fmt::format("'{}' is in use by another process; wait for its end, or use another folder", path_));
+  }
+  try {
+    records_ = parse_records(dsl::read_file(path_, largest_file), path_, size_);
+    if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path_, errno);
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+RecordFile::~RecordFile() { ::close(file_); }
+
+void RecordFile::append(const RunKey& key, const std::string& line) {
+  const std::scoped_lock lock(mutex_);
+  int reason = write_all(file_, line + '\n');
+  if (reason == 0 && ::fdatasync(file_) != 0 && errno != EINVAL) reason = errno;
+  if (reason != 0) {
+    // The next start removes what this cannot.
+    static_cast<void>(::ftruncate(file_, static_cast<off_t>(size_)));
+    fail(path_, reason);
+  }
+  size_ += line.size() + 1;
+  records_.emplace(key, line);
+}
+
+}  // namespace trellis::command

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+/// The folder of a sweep: a manifest, and one record a run, which remain when the program is killed.
+namespace trellis::command {
+
+struct RunKey {
+  std::string problem;
+  std::string strategy;
+  std::uint64_t seed = 0;
+  auto operator<=>(const RunKey&) const = default;
+  [[nodiscard]] std::string text() const;
+};
+
+/// One of several parts of a sweep. All strategies of a problem and a seed are in one part, so that their times
+/// compare.
+struct Shard {
+  std::uint64_t index = 1;  ///< from 1
+  std::uint64_t count = 1;
+  /// Parses "2/10", "" for all. \throws Error
+  static Shard parse(const std::string& text);
+  [[nodiscard]] std::string text() const;
+};
+
+/// The inputs that determine the runs of a sweep. Numbers that JSON rounds are stored as text.
+struct Manifest {
+  std::string version;      ///< of the program
+  std::string script;       ///< path as given
+  std::string script_hash;  ///< of the file's bytes
+  std::string options;      ///< those of the command line that change the runs
+  Shard shard;
+  std::string experiment;  ///< a result of experiment_line()
+
+  /// \throws Error that names the file
+  static Manifest read(const std::string& folder);
+  void write(const std::string& folder) const;
+  /// Returns the first field that differs, "" for none. Ignores the path of the script.
+  [[nodiscard]] std::string difference(const Manifest& other, bool shards) const;
+};
+
+/// Returns the runs of an experiment, by problem, strategy, seed.
+std::vector<RunKey> keys_of(const std::string& experiment);
+/// Returns the indices of those in a shard.
+std::vector<std::size_t> cells_of(const std::string& experiment, const Shard& shard);
+
+using Records = std::map<RunKey, std::string>;
+
+/// Parses records, ignores a last line without its end, and sets `complete` to the length of the lines before it.
+/// \throws Error that names the file and the line
+Records parse_records(const std::string& text, const std::string& file, std::size_t& complete);
+
+/// Returns a record without times, which differ from run to run.
+std::string without_times(const std::string& line);
+
+/// Returns a hash of a file's bytes, 16 hexadecimal digits.
+std::string hash_of(const std::string& bytes);
+
+/// Stores the results of a complete sweep: the records in the order of the runs, and results.json.
+void write_results(const std::string& folder, const Manifest& manifest, const Records& records);
+
+/// The file of records, locked against other processes.
+class RecordFile {
+ public:
+  /// Opens or creates the file, and removes an incomplete last line.
+  explicit RecordFile(const std::string& folder);
+  ~RecordFile();
+  RecordFile(const RecordFile&) = delete;
+  RecordFile& operator=(const RecordFile&) = delete;
+
+  [[nodiscard]] const Records& records() const { return records_; }
+  /// Appends a record and syncs it. A failure leaves the records before it. Thread-safe. \throws Error
+  void append(const RunKey& key, const std::string& line);
+
+ private:
+  std::string path_;
+  int file_ = -1;
+  std::size_t size_ = 0;
+  Records records_;
+  std::mutex mutex_;
+};
+
+}  // namespace trellis::command
