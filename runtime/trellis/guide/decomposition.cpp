@@ -367,14 +367,6 @@ class LeadHeuristic final : public Heuristic {
     return node_ && side_ == TreeSide::start ? exploration_->row(lead_[region_], *node_) : no_node;
   }
 
-  [[nodiscard]] double density(View q) const override {
-    const double on_lead = decomposition_->density(q, [this](std::uint32_t triangle) {
-      double mass = 0.0;
-      for (std::size_t i = 0; i < lead_.size(); ++i) mass += lead_[i] == triangle ? masses_[i] : 0.0;
-      return mass;
-    });
-    return settings_.explore * densities_->everywhere()->at(q) + (1.0 - settings_.explore) * on_lead;
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (!decomposition_->projection.closed_form()) {

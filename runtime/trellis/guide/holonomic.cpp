@@ -51,12 +51,6 @@ class FibredHeuristic final : public ProjectedHeuristic {
         axes_(std::move(projection)),
         h_(std::move(h)) {}
 
-  [[nodiscard]] double density(View q) const override {
-    if (!axes_->parent().contains(q)) return 0.0;
-    Configuration s(dimension());
-    axes_->project(q, s);
-    return h_->density(s) * std::exp(-axes_->log_fibre_volume());
-  }
   void record(DensityRecord& record, double share) const override {
     record.add_lifted(*h_, share, [this](const std::shared_ptr<const Density>& density) { return fibred(density); });
   }

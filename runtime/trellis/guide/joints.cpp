@@ -96,9 +96,6 @@ class JointsHeuristic final : public ProjectedHeuristic {
     return source;
   }
 
-  [[nodiscard]] double density(View q) const override {
-    return LiftedDensity(projection(), dimension(), below_->tube_density()).at(q);
-  }
   void record(DensityRecord& record, double share) const override {
     record.add(std::make_shared<LiftedDensity>(projection(), dimension(), below_->tube_density()), share);
   }

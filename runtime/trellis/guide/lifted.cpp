@@ -95,13 +95,6 @@ LiftedHeuristic::LiftedHeuristic(std::string source, std::shared_ptr<const Proje
                                                std::make_shared<ConstantDensity>(std::exp(-s.log_volume())))),
       s_(s.dimension()) {}
 
-double LiftedHeuristic::density(View q) const {
-  if (!projection()->closed_form()) return std::numeric_limits<double>::quiet_NaN();
-  projection()->project(q, s_);
-  const double p = projection()->folded(s_, [&](View at) { return inner_->density(at); });
-  return p > 0.0 ? p * std::exp(projection()->log_fibre_density(q)) : p;
-}
-
 void LiftedHeuristic::record(DensityRecord& record, double share) const {
   DensityRecord now;
   now.served(*inner_);

@@ -83,7 +83,6 @@ class ProjectedHeuristic : public Heuristic {
   void found(double length) override {
     if (projection_->contracts()) inner().found(length);
   }
-  [[nodiscard]] double atom_mass() const override { return inner().atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return inner().epoch(); }
   void observe(const Outcome& outcome, bool mine) override;
   [[nodiscard]] std::vector<std::string> sources() const override { return inner().sources(); }
@@ -120,7 +119,6 @@ class LiftedHeuristic final : public ProjectedHeuristic {
     ProjectedHeuristic::sample(stream, out);
     return 0;
   }
-  [[nodiscard]] double density(View q) const override;
   void record(DensityRecord& record, double share) const override;
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
 

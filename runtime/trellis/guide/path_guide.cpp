@@ -180,7 +180,7 @@ Guidance::Source WaypointHeuristic::sample(Stream& stream, MutableView out) {
   return 0;
 }
 
-double WaypointHeuristic::atom_mass() const {
+double WaypointHeuristic::share_of_waypoint() const {
   switch (draw_) {
     case Draw::itself: return 1.0;
     case Draw::both: return 0.5;
@@ -190,7 +190,7 @@ double WaypointHeuristic::atom_mass() const {
 }
 
 void WaypointHeuristic::record(DensityRecord& record, double share) const {
-  const double atom = atom_mass();
+  const double atom = share_of_waypoint();
   record.add_atoms(share * atom);
   record.add(tube_.density(), share * (1.0 - atom));
 }
@@ -251,18 +251,6 @@ SeveralPaths::SeveralPaths(std::vector<std::unique_ptr<PathFollower>> parts)
 Guidance::Source SeveralPaths::sample(Stream& stream, MutableView out) {
   drawn_ = live_[stream.below(live_.size())];
   return parts_[drawn_]->sample(stream, out);
-}
-
-double SeveralPaths::density(View q) const {
-  double sum = 0.0;
-  for (const std::size_t i : live_) sum += parts_[i]->density(q);
-  return sum / static_cast<double>(live_.size());
-}
-
-double SeveralPaths::atom_mass() const {
-  double sum = 0.0;
-  for (const std::size_t i : live_) sum += parts_[i]->atom_mass();
-  return sum / static_cast<double>(live_.size());
 }
 
 std::uint64_t SeveralPaths::epoch() const {

@@ -151,7 +151,6 @@ class PathHeuristic final : public PathFollower {
                 std::int64_t evidence, const NearestIndex* reached);
 
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override { return tube_.density(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override { record.add(tube_.density(), share); }
   void observe(const Outcome& outcome, bool mine) override;
@@ -192,8 +191,6 @@ class WaypointHeuristic final : public PathFollower {
                     const NearestIndex& reached);
 
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override { return (1.0 - atom_mass()) * tube_.density(q); }
-  [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;
@@ -221,6 +218,8 @@ class WaypointHeuristic final : public PathFollower {
  private:
   enum class Draw : std::uint8_t { itself, both, near };
 
+  /// The probability of the waypoint itself among the proposals.
+  [[nodiscard]] double share_of_waypoint() const;
   /// Advances past the waypoints that are reached, and checks the next one.
   void go_on();
 
@@ -268,8 +267,6 @@ class SeveralPaths final : public PathFollower {
     for (auto& part : parts_) part->found(length);
   }
   [[nodiscard]] std::optional<Configuration> refuted_place() const override;
-  [[nodiscard]] double density(View q) const override;
-  [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override;
   void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;
@@ -296,7 +293,6 @@ class UniformHeuristic final : public Heuristic {
  public:
   UniformHeuristic(std::string source, const Space& space) : source_(std::move(source)), uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
 

@@ -436,13 +436,6 @@ class DynamicRegions final : public Heuristic {
     return 0;
   }
 
-  [[nodiscard]] double density(View q) const override {
-    if (!regions_.empty() && !projection_->closed_form()) return std::numeric_limits<double>::quiet_NaN();
-    double sum = whole_share() * uniform_density_;
-    const double total = total_weight();
-    for (const auto& region : regions_) sum += share(region, total) * region.density->at(q);
-    return sum;
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double weight) const override {
     record.add_uniform(weight * whole_share(), uniform_density_);

@@ -104,9 +104,6 @@ class LiftedPath final : public ProjectedHeuristic {
     renew();
   }
 
-  [[nodiscard]] double density(View q) const override {
-    return projection()->closed_form() ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
-  }
   void record(DensityRecord& record, double share) const override {
     if (projection()->closed_form()) {
       record.add(density_, share);

@@ -34,12 +34,6 @@ class BlendGuidance final : public PartsGuidance {
     for (std::size_t i = 0; i < served_.size(); ++i) served_[i].served(*parts_[i]);
     return source;
   }
-  [[nodiscard]] double density(View q) const override {
-    return sum([&](const SearchedGuidance& part) { return part.density(q); });
-  }
-  [[nodiscard]] double atom_mass() const override {
-    return sum([](const SearchedGuidance& part) { return part.atom_mass(); });
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double of) const override {
     const double total = total_weight();
