@@ -963,8 +963,8 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   }
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
-  return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
-                                           compose(lift->distribution(), true), parent_->start, parent_->goal);
+  return std::make_unique<LiftedHeuristic>(projection_, *s_, compose(lift->distribution(), true), parent_->start,
+                                           parent_->goal, LiftedHeuristic::Points::unknown, calls_->definition().name);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

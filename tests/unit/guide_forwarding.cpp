@@ -75,7 +75,8 @@ Wrapped lifted(const Space& s) {
     axes->project(q, image);
     return image;
   };
-  w.h = std::make_unique<LiftedHeuristic>("lifted", axes, s, w.spy(s), Configuration{1, 1, 0}, Configuration{9, 9, 1});
+  w.h = std::make_unique<LiftedHeuristic>(axes, s, w.spy(s), Configuration{1, 1, 0}, Configuration{9, 9, 1},
+                                          LiftedHeuristic::Points::atoms);
   return w;
 }
 

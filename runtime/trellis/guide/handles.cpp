@@ -267,6 +267,12 @@ double HandleLift::log_fibre_density(View q) const {
   return density;
 }
 
+Configurations HandleLift::lifted(const Configurations& path, View start, View goal) const {
+  Configurations result = position_->lifted(path, start, goal);
+  for (std::size_t i = 1; i + 1 < result.size(); ++i) settle(result[i]);
+  return result;
+}
+
 void HandleLift::settle(MutableView q) const {
   Chances chance;
   for (const Turn& turn : turns_) {

@@ -93,42 +93,6 @@ std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
-/// h: positions near the path found for the point; the projection lifts the other coordinates.
-class LiftedPath final : public ProjectedHeuristic {
- public:
-  LiftedPath(std::shared_ptr<const Projection> projection, std::unique_ptr<PathHeuristic> positions,
-             const Instance& parent, Configurations lifted)
-      : ProjectedHeuristic(std::move(projection), 2, parent.start, parent.goal),
-        positions_(std::move(positions)),
-        lifted_(std::move(lifted)) {
-    renew();
-  }
-
-  void record(DensityRecord& record, double share) const override {
-    if (projection()->closed_form()) {
-      record.add(density_, share);
-    } else {
-      record.add_unknown(share);
-    }
-  }
-  void observe(const Outcome& outcome, bool mine) override {
-    const std::uint64_t before = positions_->epoch();
-    ProjectedHeuristic::observe(outcome, mine);
-    if (positions_->epoch() != before) renew();
-  }
-  [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
-
- protected:
-  [[nodiscard]] Heuristic& inner() const override { return *positions_; }
-
- private:
-  void renew() { density_ = std::make_shared<LiftedDensity>(projection(), 2, positions_->tube_density()); }
-
-  std::unique_ptr<PathHeuristic> positions_;
-  std::shared_ptr<const Density> density_;  ///< over the planner's space
-  Configurations lifted_;
-};
-
 class Workspace final : public Guide {
  public:
   explicit Workspace(const WorkspaceSettings& settings) : settings_(settings) {}
@@ -197,18 +161,12 @@ class Workspace final : public Guide {
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
     const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
-    const auto positions = [&](const Configurations& path) {
-      return std::make_unique<PathHeuristic>("workspace", projection_->space(), path, radius_, window,
-                                             settings_.evidence, &*reached_);
-    };
-    if (!handles_) {
-      return std::make_unique<LiftedPath>(projection_, positions(path_), parent,
-                                          projection_->lifted(path_, parent.start, parent.goal));
-    }
-    const Configurations moved = handles_->on_axis(path_, *point_);
-    Configurations lifted = projection_->lifted(moved, parent.start, parent.goal);
-    for (std::size_t i = 1; i + 1 < lifted.size(); ++i) handles_->settle(lifted[i]);
-    return std::make_unique<LiftedPath>(handles_, positions(moved), parent, std::move(lifted));
+    auto positions = std::make_unique<PathHeuristic>("workspace", projection_->space(),
+                                                     handles_ ? handles_->on_axis(path_, *point_) : path_, radius_,
+                                                     window, settings_.evidence, &*reached_);
+    const std::shared_ptr<const Projection> lift = handles_ ? std::shared_ptr<const Projection>(handles_) : projection_;
+    return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start,
+                                             parent.goal, LiftedHeuristic::Points::atoms);
   }
 
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
