@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
 
 namespace trellis {
@@ -352,7 +353,7 @@ void HandleLift::draw_near(MutableView q) const {
 }
 
 PointLift HandleLift::point_lift(const Instance& parent) const {
-  const double wander = natural_distance(parent);
+  const double wander = characteristic_length(parent);
   return [this, wander](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
     constexpr int beside = 14;
     constexpr int most = 26;

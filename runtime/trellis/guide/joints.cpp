@@ -15,6 +15,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/reduced_robot.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
 
@@ -159,7 +160,7 @@ class Joints final : public Guide {
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
     if (ranged_lift_) ranged_lift_->count_in(parent.checks);
-    const double step = parent.step > 0.0 ? parent.step : natural_distance(*sub);
+    const double step = parent.step > 0.0 ? parent.step : characteristic_length(*sub);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);

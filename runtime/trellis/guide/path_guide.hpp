@@ -115,12 +115,8 @@ Settings<S> with_several_paths(Settings<S> settings) {
 /// The claims shared by guides of this kind: h, its density and feedback, and the fallback without a path.
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
 
-/// A distance in metres in the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
-/// diameter for a point; 10 % for a robot that is fixed to its base, because its radius does not relate to its angles.
-double natural_distance(const Instance& instance);
-
-/// Default distance between the points of a path that an instance validates, in metres in the metric: the natural
-/// distance, or 0.8 of the planner's step if that is larger.
+/// Default distance between the points of a path that an instance validates, in metres in the metric: the
+/// characteristic length, or 0.8 of the planner's step if that is larger.
 double sparse_spacing(const Instance& instance);
 
 /// The tube's radius in an instance, in metres in the metric: the option `radius` or its default.

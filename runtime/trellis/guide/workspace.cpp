@@ -14,6 +14,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/grid_graph.hpp>
 
 namespace trellis {
@@ -155,12 +156,10 @@ class Workspace final : public Guide {
     steps_ = nullptr;
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
     if (along_path_ && found->solved()) return along(parent);
-    const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
-    const double plain =
-        robot > 0.0 ? robot : 0.01 * (projection_->arm() ? projection_->space() : parent.space).diameter();
+    const double plain = projection_->arm() ? 0.01 * projection_->space().diameter()
+                                            : size_or(parent.scene->robot, 0.01 * parent.space.diameter());
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
-    const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
-    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
+    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step_length(parent);
     auto positions = std::make_unique<PathHeuristic>("workspace", projection_->space(),
                                                      handles_ ? handles_->on_axis(path_, *point_) : path_, radius_,
                                                      window, settings_.evidence, &*reached_);
@@ -207,10 +206,9 @@ class Workspace final : public Guide {
   std::unique_ptr<Heuristic> along(Instance& parent) {
     const PointLift lift = handles_ ? handles_->point_lift(parent) : projection_->point_lift(parent, variation_);
     SparsePath sparse = sparse_->validate(parent, path_, true, lift);
-    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
-    const StepHeuristic::Settings steps = {.radius = radius,
-                                           .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
-                                           .evidence = settings_.evidence};
+    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
+    const StepHeuristic::Settings steps = {
+        .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
     std::vector<char> known = known_edges(parent, sparse.waypoints);
     auto h = std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps,
                                              nodes_.both(), std::move(known));
