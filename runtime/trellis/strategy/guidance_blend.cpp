@@ -87,13 +87,6 @@ class BlendGuidance final : public PartsGuidance {
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
     return settings_.floor * even + (1.0 - settings_.floor) * follow;
   }
-  template <class Value>
-  [[nodiscard]] double sum(const Value& value) const {
-    const double total = total_weight();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) sum += share(i, total) * value(*parts_[i]);
-    return sum;
-  }
   double credit(const Outcome& outcome) {
     if (outcome.added.empty()) return 0.0;
     if (settings_.credit == "node" || outcome.near.empty()) return 1.0;
