@@ -406,9 +406,6 @@ class FunctionHeuristic final : public Heuristic {
     if (density_ && drawn_ <= looked_at) static_cast<void>(density_->at_sample(out));
     return 0;
   }
-  [[nodiscard]] double density(View q) const override {
-    return density_ ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
-  }
   void record(DensityRecord& record, double share) const override {
     if (density_) {
       record.add(density_, share);
@@ -487,8 +484,6 @@ class ScriptHeuristic final : public Heuristic {
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   void restart() override { h_->restart(); }
   void found(double length) override { h_->found(length); }
-  [[nodiscard]] double density(View q) const override { return h_->density(q); }
-  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
   void record(DensityRecord& record, double share) const override { h_->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override;
@@ -519,8 +514,6 @@ class OwnedHeuristic final : public Heuristic {
   [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
-  [[nodiscard]] double density(View q) const override { return h_->density(q); }
-  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
   void record(DensityRecord& record, double share) const override { h_->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override {
@@ -970,8 +963,8 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   }
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
-  return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
-                                           compose(lift->distribution(), true), parent_->start, parent_->goal);
+  return std::make_unique<LiftedHeuristic>(projection_, *s_, compose(lift->distribution(), true), parent_->start,
+                                           parent_->goal, LiftedHeuristic::Points::unknown, calls_->definition().name);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

@@ -14,6 +14,7 @@
 #include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/folder.hpp"
 #include "support/outcomes.hpp"
 #include "support/worlds.hpp"
@@ -116,7 +117,7 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
     const auto r = retrieve(problem, {{"db", file}});
     CHECK(r.found.status == Status::no_path);
     CHECK(r.sub->checks.validity == 0);
-    CHECK(r.h->density(problem.start) == Approx(std::exp(-problem.space.log_volume())));
+    CHECK(test::record_of(*r.h).at(problem.start) == Approx(std::exp(-problem.space.log_volume())));
   }
 }
 
@@ -260,11 +261,11 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   // Only the gap cost checks.
   CHECK(r.parent->checks.validity - before < 30);
   // Before the tree reaches them, the guide proposes the points of the path themselves.
-  CHECK(r.h->atom_mass() == 1.0);
+  CHECK(test::record_of(*r.h).atoms() == 1.0);
   for (std::size_t i = 1; i <= gap; ++i) add_node(r, path[i]);
   // First the far end; then half of the proposals lie about the gap, on either side of the box.
   block(r, Configuration{4.6, 9});
-  CHECK(r.h->atom_mass() < 0.6);
+  CHECK(test::record_of(*r.h).atoms() < 0.6);
   const auto count = [&](const auto& where) {
     Stream stream(1, "0", "gap");
     Configuration q(2);
@@ -276,8 +277,8 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
     return inside;
   };
   CHECK(count([](View q) { return q[0] > 4.4 && q[0] < 5.6 && std::abs(q[1] - 9) > 0.15; }) > 200);
-  CHECK(r.h->density(Configuration{5, 9.2}) > 0.0);
-  CHECK(r.h->density(Configuration{5, 5}) == 0.0);
+  CHECK(test::record_of(*r.h).at(Configuration{5, 9.2}) > 0.0);
+  CHECK(test::record_of(*r.h).at(Configuration{5, 5}) == 0.0);
   // The balls grow until they contain the route around the box.
   const auto around = [](View q) { return q[0] > 4.4 && q[0] < 5.6 && q[1] < 8.3; };
   CHECK(count(around) == 0);
@@ -285,7 +286,7 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   CHECK(count(around) > 20);
   // A node at the far end closes the gap.
   add_node(r, path[gap + 1]);
-  CHECK(r.h->atom_mass() == 1.0);
+  CHECK(test::record_of(*r.h).atoms() == 1.0);
   CHECK_FALSE(r.h->stale());
 }
 

@@ -22,7 +22,6 @@ class Told final : public Guidance {
  public:
   explicit Told(const Space& space) : uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   void found(double length) override { lengths.push_back(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return uniform_.sources(); }

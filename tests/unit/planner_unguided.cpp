@@ -24,8 +24,6 @@ class Unguided final : public Guidance {
     uniform_.sample(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View q) const override { return (1.0 - goal_bias_) * uniform_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return goal_bias_; }
   void record(DensityRecord& record, double share) const override {
     goal_.record(record, share * goal_bias_);
     uniform_.record(record, share * (1.0 - goal_bias_));

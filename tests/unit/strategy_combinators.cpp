@@ -13,6 +13,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/random_specs.hpp"
 #include "support/worlds.hpp"
 
@@ -230,7 +231,7 @@ TEST_CASE("a blend by exp3 draws by the documented rule, step by step", "[combin
     const auto share = [&](std::size_t i) {
       return 0.5 * settings.floor + (1.0 - settings.floor) * w[i] / (w[0] + w[1]);
     };
-    CHECK(h.atom_mass() == Approx(0.9 * share(1)).epsilon(1e-9));
+    CHECK(test::record_of(h).atoms() == Approx(0.9 * share(1)).epsilon(1e-9));
     const auto part = static_cast<std::size_t>(search.proposal_sources[step] - 3);
     if (search.fates[step] != Fate::rejected) w[part] *= std::exp(settings.floor / (2.0 * share(part)));
     ++step;

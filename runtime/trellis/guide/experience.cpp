@@ -121,10 +121,6 @@ class RepairedPath final : public PathFollower {
   [[nodiscard]] double progress() const override { return path_->progress(); }
   [[nodiscard]] double connected() const override { return path_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
-  [[nodiscard]] double density(View q) const override {
-    return (1.0 - share()) * path_->density(q) + (gap_ ? share() * (1.0 - ends_) * kernel().density(q) : 0.0);
-  }
-  [[nodiscard]] double atom_mass() const override { return (1.0 - share()) * path_->atom_mass() + share() * ends_; }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
   void record(DensityRecord& record, double of) const override {
     path_->record(record, of * (1.0 - share()));

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
 
 namespace trellis {
@@ -267,6 +268,12 @@ double HandleLift::log_fibre_density(View q) const {
   return density;
 }
 
+Configurations HandleLift::lifted(const Configurations& path, View start, View goal) const {
+  Configurations result = position_->lifted(path, start, goal);
+  for (std::size_t i = 1; i + 1 < result.size(); ++i) settle(result[i]);
+  return result;
+}
+
 void HandleLift::settle(MutableView q) const {
   Chances chance;
   for (const Turn& turn : turns_) {
@@ -346,7 +353,7 @@ void HandleLift::draw_near(MutableView q) const {
 }
 
 PointLift HandleLift::point_lift(const Instance& parent) const {
-  const double wander = natural_distance(parent);
+  const double wander = characteristic_length(parent);
   return [this, wander](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
     constexpr int beside = 14;
     constexpr int most = 26;

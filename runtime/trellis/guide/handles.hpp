@@ -43,6 +43,8 @@ class HandleLift final : public Projection {
   [[nodiscard]] bool closed_form() const override { return true; }
   [[nodiscard]] double log_fibre_density(View q) const override;
   [[nodiscard]] bool contracts() const override { return position_->contracts(); }
+  /// As of the position, with the most likely angles between start and goal.
+  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
 
   /// Sets the angles of q to the most likely ones, given its position.
   void settle(MutableView q) const;

@@ -97,10 +97,6 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   return stored;
 }
 
-double path_distance(const Space& space, const Configurations& a, const Configurations& b) {
-  return distance_of_spread(space, evenly_spread(space, a, warped_points), evenly_spread(space, b, warped_points));
-}
-
 double default_novelty(const Space& space, const Robot& robot) {
   const double radius = robot.bounding_radius();
   return radius > 0.0 ? radius : 0.02 * space.diameter();

@@ -15,27 +15,15 @@ std::shared_ptr<const Density> Density::sum(const std::vector<Term>&) const {
 }
 
 void DensityRecord::add_uniform(double share, double density) {
-  if (lift_ != nullptr) throw Fault("a uniform density over another space was entered into a record");
   now_.uniform += share;
   uniform_density_ = density;
 }
 
 void DensityRecord::add(const std::shared_ptr<const Density>& density, double share) {
   if (share <= 0.0) return;
-  if (const Lift* lift = std::exchange(lift_, nullptr)) {
-    add((*lift)(density), share);
-    lift_ = lift;
-    return;
-  }
   const auto [it, fresh] = places_.try_emplace(density.get(), static_cast<std::uint32_t>(terms_.size()));
   if (fresh) terms_.push_back({density, 0.0});
   now_terms_.emplace_back(it->second, share);
-}
-
-void DensityRecord::add_lifted(const Guidance& h, double share, const Lift& lift) {
-  lift_ = &lift;
-  h.record(*this, share);
-  lift_ = nullptr;
 }
 
 std::vector<Density::Term> DensityRecord::now() const {

@@ -34,12 +34,6 @@ class BlendGuidance final : public PartsGuidance {
     for (std::size_t i = 0; i < served_.size(); ++i) served_[i].served(*parts_[i]);
     return source;
   }
-  [[nodiscard]] double density(View q) const override {
-    return sum([&](const SearchedGuidance& part) { return part.density(q); });
-  }
-  [[nodiscard]] double atom_mass() const override {
-    return sum([](const SearchedGuidance& part) { return part.atom_mass(); });
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double of) const override {
     const double total = total_weight();
@@ -92,13 +86,6 @@ class BlendGuidance final : public PartsGuidance {
     const double even = 1.0 / static_cast<double>(arms_.size());
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
     return settings_.floor * even + (1.0 - settings_.floor) * follow;
-  }
-  template <class Value>
-  [[nodiscard]] double sum(const Value& value) const {
-    const double total = total_weight();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) sum += share(i, total) * value(*parts_[i]);
-    return sum;
   }
   double credit(const Outcome& outcome) {
     if (outcome.added.empty()) return 0.0;

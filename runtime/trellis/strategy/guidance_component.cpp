@@ -137,10 +137,6 @@ class ComponentGuidance final : public SearchedGuidance {
     return !heuristic_ || heuristic_->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override { return progress_ + (heuristic_ ? heuristic_->progress() : 0.0); }
-  [[nodiscard]] double density(View q) const override {
-    return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
-  }
-  [[nodiscard]] double atom_mass() const override { return heuristic_ ? heuristic_->atom_mass() : 0.0; }
   [[nodiscard]] std::uint64_t epoch() const override { return heuristic_ ? epoch_ + heuristic_->epoch() : epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (!heuristic_) throw Fault("a guide that was not prepared has drawn nothing to record");

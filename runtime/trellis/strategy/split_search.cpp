@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/loop.hpp>
 
 namespace trellis {
@@ -157,7 +158,7 @@ class SplitSearch final : public Planner {
     if (instance.space.contains(q) && instance.valid(q)) return q;
     constexpr int rings = 8;
     constexpr int each = 8;
-    const double reach = natural_distance(instance);
+    const double reach = characteristic_length(instance);
     Stream stream(run_.seed, level_.record().key, fmt::format("sub-goal {}", tries_));
     Configuration at(q.size());
     Configuration away(q.size());
