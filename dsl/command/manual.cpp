@@ -99,8 +99,12 @@ that something does not hold.
 .B 2
 What was given cannot be used: the message says what, where, and what was expected.
 .TP
-.B 130
-Interrupted.
+.B 130, 143, 129
+SIGINT (Ctrl-C), SIGTERM or SIGHUP ended the command: 128 and the number of the signal. Each file that it writes has its
+old content or its new one.
+.TP
+.B 141
+The reader of the output closed it, as head does; what goes to files was written.
 .SH ENVIRONMENT
 .TP
 .B TRELLIS_SCENES
