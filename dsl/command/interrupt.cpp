@@ -24,6 +24,7 @@ std::atomic<bool> asked{false};
 std::atomic<bool> session{false};
 std::atomic<bool> noted{false};
 std::atomic<bool> terminal_saved{false};
+std::atomic<bool> ending{false};
 std::atomic<int> received{SIGINT};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not wait for a lock");
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler must not wait for a lock");
@@ -49,6 +50,7 @@ extern "C" void on_signal(int signal) {
   }
   received = signal;
   if (running && !asked.exchange(true)) return;
+  if (ending.exchange(true)) return;  // another thread, or the handler of another signal, prints the line
   if (session && terminal_saved) ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal());
   const std::string_view message = message_of(signal);
   // There is no recovery from a failure here.

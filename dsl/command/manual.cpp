@@ -110,6 +110,9 @@ The reader of the output closed it, as head does; what goes to files was written
 .B TRELLIS_SCENES
 The folder that scene files are looked for in, after the script's own.
 .TP
+.B TRELLIS_KERNEL
+The instruction set that collision checks use, if not the fastest: baseline, avx2 or avx512. Results are the same bytes.
+.TP
 .B TRELLIS_STDLIB
 A folder of modules that is read instead of the standard library, which is part of the program.
 .SH EXAMPLES

@@ -253,9 +253,9 @@ TEST_CASE("a library that was cut short is refused at every length, and left as 
   for (std::size_t size = 1; size < whole.size(); size = size * 3 / 2 + 7) {
     for (const std::string command : {"experience", "run"}) {
       std::ofstream(place / "cut.db", std::ios::binary) << whole.substr(0, size);
-      const Outcome outcome =
-          command == "run" ? place.run({"run", "solve.lua", "--quiet", "--novelty", "0", "--learn", "cut.db"})
-                           : place.run({"experience", "cut.db"});
+      const Outcome outcome = command == "run"
+                                  ? place.run({"run", "solve.lua", "--quiet", "--novelty", "0", "--learn", "cut.db"})
+                                  : place.run({"experience", "cut.db"});
       INFO(command << " " << size << "\n" << outcome.err);
       CHECK(outcome.status == 2);
       CHECK(lines(outcome.err) == 1);
