@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     for (const auto add : command::subcommands) add(line);
     const int status = line.run(argc, argv);
     command::finish_output();
-    return status;
+    return command::output_closed() ? command::pipe_closed : status;
   } catch (const Interrupted& interrupted) {
     fmt::print(stderr, "trellis: {}\n", interrupted.what());
     return command::interrupted_status();

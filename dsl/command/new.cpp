@@ -123,7 +123,12 @@ int create(const std::string& name) {
     if (fs::exists(file, error)) refuse(file);
   }
   write_new_file(path.string(), filled(script, path));
-  write_new_file(test.string(), filled(test_script, test));
+  try {
+    write_new_file(test.string(), filled(test_script, test));
+  } catch (const Error&) {
+    fs::remove(path, error);  // both or none
+    throw;
+  }
   print_all(
       fmt::format("{}: a strategy and an experiment to change; run it with: trellis run {}\n"
                   "{}: what is expected of it; try it with: trellis test {}\n",

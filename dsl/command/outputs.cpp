@@ -25,9 +25,11 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread yet
 
-bool closed = false;  // stdout, by its reader
+bool closed = false;    // stdout, by its reader
+bool reported = false;  // a failure of stdout
 
 [[noreturn]] void fail_output() {
+  reported = true;
   closed = errno == EPIPE;
   fail("standard output", reason_of(errno));
 }
@@ -88,6 +90,7 @@ void print_all(const std::string& text) {
 }
 
 void finish_output() {
+  if (reported) return;
   if (std::fflush(stdout) != 0) fail_output();
   if (std::ferror(stdout) != 0) fail("standard output", "what was printed is incomplete");
 }

@@ -27,7 +27,7 @@ class OutputFolder {
 /// Prints to stdout. \throws Error if that fails, as on a full disk.
 void print_all(const std::string& text);
 
-/// Checks at the end that all of stdout was written, also what scripts print. \throws Error if not.
+/// Checks at the end that all of stdout was written, also what scripts print. \throws Error if not, once.
 void finish_output();
 
 /// Whether the reader of stdout closed its end, as head does.

@@ -49,32 +49,29 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
 
-/// Removes what depends on the clock.
-void remove_times(Json& value) {
-  if (value.is_object()) {
-    for (auto it = value.begin(); it != value.end();) {
-      const bool time = it.key().starts_with("time") || it.key().starts_with("cpu") || it.key().ends_with("seconds");
-      if (time) {
-        it = value.erase(it);
-      } else {
-        remove_times(*it++);
-      }
+/// The counts of a run and of its levels.
+std::string counts_of(const Json& run) {
+  std::string text;
+  const auto add = [&](const Json& from, const char* key) { text += from.at(key).dump() + " "; };
+  for (const char* key : {"status", "length", "validity_checks", "motion_checks", "path_checks"}) add(run, key);
+  for (const Json& level : run.at("levels")) {
+    for (const char* key :
+         {"key", "name", "status", "solves", "proposals", "accepted", "nodes", "validity_checks", "motion_checks"}) {
+      add(level, key);
     }
-  } else if (value.is_array()) {
-    for (Json& one : value) remove_times(one);
   }
+  return text;
 }
 
 using Hashes = std::map<std::string, Hash>;  // by script, problem and strategy
 
 void add_runs(const std::string& script, const Place& place, Hashes& hashes) {
   const Json document = Json::parse(content(place / "all.json"));
-  for (Json run : document.at("runs")) {
-    remove_times(run);
+  for (const Json& run : document.at("runs")) {
     const auto problem = run.at("problem").get<std::string>();
     const auto strategy = run.at("strategy").get<std::string>();
     Hash& hash = hashes[script + " / " + problem + " / " + strategy];
-    hash.add(run.dump());
+    hash.add(counts_of(run));
     std::string directory = strategy;  // as report/directories.cpp writes it
     for (char& c : directory) {
       if (c == ' ') c = '-';

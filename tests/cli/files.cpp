@@ -121,9 +121,11 @@ TEST_CASE("an output that the system refuses leaves the old file and no other") 
   CHECK(device.status == 2);
   CHECK(device.err == "trellis: cannot write '/dev/full': No space left on device\n");
   // What a session saves, and new scripts.
-  const Outcome saved = place.shell("ulimit -f 0; $T repl <<< 'x = 1\nsave \"session.lua\"'");
+  const Outcome saved =
+      place.shell("ulimit -f 1; { printf 'x = \"%2000s\"\\n' y; echo 'save \"session.lua\"'; } | $T repl > /dev/null");
   CHECK(saved.status == 2);
-  const Outcome fresh = place.shell("ulimit -f 0; $T new mine");
+  CHECK_THAT(saved.err, Contains("cannot write 'session.lua': File too large"));
+  const Outcome fresh = place.shell("ulimit -f 1; $T new mine");
   CHECK(fresh.status == 2);
   CHECK(fresh.err == "trellis: cannot write 'mine.lua': File too large\n");
   CHECK(names_in(place / "") == before);
@@ -251,6 +253,7 @@ TEST_CASE("a library that was cut short is refused at every length, and left as 
   const std::string whole = content(place / "paths.db");
   REQUIRE(whole.size() > 4096);
   for (std::size_t size = 1; size < whole.size(); size = size * 3 / 2 + 7) {
+    CAPTURE(size);
     for (const std::string command : {"experience", "run"}) {
       std::ofstream(place / "cut.db", std::ios::binary) << whole.substr(0, size);
       const Outcome outcome = command == "run"
@@ -259,7 +262,8 @@ TEST_CASE("a library that was cut short is refused at every length, and left as 
       INFO(command << " " << size << "\n" << outcome.err);
       CHECK(outcome.status == 2);
       CHECK(lines(outcome.err) == 1);
-      CHECK(content(place / "cut.db") == whole.substr(0, size));
+      const bool unchanged = content(place / "cut.db") == whole.substr(0, size);
+      CHECK(unchanged);
     }
   }
   // A journal of another library changes nothing.
