@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <new>
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
@@ -26,6 +27,12 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     fmt::print(stderr, "trellis: {}\n", error.what());
     return command::output_closed() ? command::pipe_closed : command::their_fault;
+  } catch (const std::bad_alloc&) {
+    fmt::print(
+        stderr,
+        "trellis: the system gives no more memory; expected fewer seeds, proposals or obstacles, or one --problem "
+        "and --strategy\n");
+    return command::their_fault;
   } catch (const std::exception& error) {
     fmt::print(stderr, "trellis: a fault of trellis itself, please report it: {}\n", error.what());
     return command::our_fault;

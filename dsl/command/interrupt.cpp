@@ -17,10 +17,12 @@ namespace trellis::command {
 
 namespace {
 
+constexpr unsigned patience = 5;       ///< seconds that a run has to end after the first signal
 constexpr int status_of_signal = 128;  ///< the shells' convention: this plus the number of the signal
 
 std::atomic<bool> running{false};
 std::atomic<bool> asked{false};
+std::atomic<bool> seen{false};  // the request, by the run
 std::atomic<bool> session{false};
 std::atomic<bool> noted{false};
 std::atomic<bool> terminal_saved{false};
@@ -43,13 +45,8 @@ std::string_view message_of(int signal) {
   }
 }
 
-extern "C" void on_signal(int signal) {
-  if (session && signal == SIGINT) {
-    noted = true;
-    return;
-  }
-  received = signal;
-  if (running && !asked.exchange(true)) return;
+/// Ends the process from a signal handler.
+void end(int signal) {
   if (ending.exchange(true)) return;  // another thread, or the handler of another signal, prints the line
   if (session && terminal_saved) ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal());
   const std::string_view message = message_of(signal);
@@ -57,6 +54,21 @@ extern "C" void on_signal(int signal) {
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
   ::_exit(status_of_signal + signal);
 }
+
+extern "C" void on_signal(int signal) {
+  if (session && signal == SIGINT) {
+    noted = true;
+    return;
+  }
+  received = signal;
+  if (running && !asked.exchange(true)) {
+    ::alarm(patience);  // a run that polls no request in time ends like any other program
+    return;
+  }
+  end(signal);
+}
+
+extern "C" void on_alarm(int) { end(received); }
 
 /// Installed instead of SIG_IGN, which an editor that a session starts would inherit.
 extern "C" void on_failed_write(int) {}
@@ -84,6 +96,7 @@ void occupy_standard_streams() {
 void catch_signals() {
   occupy_standard_streams();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, on_signal);
+  handle(SIGALRM, on_alarm);
   // A write to a closed pipe, or beyond the limit of a file's size, then fails with a reason that is reported.
   for (const int signal : {SIGPIPE, SIGXFSZ}) handle(signal, on_failed_write);
 }
@@ -105,9 +118,15 @@ void InterruptibleSession::forget() { noted = false; }
 InterruptibleRun::InterruptibleRun() { running = true; }
 InterruptibleRun::~InterruptibleRun() {
   running = false;
+  if (asked) ::alarm(0);
   asked = false;
+  seen = false;
 }
 
-bool InterruptibleRun::requested() { return asked; }
+bool InterruptibleRun::requested() {
+  if (!asked) return false;
+  if (!seen.exchange(true)) ::alarm(0);
+  return true;
+}
 
 }  // namespace trellis::command
