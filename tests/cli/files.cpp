@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole files only: where a disk is full, a folder is read-only, a pipe is closed or a signal arrives, each output has
-// its old content or its new one, the exit status tells it, and one line says what failed.
+// its old content or its new one, the exit status shows it, and one line says what failed.
 #include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 
 #include <algorithm>
