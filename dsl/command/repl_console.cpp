@@ -262,6 +262,7 @@ Console::Verdict Console::run(const std::string& input, bool more) {
   } catch (const Interrupted&) {
     complain("interrupted");
   } catch (const Error& error) {
+    if (output_closed()) throw;
     const bool stopped = InterruptibleSession::requested();
     complain(stopped ? "interrupted" : told(error.what()));
   } catch (const std::exception& error) {
