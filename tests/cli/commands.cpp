@@ -113,10 +113,11 @@ TEST_CASE("the command line asks for ablations, other paths and figures", "[slow
   CHECK_FALSE(fs::is_empty(place / "figures"));
 
   // One strategy with its ablations, and an ablation by its name.
-  const auto one = place.run({"run", "guided.lua", "--strategy", "guided", "--ablate", "--cross", "0"});
-  CHECK(one.status == 0);
-  CHECK(one.out.find("guided without skeleton()") != std::string::npos);
-  CHECK(one.out.find("plain") == std::string::npos);
+  CHECK(place.run({"run", "guided.lua", "--strategy", "guided", "--ablate", "--cross", "0", "--json", "one.json"})
+            .status == 0);
+  const std::string one = content(place / "one.json");
+  CHECK(one.find("\"guided without skeleton()\"") != std::string::npos);
+  CHECK(one.find("\"plain\"") == std::string::npos);
   const auto ablated =
       place.run({"run", "guided.lua", "--strategy", "guided without skeleton()", "--ablate", "--cross", "0"});
   CHECK(ablated.status == 0);
