@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -125,6 +126,42 @@ void open_editor(const std::string& path) {
   if (status != 0) throw Error(fmt::format("edit: '{}' failed; VISUAL or EDITOR names another one", editor));
 }
 
+/// A name, or fields of names: scenes.cup.
+bool is_path(std::string_view text) {
+  bool begins = true;
+  for (const char c : text) {
+    if (c == '.' && !begins) {
+      begins = true;
+    } else if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+               (!begins && std::isdigit(static_cast<unsigned char>(c)) != 0)) {
+      begins = false;
+    } else {
+      return false;
+    }
+  }
+  return !begins;
+}
+
+/// What users of other shells type, in the language: exit, help skeleton, skeleton?, skeleton?? and = 1 + 1.
+std::string as_input(const std::string& input) {
+  const std::size_t first = input.find_first_not_of(" \t");
+  if (first == std::string::npos) return input;
+  const std::string text = input.substr(first, input.find_last_not_of(" \t\n") - first + 1);
+  if (text == "exit" || text == "quit" || text == "exit()") return "quit()";
+  if (text.starts_with("=") && !text.starts_with("==")) return text.substr(1);
+  constexpr std::string_view help = "help ";
+  if (text.starts_with(help)) {
+    const std::size_t word = text.find_first_not_of(' ', help.size());
+    if (is_path(text.substr(word))) return fmt::format("help(\"{}\")", text.substr(word));
+  }
+  for (const auto& [mark, verb] : {std::pair{"\?\?", "source"}, std::pair{"?", "help"}}) {
+    if (!text.ends_with(mark)) continue;
+    const std::string word = text.substr(0, text.size() - std::string_view(mark).size());
+    if (is_path(word)) return fmt::format("{}(\"{}\")", verb, word);
+  }
+  return input;
+}
+
 /// Inside a string: the words that the language allows there, the session commands for help, files otherwise.
 Completion completion_in_string(const std::string& text, const std::vector<dsl::Token>& all) {
   Completion found = {.words = dsl::completions(text).words};
@@ -151,6 +188,14 @@ std::optional<std::vector<std::string>> chain_before(const std::vector<dsl::Toke
     if (i < 4) break;
   }
   return path;
+}
+
+/// Whether the text ends with `>>`, or with a name begun after it.
+bool ends_in_composition(const std::vector<dsl::Token>& all, const std::string& text) {
+  std::size_t end = all.size();
+  const bool touches = end > 0 && all[end - 1].begin + all[end - 1].text.size() == text.size();
+  if (touches && all[end - 1].kind == dsl::Token::Kind::name) --end;
+  return end > 0 && all[end - 1].text == ">>";
 }
 
 /// Returns the members of the value that a chain of names gives: fields after '.', methods after ':'.
@@ -218,12 +263,15 @@ std::string Console::load(const std::string& path) {
                        : fmt::format("{} is bound to script:\n{}", path, bound);
 }
 
-Console::Verdict Console::run(const std::string& input, bool more) {
+Console::Verdict Console::run(const std::string& typed, bool more) {
+  const std::string input = as_input(typed);
   const std::string name = fmt::format("@input {}", inputs_ + 1);
   bench_.used = false;
   bench_.announced = nullptr;
   bool incomplete = false;
   const std::string last_input = std::exchange(bench_.last_input, input);
+  bench_.inputs.resize(inputs_);
+  bench_.inputs.push_back(input);
   try {
     session_.with([&](Stack& stack) {
       std::string no_expression;
@@ -314,10 +362,16 @@ Completion Console::complete(const std::string& text) {
     return all.back().kind == dsl::Token::Kind::string ? completion_in_string(text, all) : Completion{};
   }
   std::vector<std::string> names;
+  const bool composes = ends_in_composition(all, text);
   session_.with([&](Stack& stack) {
-    for (const auto& name : stack.push_globals().keys().names) {
-      if (!name.starts_with("_")) names.push_back(name);
-    }
+    const int before = stack.size();
+    stack.push_globals().each_pair([&](Value key, Value value) {
+      const auto name = key.string();
+      const bool fits = !composes || value.get<GuideSpec>() != nullptr || value.get<PlannerSpec>() != nullptr ||
+                        value.get<StrategySpec>() != nullptr;
+      if (name && fits && !name->starts_with("_")) names.push_back(*name);
+    });
+    stack.resize(before);
   });
   const dsl::Completions known = dsl::completions(text, names);
   Completion found = {.words = known.words};

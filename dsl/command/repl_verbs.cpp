@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -22,6 +24,7 @@
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
 
@@ -33,7 +36,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-constexpr std::array<Verb, 18> all_verbs = {{
+constexpr std::array<Verb, 20> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
      "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
      "scenes.simple_passage()"},
@@ -48,6 +51,8 @@ constexpr std::array<Verb, 18> all_verbs = {{
     {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
     {"compare", "compare(a, b, ..., { seeds = 5 })",
      "strategies side by side, paired by seed; options: problem, seeds, measure"},
+    {"time", "time(strategy, 20, problem)",
+     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 99 % intervals"},
     {"ablate", "ablate(strategy, { seeds = 5 })",
      "a strategy with each of its guides taken out in turn; options likewise"},
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
@@ -57,8 +62,9 @@ constexpr std::array<Verb, 18> all_verbs = {{
      "writes the inputs that succeeded as a script that runs: it requires the loaded one, and returns what was planned "
      "last"},
     {"run", "run(n)", "run n of this session; without n the current one"},
-    {"help", "help(\"shrink\")", "what is known about a word; without one, this"},
-    {"quit", "quit()", "ends the session, as Ctrl-D does"},
+    {"help", "help(\"shrink\")", "what is known about a word, as shrink? and help shrink; without one, this"},
+    {"source", "source(\"scenes.cup\")", "the lines that define a function, as scenes.cup??"},
+    {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
@@ -284,6 +290,69 @@ class Verbs {
     return report(experiment);
   }
 
+  int time(Stack& call) {
+    constexpr std::uint64_t usual = 10;
+    const StrategySpec strategy = strategy_argument("time", call[1]);
+    const std::uint64_t count = call[2].given() ? natural("time: the number of runs", call[2], 1) : usual;
+    if (count > dsl::most_seeds) throw Error(fmt::format("time: at most {} runs, got {}", dsl::most_seeds, count));
+    const Problem problem =
+        call[3].given() ? problem_argument("time", call[3]) : usual_problem(call, of_script(strategy)).problem;
+    const std::string name = name_of(call, bench_, strategy);
+    std::vector<CensoredCost> milliseconds;
+    std::vector<CensoredCost> checks;
+    for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
+      const RunRecord run = run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted}).run;
+      if (run.status == Status::interrupted) break;
+      milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
+      checks.push_back({static_cast<double>(run.validity_checks), run.solved});
+    }
+    if (milliseconds.empty()) {
+      say("interrupted before a run ended");
+      return 0;
+    }
+    const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
+    const auto row = [](const char* what, const Interval& interval) {
+      const std::string range = std::isnan(interval.lo) ? "no interval from fewer than five runs"
+                                                        : fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi);
+      return fmt::format("  {:<24} {:.3g}  ({})\n", what, interval.value, range);
+    };
+    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
+                    checks.size(), solved, checks.size()) +
+        row("CPU time, ms", median_cost(milliseconds)) + row("validity checks", median_cost(checks)));
+    return 0;
+  }
+
+  int source(Stack& call) {
+    std::string word = call[1].string().value_or("");
+    if (!call[1].given()) throw Error("source: the name of a function belongs here, as source(\"scenes.cup\")");
+    if (!word.empty()) {
+      call.load("return " + word, "=source");
+      call.call(0);
+    }
+    const Value value = word.empty() ? call[1] : call.top();
+    const auto definition = call.definition(value);
+    if (!definition) {
+      if (value.type() != Type::function) {
+        say(value_text(call, value));
+      } else if (!word.empty()) {
+        say(fmt::format("{0} is part of the runtime; help(\"{0}\") describes it", word));
+      } else {
+        say("this function is part of the runtime; help(it) describes it");
+      }
+      return 0;
+    }
+    const std::string text = text_of(*definition);
+    std::string lines;
+    std::size_t begin = 0;
+    for (int line = 1; line <= definition->last && begin < text.size(); ++line) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+      if (line >= definition->first) lines += text.substr(begin, end - begin);
+      begin = end;
+    }
+    say(fmt::format("{}:{}\n{}", definition->chunk, definition->first, lines));
+    return 0;
+  }
+
   int ablate(Stack& call) {
     Experiment experiment = comparison(call, "ablate");
     if (experiment.strategies.size() != 1) throw Error("ablate: it takes one strategy");
@@ -398,6 +467,18 @@ class Verbs {
   }
 
  private:
+  /// The text of the chunk that defines a function.
+  [[nodiscard]] std::string text_of(const lua::Definition& definition) const {
+    if (definition.file) {
+      constexpr std::string_view input = "input ";
+      if (!definition.chunk.starts_with(input)) return dsl::read_file(definition.chunk);
+      const auto number = static_cast<std::size_t>(std::atoll(definition.chunk.c_str() + input.size()));
+      return number >= 1 && number <= bench_.inputs.size() ? bench_.inputs[number - 1] : "";
+    }
+    const std::string name = std::filesystem::path(definition.chunk).stem().string();
+    return dsl::module_text(name).value_or("");
+  }
+
   [[nodiscard]] int width() const { return static_cast<int>(bench_.screen().columns); }
 
   [[nodiscard]] Measure measure() const {
@@ -654,6 +735,8 @@ void open_verbs(Stack& stack, Bench& bench) {
   add("plot", &Verbs::plot);
   add("compare", &Verbs::compare);
   add("ablate", &Verbs::ablate);
+  add("time", &Verbs::time);
+  add("source", &Verbs::source);
   add("replay", &Verbs::replay);
   add("runs", &Verbs::runs);
   add("run", &Verbs::run);

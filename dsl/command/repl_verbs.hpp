@@ -46,6 +46,7 @@ struct Bench {
   std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
   std::string last_input;
+  std::vector<std::string> inputs;  ///< all, by number: input 1 is the first
 
   // Of the current input:
   bool used = false;                ///< it called a session command

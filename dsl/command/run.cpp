@@ -26,6 +26,7 @@
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/unused.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
@@ -33,6 +34,7 @@
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
 
 namespace trellis::command {
 
@@ -206,6 +208,15 @@ void warn(const dsl::Program& program, const ExperimentResult& result) {
   }
 }
 
+/// Prints on stderr the warnings of a report that is not printed.
+void warn_of_guides(const Experiment& experiment, const ExperimentResult& result) {
+  for (const Problem& problem : experiment.problems) {
+    for (const std::string& sentence : guide_warnings(experiment, result, problem.name)) {
+      fmt::print(stderr, "trellis: warning: {}: {}\n", problem.name, sentence);
+    }
+  }
+}
+
 SceneFigureOptions drawing_options(const Options& options) {
   const bool drawn = !options.figures.empty() || !options.out.empty();
   if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
@@ -292,6 +303,9 @@ int run(const Options& options) {
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
 
+  for (const std::string& sentence : input_warnings(experiment)) {
+    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
   const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet)
                                                       : run_problems(experiment, threads, options, drawing);
@@ -302,6 +316,7 @@ int run(const Options& options) {
 
   Writers writers;
   writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind); });
+  if (options.quiet) warn_of_guides(experiment, result);
   writers.attempt(!options.json.empty(),
                   [&] { write_file(options.json, report_json(experiment, result, options.script)); });
   writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });

@@ -72,6 +72,18 @@ std::optional<Position> Stack::where() const {
   return {};
 }
 
+std::optional<Definition> Stack::definition(Value function) {
+  if (function.type() != Type::function) return {};
+  room(state_);
+  lua_pushvalue(state_, function.index());
+  lua_Debug about{};
+  lua_getinfo(state_, ">S", &about);
+  if (std::string_view(about.what) == "C") return {};
+  const bool marked = about.source[0] == '@' || about.source[0] == '=';
+  return Definition{marked ? about.source + 1 : about.source, about.source[0] == '@', about.linedefined,
+                    about.lastlinedefined};
+}
+
 void Stack::push_nil() {
   room(state_);
   lua_pushnil(state_);

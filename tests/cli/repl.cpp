@@ -139,6 +139,32 @@ TEST_CASE("Tab completes names, fields, options and scenes") {
   CHECK_THAT(sitting.enter(""), Contains("shrink (guide)"));
 }
 
+TEST_CASE("habits of other shells do what they mean") {
+  const Place place;
+  {
+    Sitting sitting(place);
+    CHECK_THAT(sitting.enter("= 1 + 1"), Contains("\n2\r\n"));
+    CHECK_THAT(sitting.enter("help shrink"), Contains("shrink (guide)"));
+    CHECK_THAT(sitting.enter("shrink?"), Contains("shrink (guide)"));
+    CHECK_THAT(sitting.enter("scenes.cup?"), Contains("scenes.cup"));
+    CHECK_THAT(sitting.enter("scenes.cup??"), Contains("stdlib/scenes.lua:") && Contains("return problem"));
+    CHECK_THAT(sitting.enter("shrink??"), Contains("part of the runtime"));
+    sitting.enter("function twice(x) return 2 * x end");
+    CHECK_THAT(sitting.enter("twice??"), Contains("input 7:1") && Contains("return 2 * x"));
+    CHECK_THAT(sitting.enter("nothing_like_it?"), Contains("nothing_like_it"));
+    CHECK_THAT(sitting.enter("time(rrt_connect {}, 6, scenes.cup())"),
+               Contains("on cup, seeds 1 to 6: 6 of 6 solved") && Contains("CPU time, ms") && Contains(" to "));
+    CHECK_THAT(sitting.enter("time(rrt_connect {}, 0)"), Contains("at least 1, got 0"));
+    sitting.enter("mine = lazy()");
+    sitting.enter("mint = 1");
+    sitting.terminal.type("skeleton() >> min\t >> rrt {}");
+    CHECK_THAT(sitting.enter(""), Contains("lazy()"));
+    sitting.terminal.type("exit\n");
+    CHECK(sitting.terminal.finish() == 0);
+  }
+  CHECK(pipe(place, "quit\nboom\n").status == 0);
+}
+
 TEST_CASE("Ctrl-C drops a line, Ctrl-D ends the session") {
   const Place place;
   Sitting sitting(place);
