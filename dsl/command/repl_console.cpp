@@ -60,7 +60,7 @@ bool loads(Stack& stack, const std::string& text, const std::string& name, std::
 bool ends_early(const std::string& message) { return message.ends_with("<eof>"); }
 
 /// Removes a traceback that only shows the position in the message.
-std::string told(const std::string& message) {
+std::string without_traceback(const std::string& message) {
   constexpr std::string_view heading = "\nstack traceback:";
   const std::size_t at = message.find(heading);
   if (at == std::string::npos) return message;
@@ -278,7 +278,7 @@ Console::Verdict Console::run(const std::string& input, bool more) {
     complain("interrupted");
   } catch (const Error& error) {
     const bool stopped = InterruptibleSession::requested();
-    complain(stopped ? "interrupted" : told(error.what()));
+    complain(stopped ? "interrupted" : without_traceback(error.what()));
   } catch (const std::exception& error) {
     complain(fmt::format("a fault of trellis itself, please report it: {}", error.what()));
   }

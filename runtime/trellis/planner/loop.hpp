@@ -105,8 +105,8 @@ inline void propose(PlannerContext& context, MutableView q) {
 /// Records the result of the last proposal and reports it to the guidance.
 /// \param near  row of the node that was extended
 /// \param added  row of the node that was added
-inline void settle(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
-                   std::uint32_t added = no_node) {
+inline void record_outcome(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
+                           std::uint32_t added = no_node) {
   context.search.fates.push_back(outcome.fate);
   context.search.near.push_back(near);
   context.search.added.push_back(added);

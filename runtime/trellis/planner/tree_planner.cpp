@@ -92,7 +92,7 @@ void StartTreePlanner::iterate() {
   outcome.near = (*tree_)[near.id];
   if (adds) outcome.added = target_;
   if (extension.blocked) outcome.blocked_at = blocked_;
-  settle(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
+  record_outcome(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
   if (!adds) return;
   blocked_motions_.report(context_);
   if (const auto goal = goal_to_connect()) connect(id, *goal);

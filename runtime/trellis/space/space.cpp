@@ -13,7 +13,7 @@ namespace trellis {
 
 namespace {
 
-double short_way(const Axis& axis, double delta) {
+double shortest_difference(const Axis& axis, double delta) {
   const double period = axis.period();
   if (delta > 0.5 * period || delta <= -0.5 * period) {
     delta -= period * std::floor(delta / period);
@@ -97,7 +97,7 @@ double Space::squared_distance(View a, View b) const {
   const double* to = b.data();
   for (const Axis& axis : axes_) {
     double delta = *to++ - *from++;
-    if (axis.periodic) delta = short_way(axis, delta);
+    if (axis.periodic) delta = shortest_difference(axis, delta);
     delta *= axis.weight;
     sum += delta * delta;
   }
@@ -109,7 +109,7 @@ double Space::distance(View a, View b) const { return std::sqrt(squared_distance
 void Space::difference(View a, View b, MutableView out) const {
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const double delta = b[j] - a[j];
-    out[j] = axes_[j].periodic ? short_way(axes_[j], delta) : delta;
+    out[j] = axes_[j].periodic ? shortest_difference(axes_[j], delta) : delta;
   }
 }
 
@@ -120,7 +120,7 @@ void Space::interpolate(View a, View b, double t, MutableView out) const {
   }
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     if (axes_[j].periodic) {
-      out[j] = wrap(axes_[j], a[j] + t * short_way(axes_[j], b[j] - a[j]));
+      out[j] = wrap(axes_[j], a[j] + t * shortest_difference(axes_[j], b[j] - a[j]));
     } else {
       out[j] = a[j] + t * (b[j] - a[j]);
     }
@@ -187,12 +187,12 @@ Foot nearest_on_motion(const Space& space, View a, View b, View q) {
   double to_middle = 0.0;
   for (std::size_t j = 0; j < a.size(); ++j) {
     const Axis& axis = space.axes()[j];
-    double way = b[j] - a[j];
-    if (axis.periodic) way = short_way(axis, way);
-    double to = q[j] - (a[j] + 0.5 * way);
-    if (axis.periodic) to = short_way(axis, to);
-    along += axis.weight * to * axis.weight * way;
-    squared += axis.weight * way * axis.weight * way;
+    double difference_of_ends = b[j] - a[j];
+    if (axis.periodic) difference_of_ends = shortest_difference(axis, difference_of_ends);
+    double to = q[j] - (a[j] + 0.5 * difference_of_ends);
+    if (axis.periodic) to = shortest_difference(axis, to);
+    along += axis.weight * to * axis.weight * difference_of_ends;
+    squared += axis.weight * difference_of_ends * axis.weight * difference_of_ends;
     to_middle += axis.weight * to * axis.weight * to;
   }
   const double t = squared > 0.0 ? std::clamp(along / squared, -0.5, 0.5) : 0.0;
