@@ -100,13 +100,6 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// Returns the path of a table's field or a global in a message: script.strategies.nested, script.strategies["a b"].
-std::string field_path(const std::string& table, const std::string& name) {
-  const auto all = dsl::tokens(name);
-  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
-  return plain ? table + "." + name : table + "[\"" + name + "\"]";
-}
-
 std::string environment(const char* name) {
   const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing here sets it
   return value != nullptr ? value : "";
@@ -197,38 +190,30 @@ std::string Console::load(const std::string& path) {
   std::string bound;
   session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // the script may only define globals
+    bench_.returned = stack[1].get<dsl::Program>() != nullptr ? Bench::Returned::experiment
+                      : stack[1].type() == Type::table        ? Bench::Returned::table
+                                                              : Bench::Returned::pair;
     bench_.script = dsl::read_program(stack, 1);
     const Experiment& experiment = bench_.script->experiment;
     stack.resize(0);
-    const Value script = stack.push_table();
     const auto note = [&](const std::string& field, const std::string& what) {
       bound += fmt::format("  {:<32} {}\n", field, what);
     };
-    const Value strategies = stack.push_table();
     for (const auto& [name, strategy] : experiment.strategies) {
-      stack.push_object(strategy);
-      stack.set_field(strategies, name);
       note(field_path("script.strategies", name), strategy.text());
     }
-    stack.set_field(script, "strategies");
-    const Value problems = stack.push_table();
     for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
-      stack.push_object(experiment.problems[i]);
-      stack.append(problems);
       constexpr std::size_t most = 4;
-      if (i < most) note(fmt::format("script.problems[{}]", i + 1), experiment.problems[i].name);
+      if (i < most) {
+        const Problem& problem = experiment.problems[i];
+        note(field_path("script.problems", problem.name), fmt::format("problem in {}", problem.space.name()));
+      }
       if (i == most) note("...", fmt::format("{} problems in all", experiment.problems.size()));
     }
-    stack.set_field(script, "problems");
-    const Value seeds = stack.push_table();
-    for (const std::uint64_t seed : experiment.seeds) {
-      stack.push(static_cast<std::int64_t>(seed));
-      stack.append(seeds);
-    }
-    stack.set_field(script, "seeds");
+    dsl::push_experiment(stack, experiment);
     stack.set_global("script");
   });
-  bench_.accepted.push_back("-- after " + path);
+  bench_.path = path;
   return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
                        : fmt::format("{} is bound to script:\n{}", path, bound);
 }
@@ -277,6 +262,7 @@ Console::Verdict Console::run(const std::string& input, bool more) {
   } catch (const Interrupted&) {
     complain("interrupted");
   } catch (const Error& error) {
+    if (output_closed()) throw;
     const bool stopped = InterruptibleSession::requested();
     complain(stopped ? "interrupted" : without_traceback(error.what()));
   } catch (const std::exception& error) {

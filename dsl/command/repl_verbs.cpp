@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include <dsl/language/construct.hpp>
 #include <dsl/language/help.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
@@ -32,7 +35,8 @@ using lua::Value;
 
 constexpr std::array<Verb, 18> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
-     "runs a strategy; without a problem, on the last one or scenes.simple_passage()"},
+     "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
+     "scenes.simple_passage()"},
     {"start", "start(strategy, problem, { seed = 1 })", "begins a run and stops it before its first proposal"},
     {"step", "step(n)", "takes a run n proposals further, of whatever level; one without n"},
     {"continue", "continue()", "takes a run to its end"},
@@ -49,7 +53,9 @@ constexpr std::array<Verb, 18> all_verbs = {{
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
     {"runs", "runs()", "the runs of this session, as a list"},
     {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
-    {"save", "save(\"file.lua\")", "writes the inputs that succeeded as a script"},
+    {"save", "save(\"file.lua\")",
+     "writes the inputs that succeeded as a script that runs: it requires the loaded one, and returns what was planned "
+     "last"},
     {"run", "run(n)", "run n of this session; without n the current one"},
     {"help", "help(\"shrink\")", "what is known about a word; without one, this"},
     {"quit", "quit()", "ends the session, as Ctrl-D does"},
@@ -111,6 +117,76 @@ std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strateg
     }
   }
   return strategy.text();
+}
+
+/// The problem and the text of an expression that gives it, "" if none is known.
+struct NamedProblem {
+  Problem problem;
+  std::string expression;
+};
+
+/// The path of a value in the session: a global, or a field of the script's strategies or problems; "" for none.
+std::string expression_of(Stack& call, const Value& value) {
+  const void* wanted = value.identity();
+  if (wanted == nullptr) return "";
+  std::string found;
+  const auto search = [&](Value table, const std::string& prefix) {
+    table.each_pair([&](Value key, Value element) {
+      const auto name = key.string();
+      if (!name || element.identity() != wanted) return;
+      const std::string path = prefix.empty() ? *name : field_path(prefix, *name);
+      if (found.empty() || path < found) found = path;
+    });
+  };
+  const int before = call.size();
+  const Value globals = call.push_globals();
+  search(globals, "");
+  if (found.empty()) {
+    const Value script = globals.field("script");
+    for (const char* part : {"strategies", "problems"}) {
+      if (script.type() != Type::table) break;
+      const Value table = script.field(part);
+      if (table.type() == Type::table) search(table, std::string("script.") + part);
+    }
+  }
+  call.resize(before);
+  return found;
+}
+
+/// The lines that give a saved script what a loaded one gave the session.
+/// \param file  the saved script, from whose folder its modules are loaded
+std::string requiring_lines(const Bench& bench, const std::string& file) {
+  if (bench.path.empty()) return "";
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::absolute(fs::path(file)).parent_path().lexically_normal();
+  std::string name = fs::absolute(fs::path(bench.path)).lexically_normal().lexically_relative(folder).string();
+  const bool below = name.ends_with(".lua") && !name.starts_with("..");
+  if (below) name.resize(name.size() - std::string_view(".lua").size());
+  const bool plain = std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '/'; });
+  if (!below || !plain) {
+    throw Error(
+        fmt::format("save: '{0}' requires the loaded script, and only a file in its folder '{1}' or above it can "
+                    "(with names of letters, digits and '_'); save into that folder",
+                    file, fs::absolute(fs::path(bench.path)).lexically_normal().parent_path().string()));
+  }
+  std::replace(name.begin(), name.end(), '/', '.');
+  switch (bench.returned) {
+    case Bench::Returned::nothing: return fmt::format("require \"{}\"\n", name);
+    case Bench::Returned::experiment: return fmt::format("local script = require \"{}\"\n", name);
+    case Bench::Returned::table:
+      return fmt::format(
+          "local returned = require \"{}\"\n"
+          "local script = {{ strategies = {{ strategy = returned.strategy }}, problems = {{ returned.problem }}, seeds "
+          "= "
+          "{{ 1 }} }}\n",
+          name);
+    case Bench::Returned::pair: break;
+  }
+  throw Error(
+      fmt::format("save: '{}' returns two values, of which require gives one; let it return {{ strategy = ..., "
+                  "problem = ... }}",
+                  bench.path));
 }
 
 /// Implements the session commands.
@@ -285,7 +361,16 @@ class Verbs {
                               dsl::describe(call[1])));
     }
     std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
+    text += requiring_lines(bench_, *file);
     for (const auto& input : bench_.accepted) text += input + "\n";
+    if (!bench_.planned) {
+      text += "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
+    } else if (bench_.planned->problem.empty()) {
+      text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n",
+                          bench_.planned->strategy);
+    } else {
+      text += fmt::format("return {}, {}\n", bench_.planned->strategy, bench_.planned->problem);
+    }
     require_writable_file(*file);
     write_file(*file, text);
     say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
@@ -341,34 +426,58 @@ class Verbs {
   int begin(Stack& call, const std::string& verb, std::uint64_t proposals) {
     StrategySpec strategy = strategy_argument(verb, call[1]);
     int next = 2;
-    std::optional<Problem> problem;
-    if (call[next].given() && call[next].type() != Type::table) problem = problem_argument(verb, call[next++]);
+    std::optional<NamedProblem> problem;
+    const auto given_problem = [&](Value value) {
+      problem = {problem_argument(verb, value), expression_of(call, value)};
+    };
+    if (call[next].given() && call[next].type() != Type::table) given_problem(call[next++]);
     std::uint64_t seed = 1;
     if (call[next].type() == Type::table) {
       const Value options = call[next];
       check_options(verb, options, {"seed", "problem"});
       if (const Value given = options.field("seed"); given.given()) seed = natural(verb + ": option 'seed'", given, 0);
-      if (const Value given = options.field("problem"); given.given()) problem = problem_argument(verb, given);
+      if (const Value given = options.field("problem"); given.given()) given_problem(given);
     } else if (call[next].given()) {
       throw Error(fmt::format("{}: a table of options belongs here, as {{ seed = 2 }}, got {}", verb,
                               dsl::describe(call[next])));
     }
-    if (!problem) problem = usual_problem(call);
+    if (!problem) problem = usual_problem(call, of_script(strategy));
     std::string name = name_of(call, bench_, strategy);
-    auto run = std::make_shared<Run>(
-        Run{.strategy_name = std::move(name), .strategy = std::move(strategy), .problem = *problem, .seed = seed});
+    std::string expression = expression_of(call, call[1]);
+    if (expression.empty()) expression = strategy.text();
+    auto run = std::make_shared<Run>(Run{
+        .strategy_name = std::move(name), .strategy = std::move(strategy), .problem = problem->problem, .seed = seed});
     advance(*run, proposals, bench_.interrupted);
     add(run);
+    bench_.expression = problem->expression;
+    bench_.planned = {std::move(expression), problem->expression};
     say(outcome_text(*run));
     return announce(call, run);
   }
 
-  Problem usual_problem(Stack& call) {
-    if (bench_.problem) return *bench_.problem;
-    if (bench_.script && !bench_.script->experiment.problems.empty()) return bench_.script->experiment.problems.front();
+  /// Whether the loaded script has this strategy.
+  [[nodiscard]] bool of_script(const StrategySpec& strategy) const {
+    if (!bench_.script) return false;
+    const auto& all = bench_.script->experiment.strategies;
+    return std::any_of(all.begin(), all.end(), [&](const auto& entry) { return entry.second == strategy; });
+  }
+
+  /// Returns the problem of a run that names none: the last one, but the script's for the script's own strategies.
+  NamedProblem usual_problem(Stack& call, bool scripts) {
+    const bool has_problems = bench_.script && !bench_.script->experiment.problems.empty();
+    if (has_problems && (scripts || !bench_.problem)) {
+      const auto& problems = bench_.script->experiment.problems;
+      // The last problem may be one of several of the script.
+      const auto last = std::find_if(problems.begin(), problems.end(), [&](const Problem& problem) {
+        return bench_.problem && problem.name == bench_.problem->name && problem.scene == bench_.problem->scene;
+      });
+      const Problem& chosen = last != problems.end() ? *last : problems.front();
+      return {chosen, field_path("script.problems", chosen.name)};
+    }
+    if (bench_.problem) return {*bench_.problem, bench_.expression};
     call.load("return require('scenes').simple_passage()", "=repl");
     call.call(0);
-    return problem_argument("plan", call.top());
+    return {problem_argument("plan", call.top()), "scenes.simple_passage()"};
   }
 
   /// Returns the run that an argument names, else the current one.
@@ -453,7 +562,17 @@ class Verbs {
         }
       }
     }
-    experiment.problems = {problem ? *problem : usual_problem(call)};
+    const auto& all = experiment.strategies;
+    const bool scripts =
+        std::all_of(all.begin(), all.end(), [&](const auto& entry) { return of_script(entry.second); });
+    if (!problem) {
+      NamedProblem usual = usual_problem(call, scripts);
+      problem = std::move(usual.problem);
+      bench_.expression = std::move(usual.expression);
+    } else {
+      bench_.expression.clear();
+    }
+    experiment.problems = {*problem};
     bench_.problem = experiment.problems.front();
     return experiment;
   }
@@ -492,6 +611,12 @@ class Verbs {
 }  // namespace
 
 std::span<const Verb> verbs() { return all_verbs; }
+
+std::string field_path(const std::string& table, const std::string& name) {
+  const auto all = dsl::tokens(name);
+  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
+  return plain ? table + "." + name : table + "[\"" + name + "\"]";
+}
 
 std::string verbs_text(std::string_view name) {
   std::string text;

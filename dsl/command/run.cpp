@@ -90,14 +90,26 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
-/// Applies --problem, --strategy and --only to an experiment.
+/// Applies --strategy and --ablate: the strategy of this name, and its ablations where these are requested.
+void choose_strategies(Experiment& experiment, const Options& options) {
+  if (options.strategy.empty()) {
+    if (options.ablate) dsl::ablate_all(experiment, "--ablate");
+    return;
+  }
+  const bool own = std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
+                               [&](const auto& entry) { return entry.first == options.strategy; });
+  // The name may be that of an ablation.
+  if (options.ablate && !own) dsl::ablate_all(experiment, "--ablate");
+  choose_strategy(experiment, options.strategy);
+  experiment.baseline.clear();
+  experiment.ablations.clear();
+  if (options.ablate && own) dsl::ablate_all(experiment, "--ablate");
+}
+
+/// Applies --problem, --strategy, --ablate and --only to an experiment.
 void narrow(Experiment& experiment, const Options& options) {
   choose_problem(experiment, options.problem);
-  choose_strategy(experiment, options.strategy);
-  if (!options.strategy.empty()) {
-    experiment.baseline.clear();
-    experiment.ablations.clear();
-  }
+  choose_strategies(experiment, options);
   // The published claims refer to the complete experiment.
   if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
   if (options.only) experiment.seeds = {*options.only};
@@ -226,7 +238,6 @@ dsl::Program program_of(const Options& options) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
-  if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
   narrow(program.experiment, options);
   if (options.cross) {
     if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");

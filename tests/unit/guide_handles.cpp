@@ -27,7 +27,7 @@ Problem bent_corridor() {
 
 /// A car and its trailer, each with an angle of its own in the world.
 Problem with_trailer() {
-  Body car{.parts = {Polygon{rectangle_vertices({{-0.5, -0.2}, {0.5, 0.2}})}}, .angle_axis = 2};
+  Body car{.parts = {Polygon{rectangle_vertices({{-0.5, -0.2}, {0.5, 0.2}})}}, .joint = {}, .angle_axis = 2};
   Body trailer{.parts = {Polygon{rectangle_vertices({{-1.2, -0.2}, {-0.2, 0.2}})}},
                .parent = 0,
                .joint = {-0.5, 0},

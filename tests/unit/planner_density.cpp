@@ -181,7 +181,7 @@ TEST_CASE("every planner's proposals are recorded with what h was", "[planner][d
     if (kind.graph) continue;
     CAPTURE(kind.component->name);
     const auto search = search_with(kind, test::cup_problem());
-    CHECK(search.density.total() == search.proposals.size());
+    CHECK(search.density.total() == static_cast<double>(search.proposals.size()));
     CHECK(search.density.exact());
     CHECK(search.density.uniform() == 1.0);
     CHECK(search.density.at(test::cup_problem().start) ==

@@ -12,9 +12,14 @@ namespace {
 
 std::vector<Space> spaces() {
   const auto r2 = Space::euclidean({{0, 10}, {-3, 4}});
-  return {Space::so2(), r2, Space::se2({0, 10}, {0, 10}),
+  return {Space::so2(),
+          r2,
+          Space::se2({0, 10}, {0, 10}),
           Space::product({{1.0, r2}, {0.7, Space::so2()}, {2.0, Space::so2(1.0, "phi")}}),
-          Space::euclidean({{0, 1}, {0, 1}, {0, 1}, {0, 1}, {0, 1}})};
+          Space::euclidean({{0, 1}, {0, 1}, {0, 1}, {0, 1}, {0, 1}}),
+          Space::so3(),
+          Space::se3({{{0, 10}, {0, 10}, {0, 10}}}, 3.0),
+          Space::product({{1.0, r2}, {0.5, Space::so3()}, {2.0, Space::so2()}, {1.0, Space::so3()}})};
 }
 
 /// Brute force: all points by distance, then by number.

@@ -90,7 +90,8 @@ extern const Table avx512;
 
 /// Returns the tables that this processor can run, the fastest last. Writes their number to `count`.
 const Table* const* available(unsigned& count);
-/// Returns the fastest of them.
+/// Returns the fastest of them, or the one that the environment variable TRELLIS_KERNEL names (baseline, avx2, avx512).
+/// \throws Error if the processor has no such one.
 const Table& best();
 
 }  // namespace trellis::kernel

@@ -23,6 +23,8 @@ namespace trellis {
 
 namespace {
 
+constexpr std::size_t most_runs = 1'000'000;  // of one experiment
+
 void check_name(const char* one, const char* many, const std::string& name, std::set<std::string>& taken) {
   if (name.empty()) throw Error(fmt::format("experiment: a {} without a name", one));
   if (!taken.insert(name).second) throw Error(fmt::format("experiment: two {} are called '{}'", many, name));
@@ -197,6 +199,11 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   check(experiment);
 
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  if (cells > most_runs) {
+    throw Error(fmt::format("experiment: {} problems x {} strategies x {} seeds are {} runs; at most {}",
+                            experiment.problems.size(), experiment.strategies.size(), experiment.seeds.size(), cells,
+                            most_runs));
+  }
   ExperimentResult result;
   result.runs.resize(cells);
 
@@ -223,6 +230,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
       RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                {experiment.shortcut, interrupted, {}});
       if (run.run.status == Status::interrupted) throw Interrupted();
+      if (!experiment.measure) release(run);
       result.runs[index] = std::move(run);
       progress();
     } catch (...) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -113,6 +114,7 @@ class Library::Database {
       throw Error(
           fmt::format("{}: there is no such library of paths; trellis run SCRIPT --learn {} makes one", path_, path_));
     }
+    check_header();
     // A read-only user may also have to write: to roll back the transaction of a process that was killed.
     int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX;
     if (mode == Mode::write) flags |= SQLITE_OPEN_CREATE;
@@ -250,6 +252,22 @@ class Library::Database {
         throw Error(fmt::format("{}: the library {}: {}", path_, what,
                                 handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory"));
     }
+  }
+
+  /// SQLite takes a short file for an empty database, and would overwrite it.
+  void check_header() const {
+    constexpr std::string_view magic("SQLite format 3\0", 16);
+    constexpr std::size_t header = 100;
+    std::ifstream file(path_, std::ios::binary);
+    if (!file || !std::filesystem::is_regular_file(path_)) return;
+    std::string begin(header, '\0');
+    file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    begin.resize(static_cast<std::size_t>(file.gcount()));
+    if (begin.empty()) return;  // of a process that ended before its first path
+    if (!std::string_view(begin).starts_with(magic.substr(0, begin.size()))) {
+      throw Error(fmt::format("{}: is no library of paths; it is left as it is", path_));
+    }
+    if (begin.size() < header) throw Error(fmt::format("{}: the library is damaged; it is left as it is", path_));
   }
 
   /// Creates the tables of a new library, and checks the version of an existing one.

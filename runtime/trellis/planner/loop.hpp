@@ -52,7 +52,8 @@ Settings<S> with_common(Settings<S> settings) {
                   "work (validity checks and proposals) of guided proposals and of the levels below, per work of "
                   "unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; "
                   "0: without bound; the report prints the validity checks of either side");
-  settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
+  // Nodes have 32-bit numbers.
+  settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
                   "budget: validity checks of this level, over all its solves");

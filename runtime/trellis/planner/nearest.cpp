@@ -7,33 +7,16 @@
 #include <limits>
 #include <type_traits>
 
-namespace trellis {
+#include <trellis/planner/nearest_implementation.hpp>
 
-class NearestIndex::Implementation {
- public:
-  Implementation() = default;
-  Implementation(const Implementation&) = delete;
-  Implementation& operator=(const Implementation&) = delete;
-  virtual ~Implementation() = default;
-  virtual std::uint32_t add(View q) = 0;
-  [[nodiscard]] virtual std::size_t size() const = 0;
-  [[nodiscard]] virtual Neighbour nearest(View q) const = 0;
-  virtual void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const = 0;
-  virtual void within(View q, double radius, std::vector<Neighbour>& out) const = 0;
-};
+namespace trellis {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t bucket = 32;  // in benchmarks faster than 8 and 16 from 500 to 100,000 points
 
-/// A function object, so that the heap functions inline it.
-struct Nearer {
-  bool operator()(const NearestIndex::Neighbour& a, const NearestIndex::Neighbour& b) const {
-    return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);
-  }
-};
-constexpr Nearer nearer;
+constexpr NearerNeighbour nearer;
 
 /// The kd-tree for a dimension D known at compile time, so that loops unroll; D = 0 reads the dimension at run time.
 template <std::size_t D>
@@ -331,6 +314,7 @@ class Tree final : public NearestIndex::Implementation {
 };
 
 std::unique_ptr<NearestIndex::Implementation> make_tree(const Space& space) {
+  if (!space.flat()) return make_rotation_index(space);
   switch (space.dimension()) {
     case 1: return std::make_unique<Tree<1>>(space);
     case 2: return std::make_unique<Tree<2>>(space);

@@ -11,7 +11,7 @@
 
 namespace trellis {
 
-/// Exact nearest neighbours in a space's metric, with wrap-around of periodic axes. Points can be added but not
+/// Exact nearest neighbours in a space's metric, with circles and rotations. Points can be added but not
 /// removed. Ties go to the point that was added first, so results do not depend on the internal structure. An
 /// incremental kd-tree of buckets with tight bounding boxes.
 class NearestIndex {

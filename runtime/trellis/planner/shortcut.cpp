@@ -47,8 +47,8 @@ Configurations shortcut(Instance& instance, const Configurations& path, std::int
     }
     if (finer != nullptr) {
       Configurations changed(d);
-      for (const View point : {std::as_const(current)[i], View(a), View(b), std::as_const(current)[j + 1]}) {
-        changed.push(point);
+      for (const View q : {std::as_const(current)[i], View(a), View(b), std::as_const(current)[j + 1]}) {
+        changed.push(q);
       }
       if (first_invalid_place(*finer, changed)) continue;
     }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include <trellis/base/error.hpp>
+#include <trellis/space/rotation.hpp>
 
 namespace trellis {
 
@@ -37,10 +38,35 @@ double reflect_once(const Axis& axis, double x) {
   return axis.lo + (y <= extent ? y : 2.0 * extent - y);
 }
 
+Quaternion quaternion_at(View q, const Factor& factor) {
+  const double* row = q.data() + factor.column;
+  return {row[0], row[1], row[2], row[3]};
+}
+
+void put(const Quaternion& rotation, const Factor& factor, MutableView out) {
+  double* row = out.data() + factor.column;
+  row[0] = rotation.x;
+  row[1] = rotation.y;
+  row[2] = rotation.z;
+  row[3] = rotation.w;
+}
+
+std::vector<Factor> factors_of(const std::vector<Axis>& axes) {
+  std::vector<Factor> factors;
+  factors.reserve(axes.size());
+  for (const Axis& axis : axes) {
+    factors.push_back({axis.periodic ? Factor::Kind::circle : Factor::Kind::line, 0, axis});
+  }
+  return factors;
+}
+
 }  // namespace
 
-Space::Space(std::string name, std::vector<Axis> axes) : name_(std::move(name)), axes_(std::move(axes)) {
-  for (const auto& axis : axes_) {
+Space::Space(std::string name, std::vector<Axis> axes) : Space(std::move(name), factors_of(axes)) {}
+
+Space::Space(std::string name, std::vector<Factor> factors) : name_(std::move(name)), factors_(std::move(factors)) {
+  for (Factor& factor : factors_) {
+    const Axis& axis = factor.axis;
     if (!std::isfinite(axis.lo) || !std::isfinite(axis.hi) || axis.hi <= axis.lo) {
       throw Error(fmt::format("space {}: axis '{}' needs finite bounds lo < hi, got [{}, {}]", name_, axis.name,
                               axis.lo, axis.hi));
@@ -49,7 +75,17 @@ Space::Space(std::string name, std::vector<Axis> axes) : name_(std::move(name)),
       throw Error(
           fmt::format("space {}: axis '{}' needs a weight greater than 0, got {}", name_, axis.name, axis.weight));
     }
+    factor.column = dimension_;
+    dimension_ += factor.width();
+    degrees_ += factor.degrees();
   }
+  if (!flat()) return;
+  axes_.reserve(factors_.size());
+  for (const Factor& factor : factors_) axes_.push_back(factor.axis);
+}
+
+void Space::not_flat(const char* what) const {
+  throw Fault(fmt::format("{} of a space with rotations: {}", what, name_));
 }
 
 Space Space::euclidean(const std::vector<std::pair<double, double>>& bounds) {
@@ -73,26 +109,50 @@ Space Space::se2(std::pair<double, double> x, std::pair<double, double> y, doubl
            {"theta", -std::numbers::pi, std::numbers::pi, weight, true}}};
 }
 
+Space Space::so3(double weight, const std::string& name) {
+  return {"SO(3)", std::vector<Factor>{{Factor::Kind::rotation, 0, {name, 0.0, 1.0, weight, false}}}};
+}
+
+Space Space::se3(const std::array<std::pair<double, double>, 3>& bounds, double weight) {
+  Space space = product({{1.0, euclidean({bounds[0], bounds[1], bounds[2]})}, {1.0, so3(weight)}});
+  space.name_ = "SE(3)";
+  return space;
+}
+
 Space Space::product(const std::vector<std::pair<double, Space>>& factors) {
   std::string name;
-  std::vector<Axis> axes;
-  for (const auto& [weight, factor] : factors) {
-    name += (name.empty() ? "" : " x ") + factor.name();
-    for (Axis axis : factor.axes()) {
-      axis.weight *= weight;
+  std::vector<Factor> all;
+  for (const auto& [weight, space] : factors) {
+    name += (name.empty() ? "" : " x ") + space.name();
+    for (Factor factor : space.factors()) {
+      factor.axis.weight *= weight;
       const auto taken = [&](const std::string& n) {
-        return std::any_of(axes.begin(), axes.end(), [&](const Axis& other) { return other.name == n; });
+        return std::any_of(all.begin(), all.end(), [&](const Factor& other) { return other.axis.name == n; });
       };
-      const std::string stem = axis.name;
-      for (int k = 2; taken(axis.name); ++k) axis.name = fmt::format("{}{}", stem, k);
-      axes.push_back(std::move(axis));
+      const std::string stem = factor.axis.name;
+      for (int k = 2; taken(factor.axis.name); ++k) factor.axis.name = fmt::format("{}{}", stem, k);
+      all.push_back(std::move(factor));
     }
   }
-  return {std::move(name), std::move(axes)};
+  return {std::move(name), std::move(all)};
 }
 
 double Space::squared_distance(View a, View b) const {
   double sum = 0.0;
+  if (!flat()) {
+    for (const Factor& factor : factors_) {
+      const std::size_t j = factor.column;
+      double delta = 0.0;
+      switch (factor.kind) {
+        case Factor::Kind::line: delta = b[j] - a[j]; break;
+        case Factor::Kind::circle: delta = short_way(factor.axis, b[j] - a[j]); break;
+        case Factor::Kind::rotation: delta = angle_between(quaternion_at(a, factor), quaternion_at(b, factor)); break;
+      }
+      delta *= factor.axis.weight;
+      sum += delta * delta;
+    }
+    return sum;
+  }
   const double* from = a.data();
   const double* to = b.data();
   for (const Axis& axis : axes_) {
@@ -107,15 +167,91 @@ double Space::squared_distance(View a, View b) const {
 double Space::distance(View a, View b) const { return std::sqrt(squared_distance(a, b)); }
 
 void Space::difference(View a, View b, MutableView out) const {
+  if (!flat()) not_flat("difference");
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const double delta = b[j] - a[j];
     out[j] = axes_[j].periodic ? shortest_difference(axes_[j], delta) : delta;
   }
 }
 
+void Space::log(View a, View b, MutableView out) const {
+  double* v = out.data();
+  for (const Factor& factor : factors_) {
+    const std::size_t j = factor.column;
+    const double weight = factor.axis.weight;
+    switch (factor.kind) {
+      case Factor::Kind::line: *v++ = weight * (b[j] - a[j]); break;
+      case Factor::Kind::circle: *v++ = weight * short_way(factor.axis, b[j] - a[j]); break;
+      case Factor::Kind::rotation: {
+        const Vec3 turn = rotation_vector(quaternion_at(a, factor).inverse() * quaternion_at(b, factor));
+        *v++ = weight * turn.x;
+        *v++ = weight * turn.y;
+        *v++ = weight * turn.z;
+        break;
+      }
+    }
+  }
+}
+
+void Space::exp(View a, View v, MutableView out) const {
+  const double* along = v.data();
+  for (const Factor& factor : factors_) {
+    const std::size_t j = factor.column;
+    const double weight = factor.axis.weight;
+    switch (factor.kind) {
+      case Factor::Kind::line: out[j] = a[j] + *along++ / weight; break;
+      case Factor::Kind::circle: out[j] = wrap(factor.axis, a[j] + *along++ / weight); break;
+      case Factor::Kind::rotation: {
+        const Vec3 turn = {along[0] / weight, along[1] / weight, along[2] / weight};
+        along += 3;
+        put(normalised(quaternion_at(a, factor) * rotation_of(turn)), factor, out);
+        break;
+      }
+    }
+  }
+}
+
+double Space::log_jacobian(View v) const {
+  if (flat()) return 0.0;
+  double sum = 0.0;
+  const double* along = v.data();
+  for (const Factor& factor : factors_) {
+    if (factor.kind == Factor::Kind::rotation) {
+      sum += log_jacobian_of_rotation(norm({along[0], along[1], along[2]}) / factor.axis.weight);
+    }
+    along += factor.degrees();
+  }
+  return sum;
+}
+
+void Space::from_unit(View u, MutableView out) const {
+  const double* from = u.data();
+  for (const Factor& factor : factors_) {
+    if (factor.kind == Factor::Kind::rotation) {
+      put(rotation_from_unit({from[0], from[1], from[2]}), factor, out);
+    } else {
+      out[factor.column] = factor.axis.lo + (factor.axis.hi - factor.axis.lo) * *from;
+    }
+    from += factor.degrees();
+  }
+}
+
 void Space::interpolate(View a, View b, double t, MutableView out) const {
   if (t == 1.0) {
-    std::copy_n(b.begin(), axes_.size(), out.begin());
+    std::copy_n(b.begin(), dimension_, out.begin());
+    return;
+  }
+  if (!flat()) {
+    for (const Factor& factor : factors_) {
+      const std::size_t j = factor.column;
+      switch (factor.kind) {
+        case Factor::Kind::line: out[j] = a[j] + t * (b[j] - a[j]); break;
+        case Factor::Kind::circle: out[j] = wrap(factor.axis, a[j] + t * short_way(factor.axis, b[j] - a[j])); break;
+        case Factor::Kind::rotation:
+          put(interpolated(quaternion_at(a, factor), quaternion_at(b, factor), t), factor, out);
+          break;
+      }
+    }
     return;
   }
   for (std::size_t j = 0; j < axes_.size(); ++j) {
@@ -128,59 +264,136 @@ void Space::interpolate(View a, View b, double t, MutableView out) const {
 }
 
 void Space::normalise(MutableView q) const {
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    if (axes_[j].periodic) q[j] = wrap(axes_[j], q[j]);
+  for (const Factor& factor : factors_) {
+    if (factor.kind == Factor::Kind::circle) q[factor.column] = wrap(factor.axis, q[factor.column]);
+    if (factor.kind == Factor::Kind::rotation) put(normalised(quaternion_at(q, factor)), factor, q);
   }
 }
 
 void Space::reflect(MutableView q) const {
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const auto& axis = axes_[j];
-    if (axis.periodic) {
-      q[j] = wrap(axis, q[j]);
-    } else if (q[j] < axis.lo || q[j] > axis.hi) {
-      q[j] = reflect_once(axis, q[j]);
-    }
+  normalise(q);
+  for (const Factor& factor : factors_) {
+    if (factor.kind != Factor::Kind::line) continue;
+    double& x = q[factor.column];
+    if (x < factor.axis.lo || x > factor.axis.hi) x = reflect_once(factor.axis, x);
   }
 }
 
 bool Space::contains(View q) const {
-  if (q.size() != axes_.size()) return false;
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    if (!std::isfinite(q[j])) return false;
-    if (!axes_[j].periodic && (q[j] < axes_[j].lo || q[j] > axes_[j].hi)) return false;
+  if (q.size() != dimension_) return false;
+  for (const Factor& factor : factors_) {
+    const double x = q[factor.column];
+    if (factor.kind == Factor::Kind::rotation) {
+      constexpr double rounding = 1e-9;
+      const Quaternion r = quaternion_at(q, factor);
+      // A coordinate that is not finite fails the comparison.
+      if (!(std::abs(std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w) - 1.0) <= rounding)) return false;
+      continue;
+    }
+    if (!std::isfinite(x)) return false;
+    if (factor.kind == Factor::Kind::line && (x < factor.axis.lo || x > factor.axis.hi)) return false;
   }
   return true;
 }
 
 void Space::sample_uniform(Stream& stream, MutableView out) const {
-  for (std::size_t j = 0; j < axes_.size(); ++j) out[j] = stream.uniform(axes_[j].lo, axes_[j].hi);
+  for (const Factor& factor : factors_) {
+    if (factor.kind == Factor::Kind::rotation) {
+      const double first = stream.uniform();
+      const double second = stream.uniform();
+      put(rotation_from_unit({first, second, stream.uniform()}), factor, out);
+    } else {
+      out[factor.column] = stream.uniform(factor.axis.lo, factor.axis.hi);
+    }
+  }
 }
 
 double Space::log_volume() const {
   double sum = 0.0;
-  for (const auto& axis : axes_) sum += std::log(axis.weight * (axis.hi - axis.lo));
+  for (const Factor& factor : factors_) {
+    const Axis& axis = factor.axis;
+    sum += factor.kind == Factor::Kind::rotation ? log_volume_of_rotations() + 3.0 * std::log(axis.weight)
+                                                 : std::log(axis.weight * (axis.hi - axis.lo));
+  }
   return sum;
 }
 
 double Space::diameter() const {
   double sum = 0.0;
-  for (const auto& axis : axes_) {
-    const double extent = axis.weight * (axis.periodic ? 0.5 * axis.period() : axis.hi - axis.lo);
-    sum += extent * extent;
+  for (const Factor& factor : factors_) {
+    const Axis& axis = factor.axis;
+    double extent = axis.hi - axis.lo;
+    if (factor.kind == Factor::Kind::circle) extent = 0.5 * axis.period();
+    if (factor.kind == Factor::Kind::rotation) extent = std::numbers::pi;
+    sum += axis.weight * extent * (axis.weight * extent);
   }
   return std::sqrt(sum);
 }
 
 double Space::injectivity_radius() const {
   double radius = std::numeric_limits<double>::infinity();
-  for (const auto& axis : axes_) {
-    if (axis.periodic) radius = std::min(radius, 0.5 * axis.weight * axis.period());
+  for (const Factor& factor : factors_) {
+    if (factor.kind == Factor::Kind::circle) radius = std::min(radius, 0.5 * factor.axis.weight * factor.axis.period());
+    if (factor.kind == Factor::Kind::rotation) radius = std::min(radius, factor.axis.weight * std::numbers::pi);
   }
   return radius;
 }
 
+namespace {
+
+/// The same for a space with rotations. The squared distance to q is smooth along a short motion: a search over equal
+/// parts finds the part of the least one, and golden sections the place within it.
+Foot searched_on_motion(const Space& space, View a, View b, View q) {
+  Configuration p(space.dimension());
+  const auto squared = [&](double t) {
+    space.interpolate(a, b, t, p);
+    return space.squared_distance(p, q);
+  };
+  constexpr int parts = 16;
+  int best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= parts; ++k) {
+    const double here = squared(static_cast<double>(k) / parts);
+    if (here < least) {
+      least = here;
+      best = k;
+    }
+  }
+  double lo = std::max(0.0, static_cast<double>(best - 1) / parts);
+  double hi = std::min(1.0, static_cast<double>(best + 1) / parts);
+  constexpr double golden = 0.6180339887498949;
+  constexpr int sections = 48;
+  double left = hi - golden * (hi - lo);
+  double right = lo + golden * (hi - lo);
+  double at_left = squared(left);
+  double at_right = squared(right);
+  for (int k = 0; k < sections; ++k) {
+    if (at_left <= at_right) {
+      hi = right;
+      right = left;
+      at_right = at_left;
+      left = hi - golden * (hi - lo);
+      at_left = squared(left);
+    } else {
+      lo = left;
+      left = right;
+      at_left = at_right;
+      right = lo + golden * (hi - lo);
+      at_right = squared(right);
+    }
+  }
+  Foot foot = {static_cast<double>(best) / parts, least};
+  for (const double t : {0.5 * (lo + hi), 0.0, 1.0}) {
+    const double here = squared(t);
+    if (here < foot.squared_distance) foot = {t, here};
+  }
+  return foot;
+}
+
+}  // namespace
+
 Foot nearest_on_motion(const Space& space, View a, View b, View q) {
+  if (!space.flat()) return searched_on_motion(space, a, b, q);
   // Relative to the motion's midpoint, the shorter direction to q on a periodic axis is correct for both halves.
   double along = 0.0;
   double squared = 0.0;

@@ -25,12 +25,31 @@ struct Axis {
   friend bool operator==(const Axis&, const Axis&) = default;
 };
 
-/// A bounded configuration space C: R^n, SO(2), SE(2) and weighted products of these.
+/// One factor of a space: a line or a circle, of one coordinate, or the rotations of space, of four.
+struct Factor {
+  enum class Kind { line, circle, rotation };
+  Kind kind = Kind::line;
+  std::size_t column = 0;  ///< of its first coordinate in a row
+  Axis axis;               ///< of a line or a circle; of the rotations, name and weight in metres per radian alone
+
+  /// The number of coordinates of a row that it takes, and the number of its degrees of freedom.
+  [[nodiscard]] std::size_t width() const { return kind == Kind::rotation ? 4 : 1; }
+  [[nodiscard]] std::size_t degrees() const { return kind == Kind::rotation ? 3 : 1; }
+  friend bool operator==(const Factor&, const Factor&) = default;
+};
+
+/// A bounded configuration space C: R^n, SO(2), SE(2), SO(3), SE(3) and weighted products of these.
 ///
-/// A space is a box of axes, some of them periodic, with the weighted Euclidean metric d(a,b) = sqrt(sum_j (w_j *
-/// delta_j)^2). delta_j is the difference, on a periodic axis the one of smaller magnitude. "Metric coordinates" are
-/// y_j = w_j x_j; volumes and densities refer to them. A space is a value: cheap to copy, compared by content, safe to
-/// share between threads.
+/// A space is a product of factors (lines, circles, rotations of space) with the metric d(a,b) = sqrt(sum_j (w_j *
+/// delta_j)^2). delta_j is the difference, on a circle the one of smaller magnitude, of two rotations the angle of the
+/// turn between them in [0, pi]. A space is a value: cheap to copy, compared by content, safe to share between threads.
+///
+/// A flat space has lines and circles alone: it is a box of axes, some of them periodic. Its "metric coordinates" are
+/// y_j = w_j x_j; volumes and densities refer to them. Where a space has rotations, a row holds four coordinates for
+/// each, a unit quaternion x, y, z, w, and volumes refer to the metric: a rotation has the volume w^3 8 pi^2.
+///
+/// The tangent vectors of a space have one number for each degree of freedom, in metres of the metric: `log` and `exp`
+/// go to them and back. For flat spaces that is a scaling of coordinates, for rotations it is the rotation vector.
 class Space {
  public:
   Space() = default;
@@ -43,40 +62,78 @@ class Space {
   static Space so2(double weight = 1.0 / std::numbers::pi, const std::string& name = "theta");
   /// Returns SE(2): x, y in the bounds, theta in [-pi, pi), d = sqrt(dx^2 + dy^2 + (w dtheta)^2).
   static Space se2(std::pair<double, double> x, std::pair<double, double> y, double weight = 1.0 / std::numbers::pi);
+  /// Returns SO(3), the rotations of space, as unit quaternions.
+  /// \param weight  metres per radian of turn; with the default a half turn has length 1 m
+  static Space so3(double weight = 1.0 / std::numbers::pi, const std::string& name = "rotation");
+  /// Returns SE(3): x, y, z in the bounds, then a rotation, d = sqrt(dx^2 + dy^2 + dz^2 + (w angle)^2).
+  /// \param weight  metres per radian; the bounding radius of a body makes d a bound on how far its points move
+  static Space se3(const std::array<std::pair<double, double>, 3>& bounds, double weight = 1.0 / std::numbers::pi);
   /// Returns the product of spaces. Multiplies each factor's metric by its weight; numbers repeated axis names.
   static Space product(const std::vector<std::pair<double, Space>>& factors);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] std::size_t dimension() const { return axes_.size(); }
-  [[nodiscard]] const std::vector<Axis>& axes() const { return axes_; }
+  /// The number of coordinates of a configuration.
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  /// The number of degrees of freedom, at most `dimension`.
+  [[nodiscard]] std::size_t degrees() const { return degrees_; }
+  /// Whether the space has no rotations of space, so that its coordinates are independent of one another.
+  [[nodiscard]] bool flat() const { return degrees_ == dimension_; }
+  [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }
+  /// The coordinates of a flat space.
+  /// \throws Fault for a space that is not flat: code that asks for axes does not support rotations
+  [[nodiscard]] const std::vector<Axis>& axes() const {
+    if (!flat()) not_flat("axes");
+    return axes_;
+  }
 
   [[nodiscard]] double squared_distance(View a, View b) const;
   [[nodiscard]] double distance(View a, View b) const;
-  /// Computes b - a in raw coordinates. On periodic axes takes the difference within half a period; an exact half turn
-  /// has a positive sign.
+  /// Computes b - a in raw coordinates of a flat space. On periodic axes takes the difference within half a period; an
+  /// exact half turn has a positive sign.
+  /// \throws Fault for a space that is not flat
   void difference(View a, View b, MutableView out) const;
+  /// Computes the tangent vector v at a that leads to b: exp(a, v) = b, |v| = distance(a, b).
+  /// \param out  `degrees` numbers, metres of the metric; a rotation's are those of its frame at a
+  void log(View a, View b, MutableView out) const;
+  /// Computes the end of the motion that leaves a along v for |v| metres. It may lie outside the bounds of a line.
+  /// \param v  `degrees` numbers, metres of the metric
+  void exp(View a, View v, MutableView out) const;
+  /// Returns log of the factor by which `exp` changes volumes at v: 0 in a flat space, less where rotations are. A
+  /// point uniform in a ball of volume V of tangent vectors has the density 1 / (V factor) at its end.
+  [[nodiscard]] double log_jacobian(View v) const;
+  /// Maps the unit cube to the space such that equal volumes have equal volumes.
+  /// \param u  `degrees` numbers in [0, 1)
+  void from_unit(View u, MutableView out) const;
   /// Computes the point at parameter t in [0, 1] of the shortest motion from a to b. t = 1 gives b exactly.
   void interpolate(View a, View b, double t, MutableView out) const;
-  /// Brings periodic coordinates into [lo, hi).
+  /// Brings periodic coordinates into [lo, hi), and quaternions to norm 1 and the sign of `normalised`.
   void normalise(MutableView q) const;
-  /// Reflects bounded coordinates at their bounds and wraps periodic ones: the result lies in the space.
+  /// Reflects bounded coordinates at their bounds and normalises the others: the result lies in the space.
   void reflect(MutableView q) const;
-  /// Whether every bounded coordinate lies within its bounds and all are finite.
+  /// Whether every bounded coordinate lies within its bounds, all are finite, and quaternions have norm 1 within 1e-9.
   [[nodiscard]] bool contains(View q) const;
   void sample_uniform(Stream& stream, MutableView out) const;
-  /// Returns the log of the volume in metric coordinates, log|C|.
+  /// Returns the log of the volume, log|C|.
   [[nodiscard]] double log_volume() const;
-  /// Returns the diameter of the space: sqrt(sum (w_j * extent_j)^2), where a periodic axis counts half its period.
+  /// Returns the diameter of the space: sqrt(sum (w_j * extent_j)^2), where a periodic axis counts half its period and
+  /// a rotation a half turn.
   [[nodiscard]] double diameter() const;
-  /// Returns half the shortest period in metric coordinates (infinity without a periodic axis): a ball of a smaller
+  /// Returns half the shortest period in the metric (infinity without circles and rotations): a ball of a smaller
   /// radius does not overlap itself.
   [[nodiscard]] double injectivity_radius() const;
 
-  friend bool operator==(const Space& a, const Space& b) { return a.name_ == b.name_ && a.axes_ == b.axes_; }
+  friend bool operator==(const Space& a, const Space& b) { return a.name_ == b.name_ && a.factors_ == b.factors_; }
 
  private:
+  /// \param factors  their columns are assigned here
+  Space(std::string name, std::vector<Factor> factors);
+  [[noreturn]] void not_flat(const char* what) const;
+
   std::string name_;
-  std::vector<Axis> axes_;
+  std::vector<Factor> factors_;
+  std::vector<Axis> axes_;  ///< of a flat space, else empty
+  std::size_t dimension_ = 0;
+  std::size_t degrees_ = 0;
 };
 
 /// The point of the straight motion from a to b that is nearest to q.

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+namespace trellis {
+
+/// A vector or a point in space, in metres unless its name says otherwise.
+struct Vec3 {
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+
+  friend bool operator==(const Vec3&, const Vec3&) = default;
+  friend Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+};
+
+double dot(const Vec3& a, const Vec3& b);
+Vec3 cross(const Vec3& a, const Vec3& b);
+/// Returns the Euclidean norm.
+double norm(const Vec3& a);
+
+/// A rotation of space as a unit quaternion x i + y j + z k + w. q and -q are the same rotation. Rows of configurations
+/// hold it in the order x, y, z, w.
+struct Quaternion {
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  double w = 1.0;
+
+  friend bool operator==(const Quaternion&, const Quaternion&) = default;
+  /// The rotation by b, then by a.
+  friend Quaternion operator*(const Quaternion& a, const Quaternion& b);
+  [[nodiscard]] Quaternion inverse() const { return {-x, -y, -z, w}; }
+  /// Returns the vector v, rotated.
+  [[nodiscard]] Vec3 operator()(const Vec3& v) const;
+};
+
+/// Returns q at norm 1 and, of q and -q, the one whose first coordinate unlike 0 of w, x, y, z is positive: each
+/// rotation has one such quaternion. Of norm 0 it makes the identity.
+Quaternion normalised(const Quaternion& q);
+
+/// Returns the rotation by |v| radians about the axis v (the exponential map). Any length of v is allowed.
+Quaternion rotation_of(const Vec3& v);
+/// Returns the rotation vector of q: its length is the angle in [0, pi], its direction the axis (the logarithm). q need
+/// not have norm 1 exactly.
+Vec3 rotation_vector(const Quaternion& q);
+/// Returns the angle of the rotation that turns a into b, in [0, pi] radians. It is a metric of the rotations, with the
+/// same precision at small angles as at large ones.
+double angle_between(const Quaternion& a, const Quaternion& b);
+/// Returns the rotation at parameter t of the shortest turn from a to b, at constant speed (slerp), `normalised`.
+Quaternion interpolated(const Quaternion& a, const Quaternion& b, double t);
+/// Maps the unit cube to the rotations such that equal volumes of the cube have equal volumes there: uniform numbers
+/// give uniform rotations. Source: Shoemake, Uniform random rotations, Graphics Gems III, 1992. \param u  three numbers
+/// in [0, 1)
+Quaternion rotation_from_unit(const std::array<double, 3>& u);
+
+/// log of the volume of all rotations where a turn by an angle has that angle as its length: log(8 pi^2).
+double log_volume_of_rotations();
+/// log of the factor by which the exponential map changes volumes at a turn by `angle` radians in [0, pi]:
+/// 2 log(sin(angle / 2) / (angle / 2)), at most 0.
+double log_jacobian_of_rotation(double angle);
+
+/// A pose of a body in space: rotate, then translate.
+struct Pose3 {
+  Vec3 position;
+  Quaternion orientation;
+
+  friend bool operator==(const Pose3&, const Pose3&) = default;
+  /// Returns the point p of the body's frame in the world's frame.
+  [[nodiscard]] Vec3 operator()(const Vec3& p) const { return orientation(p) + position; }
+  /// The pose b, given in the frame of a.
+  friend Pose3 operator*(const Pose3& a, const Pose3& b) { return {a(b.position), a.orientation * b.orientation}; }
+  [[nodiscard]] Pose3 inverse() const {
+    const Quaternion back = orientation.inverse();
+    return {-1.0 * back(position), back};
+  }
+};
+
+}  // namespace trellis
