@@ -145,7 +145,7 @@ double Space::squared_distance(View a, View b) const {
       double delta = 0.0;
       switch (factor.kind) {
         case Factor::Kind::line: delta = b[j] - a[j]; break;
-        case Factor::Kind::circle: delta = short_way(factor.axis, b[j] - a[j]); break;
+        case Factor::Kind::circle: delta = shortest_difference(factor.axis, b[j] - a[j]); break;
         case Factor::Kind::rotation: delta = angle_between(quaternion_at(a, factor), quaternion_at(b, factor)); break;
       }
       delta *= factor.axis.weight;
@@ -181,7 +181,7 @@ void Space::log(View a, View b, MutableView out) const {
     const double weight = factor.axis.weight;
     switch (factor.kind) {
       case Factor::Kind::line: *v++ = weight * (b[j] - a[j]); break;
-      case Factor::Kind::circle: *v++ = weight * short_way(factor.axis, b[j] - a[j]); break;
+      case Factor::Kind::circle: *v++ = weight * shortest_difference(factor.axis, b[j] - a[j]); break;
       case Factor::Kind::rotation: {
         const Vec3 turn = rotation_vector(quaternion_at(a, factor).inverse() * quaternion_at(b, factor));
         *v++ = weight * turn.x;
@@ -246,7 +246,9 @@ void Space::interpolate(View a, View b, double t, MutableView out) const {
       const std::size_t j = factor.column;
       switch (factor.kind) {
         case Factor::Kind::line: out[j] = a[j] + t * (b[j] - a[j]); break;
-        case Factor::Kind::circle: out[j] = wrap(factor.axis, a[j] + t * short_way(factor.axis, b[j] - a[j])); break;
+        case Factor::Kind::circle:
+          out[j] = wrap(factor.axis, a[j] + t * shortest_difference(factor.axis, b[j] - a[j]));
+          break;
         case Factor::Kind::rotation:
           put(interpolated(quaternion_at(a, factor), quaternion_at(b, factor), t), factor, out);
           break;

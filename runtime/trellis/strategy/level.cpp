@@ -180,7 +180,7 @@ void fit(Search& search) {
   fit(search.near);
   fit(search.added);
   fit(search.proposal_sources);
-  fit(search.looked_at);
+  fit(search.validated);
   fit(search.edges);
 }
 
