@@ -168,7 +168,7 @@ inline bool steer(const Space& space, View from, View q, double distance, double
 
 /// Checks start and goals of the instance, and removes invalid goals.
 /// \return none if the search can begin; else the solution with the reason
-inline std::optional<Solution> invalid_ends(Instance& instance) {
+inline std::optional<Solution> keep_valid_ends(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
   solution.status = Status::invalid_goal;

@@ -42,7 +42,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   begin_evaluation();
   bool repaired = false;
   if (paths_.vertices() == 0) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
       Solution solution{Status::solved, Configurations(dimension())};
       context_.search.nodes.push(instance.start);
@@ -52,7 +52,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     begin();
   } else if (epoch_ != instance.epoch()) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     repair();
     repaired = true;
   } else if (solved_) {

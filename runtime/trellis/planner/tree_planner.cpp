@@ -10,7 +10,7 @@ Solution TreePlanner::solve(const Budget& budget) {
   auto& instance = context_.instance;
   BudgetMonitor monitor(context_, budget);
   if (!ends_checked_ || epoch_ != instance.epoch()) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     ends_checked_ = true;
     epoch_ = instance.epoch();
     if (planted()) begin_repair();

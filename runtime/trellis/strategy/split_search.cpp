@@ -68,7 +68,7 @@ class SplitSearch final : public Planner {
   Solution solve(const Budget& budget) override {
     if (undivided_) return undivided_->solve(budget);
     if (!ends_checked_) {
-      if (auto nothing = invalid_ends(context_.instance)) return std::move(*nothing);
+      if (auto nothing = keep_valid_ends(context_.instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     while (tries_ < settings_.tries) {
