@@ -13,6 +13,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
 
@@ -48,7 +49,9 @@ const Settings<ExperienceSettings>& experience_settings() {
                    "paths that are retrieved: those whose ends are nearest to start and goal, in either direction")
           .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
                   "distance within which two retrieved paths are joined, so that a path may change from one to the "
-                  "other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point")
+                  "other; 0: the robot's bounding radius; of the space's diameter 2 % for a point, 10 % for a robot "
+                  "that is fixed to its "
+                  "base")
           .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
                   "cost of a metre that is invalid in the present world, relative to a valid one")
           .choice("robots", &ExperienceSettings::robots, {"same", "any"},
@@ -285,8 +288,7 @@ class Experience final : public PathGuide {
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     library_ = known_paths(settings_.db);
-    ExperienceGraph graph(*instance,
-                          settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
+    ExperienceGraph graph(*instance, settings_.join > 0.0 ? settings_.join : characteristic_length(parent));
     for (const StoredPath* stored : retrieved(parent)) graph.add(stored->path);
     graph_ = std::make_shared<Graph>(graph.take());
     edges_.clear();

@@ -98,11 +98,6 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   return stored;
 }
 
-double default_novelty(const Space& space, const Robot& robot) {
-  const double radius = robot.bounding_radius();
-  return radius > 0.0 ? radius : 0.02 * space.diameter();
-}
-
 /// The database connection and the queries.
 class Library::Database {
  public:
