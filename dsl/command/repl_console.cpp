@@ -61,7 +61,7 @@ bool loads(Stack& stack, const std::string& text, const std::string& name, std::
 bool ends_early(const std::string& message) { return message.ends_with("<eof>"); }
 
 /// Removes a traceback that only shows the position in the message.
-std::string told(const std::string& message) {
+std::string without_traceback(const std::string& message) {
   constexpr std::string_view heading = "\nstack traceback:";
   const std::size_t at = message.find(heading);
   if (at == std::string::npos) return message;
@@ -312,7 +312,7 @@ Console::Verdict Console::run(const std::string& typed, bool more) {
   } catch (const Error& error) {
     if (output_closed()) throw;
     const bool stopped = InterruptibleSession::requested();
-    complain(stopped ? "interrupted" : told(error.what()));
+    complain(stopped ? "interrupted" : without_traceback(error.what()));
   } catch (const std::exception& error) {
     complain(fmt::format("a fault of trellis itself, please report it: {}", error.what()));
   }

@@ -401,9 +401,9 @@ class FunctionHeuristic final : public Heuristic {
   }
 
   Source sample(Stream& stream, MutableView out) override {
-    constexpr std::uint64_t looked_at = 8;  // number of samples at which to check the density
+    constexpr std::uint64_t checked_samples = 8;  // number of samples at which to check the density
     calls_->draw(*function_, c_, ++drawn_, stream, out);
-    if (density_ && drawn_ <= looked_at) static_cast<void>(density_->at_sample(out));
+    if (density_ && drawn_ <= checked_samples) static_cast<void>(density_->at_sample(out));
     return 0;
   }
   void record(DensityRecord& record, double share) const override {
@@ -497,8 +497,8 @@ class ScriptHeuristic final : public Heuristic {
   std::unique_ptr<Heuristic> h_;
   OutcomeTable table_;
   std::uint64_t epoch_ = 0;
-  std::uint64_t told_ = 0;  ///< number of reported outcomes
-  double progress_ = 0.0;   ///< progress of earlier results
+  std::uint64_t reported_ = 0;  ///< number of reported outcomes
+  double progress_ = 0.0;       ///< progress of earlier results
   TreeSide side_ = TreeSide::start;
 };
 
@@ -628,10 +628,11 @@ class ScriptGuide final : public Guide {
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
   h_->observe(outcome, mine);
   if (!calls_->has(Slot::observe)) return;
-  ++told_;
+  ++reported_;
   std::optional<Returned> returned;
   calls_->call(
-      Slot::observe, *calls_->definition()[Slot::observe], [&] { return fmt::format("observe, outcome {}", told_); },
+      Slot::observe, *calls_->definition()[Slot::observe],
+      [&] { return fmt::format("observe, outcome {}", reported_); },
       [&](Stack& stack) {
         table_.push(stack, outcome, mine);
         return 1;

@@ -65,7 +65,7 @@ TEST_CASE("handles on the medial axis turn a body along its corridor", "[guide][
     CHECK(along > draws * 3 / 4);
     q[0] = place[0];
     q[1] = place[1];
-    lift.settle(q);
+    lift.set_likely_angles(q);
     CHECK(off(q[2], direction) < 0.1);
   }
 }

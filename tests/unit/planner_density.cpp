@@ -34,7 +34,7 @@ class Constant final : public Density {
 };
 
 /// An h with a given density, which counts its calls.
-class Told final : public Guidance {
+class GivenDensity final : public Guidance {
  public:
   double uniform = 1.0;
   double atoms = 0.0;
@@ -84,7 +84,7 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
   DensityRecord record;
   CHECK_FALSE(record.exact());
   CHECK(std::isnan(record.at({})));
-  Told h;
+  GivenDensity h;
   const auto a = std::make_shared<Constant>(3.0);
   const auto b = std::make_shared<Constant>(7.0);
   double sum = 0.0;
@@ -151,7 +151,7 @@ TEST_CASE("a record is the mean of the densities that served", "[planner][densit
 
 TEST_CASE("a record of ever new densities has bounded size", "[planner][density]") {
   DensityRecord record;
-  Told h;
+  GivenDensity h;
   h.uniform = 0.0;
   double sum = 0.0;
   for (int i = 0; i < 30000; ++i) {

@@ -65,7 +65,7 @@ void add_search(Fingerprint& print, const Search& search, const Checks& checks, 
   print.add(search.near);
   print.add(search.added);
   print.add(search.proposal_sources);
-  print.add(search.looked_at);
+  print.add(search.validated);
   for (const auto& edge : search.edges) print.add(edge);
   print.add_number(checks.validity);
   print.add_number(checks.motion);

@@ -322,15 +322,15 @@ TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][
 }
 
 TEST_CASE("a guide that never draws is reported", "[combinators][check]") {
-  const auto told = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
-  REQUIRE(told(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
-  CHECK_THAT(told(schedule({guide("uniform"), shrink(0.5)})).front(),
+  const auto unreachable = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
+  REQUIRE(unreachable(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
+  CHECK_THAT(unreachable(schedule({guide("uniform"), shrink(0.5)})).front(),
              Contains("shrink(0.5) never draws") && Contains("uniform()") && Contains("never refuted"));
-  CHECK(told(schedule({guide("uniform"), shrink(0.5)}, {.turn = 100})).empty());
-  CHECK(told(schedule({shrink(0.5), guide("uniform")})).empty());
-  REQUIRE(told(race({guide("uniform"), shrink(0.5)})).size() == 1);
-  CHECK_THAT(told(race({guide("uniform"), shrink(0.5)})).front(), Contains("wins every race"));
-  CHECK(told(race({shrink(0.5), guide("lazy")})).empty());
+  CHECK(unreachable(schedule({guide("uniform"), shrink(0.5)}, {.turn = 100})).empty());
+  CHECK(unreachable(schedule({shrink(0.5), guide("uniform")})).empty());
+  REQUIRE(unreachable(race({guide("uniform"), shrink(0.5)})).size() == 1);
+  CHECK_THAT(unreachable(race({guide("uniform"), shrink(0.5)})).front(), Contains("wins every race"));
+  CHECK(unreachable(race({shrink(0.5), guide("lazy")})).empty());
 }
 
 TEST_CASE("ablation takes a guide out of every kind", "[combinators][ablation]") {

@@ -270,11 +270,11 @@ double HandleLift::log_fibre_density(View q) const {
 
 Configurations HandleLift::lifted(const Configurations& path, View start, View goal) const {
   Configurations result = position_->lifted(path, start, goal);
-  for (std::size_t i = 1; i + 1 < result.size(); ++i) settle(result[i]);
+  for (std::size_t i = 1; i + 1 < result.size(); ++i) set_likely_angles(result[i]);
   return result;
 }
 
-void HandleLift::settle(MutableView q) const {
+void HandleLift::set_likely_angles(MutableView q) const {
   Chances chance;
   for (const Turn& turn : turns_) {
     chances(turn, q, chance);
@@ -363,7 +363,7 @@ PointLift HandleLift::point_lift(const Instance& parent) const {
     } else {
       std::copy(previous.begin(), previous.end(), q.begin());
       for (std::size_t k = 0; k < 2; ++k) q[position_axes_[k]] = s[k];
-      if (attempt > 0) settle(q);
+      if (attempt > 0) set_likely_angles(q);
     }
     if (attempt < beside) {
       draw_near(q);

@@ -148,8 +148,8 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
   const auto& points = tube_.path();
   // If the path ends at the goal and has a verified motion, only its other motions need repair.
   const bool whole = parent.to_goal(points.back()) <= parent.goal_tolerance;
-  const std::size_t looked_at = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
-  for (std::size_t i = 1; i < looked_at && !exact_; ++i) {
+  const std::size_t examined = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
+  for (std::size_t i = 1; i < examined && !exact_; ++i) {
     exact_ = parent.is_verified(points[i - 1], points[i]);
   }
   back_ = points.size() - 1;

@@ -201,12 +201,12 @@ class GraphBuilder {
 
   /// Adds the edge from a vertex to a point of an edge if the motion between them is valid.
   bool connect(std::uint32_t vertex, const Sight& sight) {
-    Configurations way(2);
-    way.push(std::as_const(graph_.vertices)[vertex]);
-    way.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
-    if (sight.distance > 0.0 && !instance_.motion(way.front(), way.back()).valid) return false;
+    Configurations motion(2);
+    motion.push(std::as_const(graph_.vertices)[vertex]);
+    motion.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
+    if (sight.distance > 0.0 && !instance_.motion(motion.front(), motion.back()).valid) return false;
     const std::uint32_t foot = split(sight.edge, sight.point);
-    add_edge(vertex, foot, std::move(way), {0.0, 0.0});
+    add_edge(vertex, foot, std::move(motion), {0.0, 0.0});
     return true;
   }
 

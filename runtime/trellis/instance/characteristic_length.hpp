@@ -13,10 +13,11 @@ inline double size_or(const Robot& robot, double otherwise) {
 
 /// A distance in metres in the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
 /// diameter for a point; 10 % for a robot that is fixed to its base, because its radius does not relate to its angles.
+inline double characteristic_length(const Robot& robot, const Space& space) {
+  return robot.translates() ? size_or(robot, 0.02 * space.diameter()) : 0.1 * space.diameter();
+}
 inline double characteristic_length(const Instance& instance) {
-  const Robot& robot = instance.scene->robot;
-  if (!robot.translates()) return 0.1 * instance.space.diameter();
-  return size_or(robot, 0.02 * instance.space.diameter());
+  return characteristic_length(instance.scene->robot, instance.space);
 }
 
 /// The planner's step; for a planner without one, the characteristic length. In metres in the metric.

@@ -49,17 +49,17 @@ std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
 /// Returns the mean distance of the pairs of points in the cheapest warping.
 double warped(const Space& space, const Configurations& a, const Configurations& b, bool backwards) {
-  struct Way {
+  struct Warping {
     double sum = std::numeric_limits<double>::infinity();
     double steps = 0.0;
   };
   const std::size_t n = a.size();
   const std::size_t m = b.size();
-  std::vector<Way> row(m);
-  std::vector<Way> last(m);
+  std::vector<Warping> row(m);
+  std::vector<Warping> last(m);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < m; ++j) {
-      Way best = {0.0, 0.0};
+      Warping best = {0.0, 0.0};
       if (i > 0 || j > 0) {
         best = {};
         if (i > 0) best = last[j];
@@ -96,11 +96,6 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   stored.length = path_length(problem.space, path);
   stored.path = path;
   return stored;
-}
-
-double default_novelty(const Space& space, const Robot& robot) {
-  const double radius = robot.bounding_radius();
-  return radius > 0.0 ? radius : 0.02 * space.diameter();
 }
 
 /// The database connection and the queries.

@@ -63,8 +63,4 @@ class Library {
 /// \throws Error as a Library does.
 std::shared_ptr<const std::vector<StoredPath>> known_paths(const std::string& file);
 
-/// Returns the default distance within which two paths count as one: the robot's bounding radius, or 2 % of the space's
-/// diameter for a point.
-double default_novelty(const Space& space, const Robot& robot);
-
 }  // namespace trellis

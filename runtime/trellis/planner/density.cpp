@@ -33,7 +33,7 @@ std::vector<Density::Term> DensityRecord::now() const {
   return terms;
 }
 
-void DensityRecord::settle() {
+void DensityRecord::flush() {
   past_.total += served_;
   past_.uniform += served_ * now_.uniform;
   past_.atoms += served_ * now_.atoms;
@@ -43,9 +43,9 @@ void DensityRecord::settle() {
 }
 
 void DensityRecord::append(const DensityRecord& other) {
-  settle();
+  flush();
   DensityRecord record = other;
-  record.settle();
+  record.flush();
   past_.total += record.past_.total;
   past_.uniform += record.past_.uniform;
   past_.atoms += record.past_.atoms;
@@ -58,7 +58,7 @@ void DensityRecord::append(const DensityRecord& other) {
 }
 
 void DensityRecord::renew(const Guidance& h) {
-  settle();
+  flush();
   if (terms_.size() > most_terms_) {
     compact();
     most_terms_ = std::max(most_terms_, 2 * terms_.size());
@@ -70,7 +70,7 @@ void DensityRecord::renew(const Guidance& h) {
 }
 
 void DensityRecord::compact() {
-  settle();
+  flush();
   std::vector<std::vector<Density::Term>> families;
   for (auto& term : terms_) {
     if (term.weight <= 0.0) continue;

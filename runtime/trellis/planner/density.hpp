@@ -84,7 +84,7 @@ class DensityRecord {
   };
 
   /// Adds the proposals counted since the last change of the distribution to `past_`.
-  void settle();
+  void flush();
   void renew(const Guidance& h);
 
   double served_ = 0.0;          ///< proposals drawn from the current distribution

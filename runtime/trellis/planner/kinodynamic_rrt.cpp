@@ -94,21 +94,21 @@ class KinodynamicRrt final : public StartTreePlanner {
     propose(context_, sample_);
     const auto near = tree_->to_extend(sample_);
     const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
-    const Trajectory way = way_from(from);
-    const Driven driven = drive(from, way, most_steps_);
+    const Trajectory trajectory = trajectory_from(from);
+    const Driven driven = drive(from, trajectory, most_steps_);
     Outcome outcome;
     outcome.proposal = sample_;
     outcome.near = from;
     outcome.blocked_at = driven.blocked;
     if (driven.ends.empty()) {
-      settle(context_, outcome, tree_->row(near.id));
+      record_outcome(context_, outcome, tree_->row(near.id));
       return;
     }
-    const std::uint32_t id = add(near.id, driven, way);
+    const std::uint32_t id = add(near.id, driven, trajectory);
     const View added = std::as_const(driven.states)[driven.ends.back() - 1];
     outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
     outcome.added = added;
-    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
+    record_outcome(context_, outcome, tree_->row(near.id), tree_->row(id));
     report_pieces(driven, id, driven.ends.size() - 1, sample_);
     if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
   }
@@ -165,14 +165,14 @@ class KinodynamicRrt final : public StartTreePlanner {
   };
 
   /// Drives a trajectory until it is invalid, reaches the goal, or has taken `most` steps.
-  Driven drive(View from, const Trajectory& way, std::size_t most) {
+  Driven drive(View from, const Trajectory& trajectory, std::size_t most) {
     auto& instance = context_.instance;
     Driven driven{Configurations(dimension()), {}, false, {}};
     Configuration at(from.begin(), from.end());
-    for (std::size_t i = 0; i < way.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
+    for (std::size_t i = 0; i < trajectory.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
       const std::size_t before = driven.states.size();
-      const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(way.steps[i], most - before));
-      const auto done = instance.drive(at, way.controls[i], wanted, driven.states, &driven.blocked);
+      const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(trajectory.steps[i], most - before));
+      const auto done = instance.drive(at, trajectory.controls[i], wanted, driven.states, &driven.blocked);
       std::size_t end = before;
       while (end < before + done && !driven.arrived) {
         const View state = std::as_const(driven.states)[end++];
@@ -188,11 +188,11 @@ class KinodynamicRrt final : public StartTreePlanner {
   }
 
   /// Adds the end states of the pieces to the tree as descendants of a node; returns the last one.
-  std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& way) {
+  std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& trajectory) {
     std::uint32_t before = 0;
     for (std::size_t i = 0; i < driven.ends.size(); ++i) {
       const std::uint32_t node = tree_->add(driven.states[driven.ends[i] - 1], parent);
-      edges_.push_back({controls_.push(way.controls[i]), driven.ends[i] - before});
+      edges_.push_back({controls_.push(trajectory.controls[i]), driven.ends[i] - before});
       note(node);
       before = driven.ends[i];
       parent = node;
@@ -201,14 +201,14 @@ class KinodynamicRrt final : public StartTreePlanner {
   }
 
   /// The trajectory from a node towards the proposal.
-  Trajectory way_from(View from) {
+  Trajectory trajectory_from(View from) {
     if (curves_) {
       auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
     }
-    Trajectory way{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
-    way.controls.push(best_control_);
-    return way;
+    Trajectory trajectory{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
+    trajectory.controls.push(best_control_);
+    return trajectory;
   }
 
   /// Reports the nodes of the first pieces of a motion, without a proposal.
@@ -230,11 +230,11 @@ class KinodynamicRrt final : public StartTreePlanner {
   void connect(std::uint32_t id, View from) {
     const View goal = context_.instance.goal_at(context_.instance.nearest_goal(from).goal);
     if (!context_.guidance.worth_connecting(from, goal)) return;
-    const auto arrives = [&](const std::optional<Trajectory>& way) {
-      if (!way) return false;
-      const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
+    const auto arrives = [&](const std::optional<Trajectory>& trajectory) {
+      if (!trajectory) return false;
+      const Driven driven = drive(from, *trajectory, std::numeric_limits<std::size_t>::max());
       if (driven.arrived) {
-        report_pieces(driven, add(id, driven, *way), driven.ends.size(), goal);
+        report_pieces(driven, add(id, driven, *trajectory), driven.ends.size(), goal);
       } else if (!driven.blocked.empty()) {
         Outcome outcome;
         outcome.proposal = goal;

@@ -106,8 +106,8 @@ inline void propose(PlannerContext& context, MutableView q) {
 /// Records the result of the last proposal and reports it to the guidance.
 /// \param near  row of the node that was extended
 /// \param added  row of the node that was added
-inline void settle(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
-                   std::uint32_t added = no_node) {
+inline void record_outcome(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
+                           std::uint32_t added = no_node) {
   context.search.fates.push_back(outcome.fate);
   context.search.near.push_back(near);
   context.search.added.push_back(added);
@@ -168,7 +168,7 @@ inline bool steer(const Space& space, View from, View q, double distance, double
 
 /// Checks start and goals of the instance, and removes invalid goals.
 /// \return none if the search can begin; else the solution with the reason
-inline std::optional<Solution> invalid_ends(Instance& instance) {
+inline std::optional<Solution> keep_valid_ends(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
   solution.status = Status::invalid_goal;

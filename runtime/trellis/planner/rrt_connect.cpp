@@ -113,7 +113,7 @@ class RrtConnect final : public TreePlanner {
     propose(context_, sample_);
     const Step step = step_towards(side, trees_[side]->to_extend(sample_), sample_);
     const Outcome outcome = outcome_of(step, side, sample_);
-    settle(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
+    record_outcome(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
     if (step.fate == Fate::rejected && !step.there) return;
     const View q = (*trees_[side])[step.added];
     connect(side, step.added, Configuration(q.begin(), q.end()));

@@ -104,36 +104,36 @@ class RrtStar final : public StartTreePlanner {
   std::uint32_t insert(View q, std::uint32_t from) override {
     const auto& space = context_.instance.space;
     connection_.find(tree_->index(), q, near_);
-    joints_.clear();
-    for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
+    candidates_.clear();
+    for (const auto& n : near_) add_candidate(n.id, std::sqrt(n.squared_distance));
     // A goal is a candidate for every node within one step, however many nodes are nearer.
     for (const std::uint32_t goal : goals_) {
       if (goal == no_node) continue;
       const double distance = space.distance((*tree_)[goal], q);
-      if (distance <= step_) add_joint(goal, distance);
+      if (distance <= step_) add_candidate(goal, distance);
     }
-    Joint best{from, space.distance((*tree_)[from], q)};
-    best.way = costs_[from] + best.length;
-    sort_joints();
+    Candidate best{from, space.distance((*tree_)[from], q)};
+    best.cost = costs_[from] + best.length;
+    sort_candidates();
     std::size_t refused = 0;
-    for (; refused < joints_.size() && joints_[refused].way < best.way; ++refused) {
-      const Joint& joint = joints_[refused];
-      if (!motion_valid((*tree_)[joint.node], q)) continue;
-      best = joint;
+    for (; refused < candidates_.size() && candidates_[refused].cost < best.cost; ++refused) {
+      const Candidate& candidate = candidates_[refused];
+      if (!motion_valid((*tree_)[candidate.node], q)) continue;
+      best = candidate;
       break;
     }
     const std::uint32_t id = tree_->add(q, best.node);
-    costs_.push_back(best.way);
+    costs_.push_back(best.cost);
     lengths_.push_back(best.length);
     children_.emplace_back();
     children_[best.node].push_back(id);
     note(id);
     // The motions of the candidates before `refused` are blocked.
-    for (std::size_t i = refused; i < joints_.size(); ++i) {
-      const Joint& joint = joints_[i];
-      if (best.way + joint.length >= costs_[joint.node]) continue;
-      if (!motion_valid((*tree_)[id], (*tree_)[joint.node])) continue;
-      hang(joint.node, id, joint.length);
+    for (std::size_t i = refused; i < candidates_.size(); ++i) {
+      const Candidate& candidate = candidates_[i];
+      if (best.cost + candidate.length >= costs_[candidate.node]) continue;
+      if (!motion_valid((*tree_)[id], (*tree_)[candidate.node])) continue;
+      rewire(candidate.node, id, candidate.length);
     }
     return id;
   }
@@ -170,15 +170,16 @@ class RrtStar final : public StartTreePlanner {
       if (!repair_->known_invalid(id) || !repair_->known_valid(tree_->parent(id))) continue;
       const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
       connection_.find(tree_->index(), q, near_);
-      joints_.clear();
+      candidates_.clear();
       for (const auto& n : near_) {
-        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_joint(n.id, std::sqrt(n.squared_distance));
+        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_candidate(n.id, std::sqrt(n.squared_distance));
       }
-      sort_joints();
-      const auto found = std::find_if(joints_.begin(), joints_.end(),
-                                      [&](const Joint& joint) { return motion_valid((*tree_)[joint.node], q); });
-      if (found == joints_.end()) continue;
-      hang(id, found->node, space.distance((*tree_)[found->node], q));
+      sort_candidates();
+      const auto found = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
+        return motion_valid((*tree_)[candidate.node], q);
+      });
+      if (found == candidates_.end()) continue;
+      rewire(id, found->node, space.distance((*tree_)[found->node], q));
       repair_->reconnected(id, descendants(id));
       any = true;
     }
@@ -201,27 +202,28 @@ class RrtStar final : public StartTreePlanner {
   }
 
   /// A neighbour of a new node.
-  struct Joint {
+  struct Candidate {
     std::uint32_t node = 0;
     double length = 0.0;
-    double way = 0.0;  ///< length of the path to the new node through this one
+    double cost = 0.0;  ///< length of the path to the new node through this one
   };
 
-  void add_joint(std::uint32_t node, double length) {
-    if (std::any_of(joints_.begin(), joints_.end(), [&](const Joint& j) { return j.node == node; })) return;
-    joints_.push_back({node, length, costs_[node] + length});
+  void add_candidate(std::uint32_t node, double length) {
+    if (std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& j) { return j.node == node; })) return;
+    candidates_.push_back({node, length, costs_[node] + length});
   }
 
-  void sort_joints() {
-    std::sort(joints_.begin(), joints_.end(),
-              [](const Joint& a, const Joint& b) { return a.way < b.way || (a.way == b.way && a.node < b.node); });
+  void sort_candidates() {
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+      return a.cost < b.cost || (a.cost == b.cost && a.node < b.node);
+    });
   }
 
-  void hang(std::uint32_t id, std::uint32_t parent, double length) {
+  void rewire(std::uint32_t id, std::uint32_t parent, double length) {
     auto& siblings = children_[tree_->parent(id)];
     siblings.erase(std::find(siblings.begin(), siblings.end(), id));
     children_[parent].push_back(id);
-    tree_->hang(id, parent);
+    tree_->rewire(id, parent);
     lengths_[id] = length;
     update_costs(id);
   }
@@ -257,7 +259,7 @@ class RrtStar final : public StartTreePlanner {
   std::vector<double> lengths_;  ///< for each node, the length of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<NearestIndex::Neighbour> near_;
-  std::vector<Joint> joints_;
+  std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> ends_;   ///< nodes at a goal
   std::vector<std::uint32_t> goals_;  ///< for each goal, the node with exactly its configuration
   double best_cost_ = std::numeric_limits<double>::infinity();

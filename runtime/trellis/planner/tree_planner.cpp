@@ -10,7 +10,7 @@ Solution TreePlanner::solve(const Budget& budget) {
   auto& instance = context_.instance;
   BudgetMonitor monitor(context_, budget);
   if (!ends_checked_ || epoch_ != instance.epoch()) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     ends_checked_ = true;
     epoch_ = instance.epoch();
     if (planted()) begin_repair();
@@ -92,7 +92,7 @@ void StartTreePlanner::iterate() {
   outcome.near = (*tree_)[near.id];
   if (adds) outcome.added = target_;
   if (extension.blocked) outcome.blocked_at = blocked_;
-  settle(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
+  record_outcome(context_, outcome, tree_->row(near.id), adds ? tree_->row(id) : no_node);
   if (!adds) return;
   blocked_motions_.report(context_);
   if (const auto goal = goal_to_connect()) connect(id, *goal);

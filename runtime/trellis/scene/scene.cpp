@@ -468,16 +468,16 @@ double Robot::displacement_bound(const Space& space, View a, View b) const {
   double bound = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& body = bodies_[i];
-    const auto [parent_way, parent_turn] =
+    const auto [parent_distance, parent_turn] =
         body.parent < 0 ? std::pair(translation, 0.0) : motion[static_cast<std::size_t>(body.parent)];
     double turn = parent_turn;
     if (body.angle_axis >= 0) {
       const double own = std::abs(difference[static_cast<std::size_t>(body.angle_axis)]);
       turn = body.absolute ? own : parent_turn + own;
     }
-    const double way = parent_way + (parent_turn > 0.0 ? norm(body.joint) * parent_turn : 0.0);
-    motion[i] = {way, turn};
-    bound = std::max(bound, way + body_radius_[i] * turn);
+    const double distance = parent_distance + (parent_turn > 0.0 ? norm(body.joint) * parent_turn : 0.0);
+    motion[i] = {distance, turn};
+    bound = std::max(bound, distance + body_radius_[i] * turn);
   }
   return bound;
 }

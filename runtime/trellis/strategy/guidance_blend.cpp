@@ -20,6 +20,7 @@ class BlendGuidance final : public PartsGuidance {
         rule_(settings.credit == "efficiency" ? Rule::efficiency
               : settings.rule == "exp3"       ? Rule::exp3
                                               : Rule::rates),
+        credits_nodes_(settings.credit == "node"),
         arms_(parts_.size()),
         served_(rule_ == Rule::efficiency ? parts_.size() : 0),
         nearest_to_goal_(instance.to_goal(instance.start)),
@@ -89,7 +90,7 @@ class BlendGuidance final : public PartsGuidance {
   }
   double credit(const Outcome& outcome) {
     if (outcome.added.empty()) return 0.0;
-    if (settings_.credit == "node" || outcome.near.empty()) return 1.0;
+    if (credits_nodes_ || outcome.near.empty()) return 1.0;
     const double length = instance_.space.distance(outcome.near, outcome.added);
     longest_ = std::max(longest_, length);
     return longest_ > 0.0 ? length / longest_ : 0.0;
@@ -147,6 +148,7 @@ class BlendGuidance final : public PartsGuidance {
   BlendSettings settings_;
   const Instance& instance_;
   Rule rule_;
+  bool credits_nodes_;  ///< each node earns the same
   std::vector<Arm> arms_;
   std::vector<DensityRecord> served_;  ///< density of each part over all proposals; for efficiency only
   double longest_ = 0.0;               ///< longest extension so far

@@ -47,7 +47,7 @@ struct Run {
   Clock clock;
   std::vector<Level*> levels;  ///< in order of their numbers
   std::vector<Turn> turns;
-  Level* at_work = nullptr;
+  Level* active_level = nullptr;
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
