@@ -63,8 +63,9 @@ struct Options {
   std::optional<double> novelty;       ///< metres
   std::optional<std::size_t> palette;  ///< of the figures: 0 or none for safe, 1 for paper
   FigureOptions style;
-  std::optional<std::size_t> report;  ///< a ReportKind; none: the overview
-  bool full = false;                  ///< the full report
+  std::optional<std::size_t> report;   ///< a ReportKind; none: the overview
+  bool full = false;                   ///< the full report
+  std::optional<std::uint64_t> width;  ///< of the report, in columns
   bool ablate = false;
   bool quiet = false;
 };
@@ -72,9 +73,17 @@ struct Options {
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
   const InterruptibleRun interruptible;
   Progress progress(!quiet);
-  progress.show(0, steps(experiment));
+  const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  progress.show("planning", 0, cells);
   return run(experiment, {.jobs = jobs,
-                          .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
+                          .progress =
+                              [&](std::size_t done, std::size_t all) {
+                                if (done < cells || all == cells) {
+                                  progress.show("planning", done, cells);
+                                } else {
+                                  progress.show("scoring", done - cells, all - cells);
+                                }
+                              },
                           .interrupted = InterruptibleRun::requested});
 }
 
@@ -276,8 +285,10 @@ class Writers {
   std::optional<Error> failure_;
 };
 
-void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind) {
-  const int width = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind,
+                  std::optional<std::uint64_t> given) {
+  const int usual = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+  const int width = given ? static_cast<int>(*given) : usual;
   print_all(report_text(experiment, result, width, kind));
 }
 
@@ -315,7 +326,7 @@ int run(const Options& options) {
   if (!options.out.empty()) tell_unsolved(experiment, result);
 
   Writers writers;
-  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind); });
+  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
   if (options.quiet) warn_of_guides(experiment, result);
   writers.attempt(!options.json.empty(),
                   [&] { write_file(options.json, report_json(experiment, result, options.script)); });
@@ -366,6 +377,9 @@ void add_run(CommandLine& line) {
   verb.choice("--report", report_kinds(), options->report,
               "what is printed: overview (default), levels, efficiency or full");
   verb.flag("--full", options->full, "as --report full");
+  verb.integer(
+      "--width", "N", 60, 1000, options->width,
+      "the report's width in columns (default the terminal's, else COLUMNS of the environment, else 100 or 160)");
   verb.flag("--quiet", options->quiet, "print neither report nor progress");
   add_script_options(verb, options->scripts);
 }

@@ -188,8 +188,8 @@ void check(const Experiment& experiment) {
   if (experiment.measure) check(*experiment.measure);
   if (!experiment.baseline.empty() && !strategies.contains(experiment.baseline)) {
     const std::vector<std::string> known(strategies.begin(), strategies.end());
-    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}", experiment.baseline,
-                            did_you_mean(experiment.baseline, known)));
+    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}; there are: {}", experiment.baseline,
+                            did_you_mean(experiment.baseline, known), fmt::join(known, ", ")));
   }
   for (const auto& problem : experiment.problems) check(problem);
   if (experiment.published) check(*experiment.published, problems, strategies);

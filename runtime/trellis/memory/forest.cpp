@@ -62,11 +62,14 @@ bool is_tree(const std::vector<Node>& nodes, const std::vector<float>& leaves, s
 
 /// \throws Error, and what dlib throws.
 Function read_function(const std::string& bytes, std::size_t columns) {
-  std::istringstream in(bytes);
-  dlib::check_serialized_version("random_forest_regression_function", in);
   Extractor extractor;
-  deserialize(extractor, in);
-  if (extractor.max_num_feats() != columns) throw Error("the forest is of other features");
+  extractor.setup(std::vector<Row>{Row(static_cast<long>(columns))}, std::vector<double>{0.0});
+  std::ostringstream head;
+  dlib::serialize("random_forest_regression_function", head);
+  serialize(extractor, head);
+  // Compared and not read: dlib would take as much memory for a name as the bytes ask for.
+  if (!bytes.starts_with(head.str())) throw Error("the forest is of other features, or none");
+  std::istringstream in(bytes.substr(head.str().size()));
   auto trees = lists<Node>(in, bytes.size());
   auto leaves = lists<float>(in, bytes.size());
   bool sound = !trees.empty() && trees.size() == leaves.size();
