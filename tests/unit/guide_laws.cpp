@@ -157,7 +157,6 @@ TEST_CASE("f of a guide that relaxes maps what is valid in C to what is valid in
   for (const auto& kind : guide_kinds()) {
     if (kind.default_planner.empty() || !kind.claims.relaxes) continue;
     for (const auto& problem : problems(kind)) {
-      if (!kind.claims.relaxes_arms && !problem.scene->robot.translates()) continue;
       CAPTURE(kind.component->name, problem.name);
       const auto solved = solve(kind, problem);
       Stream stream(4, "0", "valid");

@@ -446,10 +446,11 @@ class Experience final : public PathGuide {
   [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
     const std::uint64_t space = identity(parent.space);
     const std::uint64_t robot = identity(parent.scene->robot);
+    const bool same_robot = settings_.robots == "same";
     std::vector<std::pair<double, const StoredPath*>> fitting;
     for (const StoredPath& stored : *library_) {
       if (stored.space != space || stored.path.dimension() != parent.space.dimension()) continue;
-      if (settings_.robots == "same" && stored.robot != robot) continue;
+      if (same_robot && stored.robot != robot) continue;
       fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal, stored.path),
                                     apart(parent.space, parent.goal, parent.start, stored.path)),
                            &stored);

@@ -154,8 +154,6 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
   [[nodiscard]] double progress() const override { return progress_; }
-  /// The density of the next sample.
-  [[nodiscard]] const std::shared_ptr<const Density>& tube_density() const { return tube_.density(); }
 
  private:
   void choose_stretches();

@@ -109,10 +109,6 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
 
 }  // namespace
 
-bool has_position(const Instance& instance) {
-  return instance.position_axes.size() == 2 || std::holds_alternative<ArmChain>(arm_chain(instance));
-}
-
 PositionProjection::PositionProjection(const std::string& guide, const Instance& parent) {
   if (parent.position_axes.size() == 2) {
     axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
