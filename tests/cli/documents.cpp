@@ -416,7 +416,8 @@ TEST_CASE("every block of the documents says what it is", "[documents]") {
       const auto [mark, value] = parts_of(block.mark);
       INFO(name_of(path) << ":" << block.line << ": ```" << block.language << ", <!-- " << block.mark << " -->");
       const bool runs = block.language == "lua" || block.language == "sh" || block.language == "console";
-      const bool known = runs || block.language == "cpp" || block.language == "json" || block.language == "text";
+      const bool known = runs || block.language == "cpp" || block.language == "json" || block.language == "text" ||
+                         block.language == "python";
       CHECK(known);
       if (mark.empty() || mark == "terminal" || mark == "laws") {
         CHECK(runs);
