@@ -75,7 +75,7 @@ Function read_function(const std::string& bytes, std::size_t columns) {
   bool sound = !trees.empty() && trees.size() == leaves.size();
   for (std::size_t i = 0; sound && i < trees.size(); ++i) sound = is_tree(trees[i], leaves[i], columns);
   if (!sound) throw Error("the forest has branches that end at no leaf");
-  return {std::move(extractor), std::move(trees), std::move(leaves)};
+  return {Extractor(extractor), std::move(trees), std::move(leaves)};
 }
 
 }  // namespace

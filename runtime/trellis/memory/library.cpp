@@ -249,7 +249,7 @@ class Library::Database {
     }
   }
 
-  /// SQLite takes a short file for an empty database, and would overwrite it.
+  /// SQLite takes a file of one byte for an empty database, and would overwrite it.
   void check_header() const {
     constexpr std::string_view magic("SQLite format 3\0", 16);
     constexpr std::size_t header = 100;
