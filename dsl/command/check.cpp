@@ -15,6 +15,7 @@
 #include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 
 namespace trellis::command {
 
@@ -59,7 +60,7 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
   dsl::Session session(std::filesystem::path(script).parent_path().string(), options);
   const Experiment experiment = session.load(source, script).experiment;
   std::vector<std::string> faults = session.unknown_names(source, script);
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = input_warnings(experiment);
   for (const auto& [name, strategy] : experiment.strategies) {
     std::set<std::string> spaces;  // check one problem per space
     for (const Problem& problem : experiment.problems) {

@@ -10,8 +10,15 @@
 #include <system_error>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
 
 namespace trellis::command {
+
+namespace {
+
+constexpr const char* more_help = "; 'trellis help' shows the usage";
+
+}  // namespace
 
 CLI::Option& Subcommand::option(const std::string& name, const std::string& value, const std::string& doc,
                                 std::function<void(const std::string&)> take) {
@@ -93,6 +100,7 @@ CommandLine::CommandLine()
     : app_(std::make_unique<CLI::App>(
           "Trellis runs scripts that declare hierarchies of guiding spaces for motion planning.", "trellis")) {
   app_->require_subcommand(1);
+  app_->set_version_flag("--version", std::string("trellis ") + version(), "Print the version and exit");
 }
 
 CommandLine::~CommandLine() = default;
@@ -113,10 +121,29 @@ std::string CommandLine::unknown_option(const std::string& word) const {
   return fmt::format("no option {}{}", word, did_you_mean(word, known));
 }
 
+std::vector<std::string> CommandLine::with_verb(std::vector<std::string> words) const {
+  std::vector<std::string> known;
+  known.reserve(verbs_.size());
+  for (const auto& [verb, run] : verbs_) known.push_back(verb->get_name());
+  if (words.empty()) throw Error(fmt::format("no command given; there are: {}", fmt::join(known, ", ")) + more_help);
+  const std::string& first = words.front();
+  if (first.starts_with('-') || std::find(known.begin(), known.end(), first) != known.end()) return words;
+  if (first.ends_with(".lua")) {
+    words.insert(words.begin(), "run");
+    return words;
+  }
+  const std::string offer = did_you_mean(first, known);
+  throw Error(fmt::format("no command '{}'{}", first,
+                          offer.empty() ? fmt::format("; there are: {}", fmt::join(known, ", ")) : offer) +
+              more_help);
+}
+
 int CommandLine::run(int argc, char** argv) {
   usage_ = app_->help();  // after parsing, help() returns that of the verb
   try {
-    app_->parse(argc, argv);
+    std::vector<std::string> words = with_verb({argv + 1, argv + argc});
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app_->parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app_->exit(error);
     std::string why = error.what();
@@ -125,7 +152,7 @@ int CommandLine::run(int argc, char** argv) {
       const auto word = std::find_if(words.begin(), words.end(), [](const auto& w) { return w.starts_with("--"); });
       if (word != words.end()) why = unknown_option(*word);
     }
-    throw Error(why + "; 'trellis help' shows the usage");
+    throw Error(why + more_help);
   }
   const auto typed = std::find_if(verbs_.begin(), verbs_.end(), [](const auto& verb) { return verb.first->parsed(); });
   return typed->second();

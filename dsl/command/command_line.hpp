@@ -68,6 +68,8 @@ class CommandLine {
 
  private:
   [[nodiscard]] std::string unknown_option(const std::string& word) const;
+  /// The words of the command line with a verb first: run for a script alone. \throws Error for an unknown verb
+  [[nodiscard]] std::vector<std::string> with_verb(std::vector<std::string> words) const;
 
   std::unique_ptr<CLI::App> app_;
   std::vector<std::pair<CLI::App*, std::function<int()>>> verbs_;

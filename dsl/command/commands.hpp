@@ -6,8 +6,8 @@
 namespace trellis::command {
 
 /// The exit statuses of the command line; `trellis test` returns 1 for a failed expectation. The last one is the
-/// shell's convention for Ctrl-C.
-enum Exit : int { success = 0, our_fault = 1, tests_failed = 1, their_fault = 2, was_interrupted = 130 };
+/// shell's convention for a closed pipe, 128 + SIGPIPE; interrupted_status() has those of other signals.
+enum Exit : int { success = 0, our_fault = 1, tests_failed = 1, their_fault = 2, pipe_closed = 141 };
 
 class CommandLine;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +21,10 @@ namespace trellis::command {
 namespace {
 
 struct Options {
-  std::vector<std::string> files;  ///< documents of trellis run --json
-  std::string baseline;            ///< a strategy, "" for the one that the documents name
-  std::string out;                 ///< a folder, "" if not given
+  std::vector<std::string> files;      ///< documents of trellis run --json
+  std::string baseline;                ///< a strategy, "" for the one that the documents name
+  std::string out;                     ///< a folder, "" if not given
+  std::optional<std::uint64_t> width;  ///< of what is printed, in columns
   FigureOptions style;
 };
 
@@ -35,7 +38,8 @@ int compare(const Options& options) {
   for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
   const std::string baseline = options.baseline.empty() ? data.baseline : options.baseline;
   if (baseline.empty()) throw Error("compare: the files name no baseline; --baseline says which strategy it is");
-  const auto width = static_cast<std::size_t>(report_width(unbounded_width));
+  const auto width =
+      static_cast<std::size_t>(options.width.value_or(static_cast<std::uint64_t>(report_width(unbounded_width))));
   print_all(costs_text(data, baseline, width));
   if (options.out.empty()) return success;
   const std::filesystem::path folder(options.out);
@@ -56,6 +60,8 @@ void add_compare(CommandLine& line) {
   verb.text("--baseline", "NAME", options->baseline,
             "the strategy that the others are compared with, instead of the experiment's");
   verb.text("--out", "FOLDER", options->out, "write tables and figures into a folder");
+  verb.integer("--width", "N", 60, 1000, options->width,
+               "the tables' width in columns (default the terminal's, else COLUMNS of the environment, else 160)");
   add_figure_options(verb, options->style);
 }
 

@@ -3,10 +3,14 @@
 
 namespace trellis::command {
 
-/// Handles Ctrl-C. After `catch_interrupts` it ends the program at once with the shell's status 130. While an
-/// InterruptibleRun exists, the first Ctrl-C only sets `requested`, so that the run can clean up, and a second one ends
-/// the program.
-void catch_interrupts();
+/// Handles SIGINT (Ctrl-C), SIGTERM and SIGHUP. After `catch_signals` each ends the program at once, with one line on
+/// stderr and the shell's status 128 + signal. While an InterruptibleRun exists, the first one only sets `requested`,
+/// so that the run can clean up; a second one ends the program, and so do five seconds in which the run does not ask.
+/// Writes to a closed pipe or beyond a limit of the system fail; they do not end the program.
+void catch_signals();
+
+/// The status of a program that a signal has ended: 128 + the signal.
+int interrupted_status();
 
 /// While one exists, a Ctrl-C ends nothing: the session reads and clears the request. For sessions at a terminal.
 class InterruptibleSession {

@@ -9,7 +9,7 @@
 namespace trellis::command {
 
 /// Adds the paths of the solved runs to a library, in the order of the runs, if they are new: farther than `novelty`
-/// metres from all stored paths (none: default_novelty). Prints on stderr how many it added.
+/// metres from all stored paths (none: the characteristic length). Prints on stderr how many it added.
 void learn(const Experiment& experiment, const ExperimentResult& result, const std::string& file,
            std::optional<double> novelty, bool quiet);
 

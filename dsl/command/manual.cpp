@@ -99,12 +99,19 @@ that something does not hold.
 .B 2
 What was given cannot be used: the message says what, where, and what was expected.
 .TP
-.B 130
-Interrupted.
+.B 130, 143, 129
+SIGINT (Ctrl-C), SIGTERM or SIGHUP ended the command: 128 and the number of the signal. Each file that it writes has its
+old content or its new one.
+.TP
+.B 141
+The reader of the output closed it, as head does; what goes to files was written.
 .SH ENVIRONMENT
 .TP
 .B TRELLIS_SCENES
 The folder that scene files are looked for in, after the script's own.
+.TP
+.B TRELLIS_KERNEL
+The instruction set that collision checks use, if not the fastest: baseline, avx2 or avx512. Results are the same bytes.
 .TP
 .B TRELLIS_STDLIB
 A folder of modules that is read instead of the standard library, which is part of the program.

@@ -2,9 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,6 +11,7 @@
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/report/report.hpp>
 
 namespace trellis::command {
 
@@ -105,19 +103,6 @@ void check_name(const std::string& name) {
   throw Error(fmt::format("new: '{}' exists already, and is left as it is; choose another name", path.string()));
 }
 
-/// Creates the file atomically; fails if it exists.
-void write_new(const fs::path& path, const std::string& text) {
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wbx"), std::fclose);
-  if (!file && errno == EEXIST) refuse(path);
-  const auto fail = [&]() -> void {
-    throw Error(fmt::format("new: cannot write '{}': {}", path.string(),
-                            std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe): one thread
-  };
-  if (!file) fail();
-  if (std::fwrite(text.data(), 1, text.size(), file.get()) != text.size()) fail();
-  if (std::fclose(file.release()) != 0) fail();
-}
-
 int create(const std::string& name) {
   const fs::path given(name);
   const fs::path path = given.extension() == ".lua" ? given : fs::path(name + ".lua");
@@ -137,8 +122,13 @@ int create(const std::string& name) {
   for (const fs::path& file : {path, test}) {
     if (fs::exists(file, error)) refuse(file);
   }
-  write_new(path, filled(script, path));
-  write_new(test, filled(test_script, test));
+  write_new_file(path.string(), filled(script, path));
+  try {
+    write_new_file(test.string(), filled(test_script, test));
+  } catch (const Error&) {
+    fs::remove(path, error);  // both or none
+    throw;
+  }
   print_all(
       fmt::format("{}: a strategy and an experiment to change; run it with: trellis run {}\n"
                   "{}: what is expected of it; try it with: trellis test {}\n",

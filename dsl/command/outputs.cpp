@@ -25,8 +25,23 @@ namespace fs = std::filesystem;
 
 std::string reason_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe): one thread yet
 
+bool closed = false;    // stdout, by its reader
+bool reported = false;  // a failure of stdout
+
+[[noreturn]] void fail_output() {
+  reported = true;
+  closed = errno == EPIPE;
+  fail("standard output", reason_of(errno));
+}
+
 /// Creates and removes a file in the folder: permissions do not show a read-only file system.
 void try_folder(const fs::path& folder, const std::string& output) {
+  // Where the system can, the file has no name, so that nothing remains of a process that ends here.
+  const int nameless = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (nameless >= 0) {
+    ::close(nameless);
+    return;
+  }
   const std::string probe = (folder / fmt::format(".trellis-{}", ::getpid())).string();
   const int file = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0) fail(output, reason_of(errno));
@@ -71,9 +86,15 @@ OutputFolder::~OutputFolder() {
 }
 
 void print_all(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    fail("standard output", reason_of(errno));
-  }
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) fail_output();
 }
+
+void finish_output() {
+  if (reported) return;
+  if (std::fflush(stdout) != 0) fail_output();
+  if (std::ferror(stdout) != 0) fail("standard output", "what was printed is incomplete");
+}
+
+bool output_closed() { return closed; }
 
 }  // namespace trellis::command

@@ -24,7 +24,13 @@ class OutputFolder {
   std::string made_;  // the created folder, "" if it existed before
 };
 
-/// Prints to stdout. \throws Error if that fails, as on a full disc.
+/// Prints to stdout. \throws Error if that fails, as on a full disk.
 void print_all(const std::string& text);
+
+/// Checks at the end that all of stdout was written, also what scripts print. \throws Error if not, once.
+void finish_output();
+
+/// Whether the reader of stdout closed its end, as head does.
+bool output_closed();
 
 }  // namespace trellis::command

@@ -5,7 +5,10 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
 namespace trellis::command {
@@ -16,30 +19,45 @@ Progress::~Progress() {
   if (drawn_) std::fputs("\r\x1b[K", stderr);
 }
 
-void Progress::show(std::size_t done, std::size_t all) {
+void Progress::show(const std::string& phase, std::size_t done, std::size_t all) {
+  if (phase != phase_) phase_start_ = Clock::now();
+  phase_ = phase;
   done_ = done;
   all_ = all;
-  draw("steps");
+  draw(phase);
 }
 
-void Progress::show(const std::string& what) { draw("steps, " + what); }
+void Progress::show(const std::string& what) { draw(what); }
 
 void Progress::draw(const std::string& what) {
   if (!shown_ || all_ == 0) return;
   constexpr std::size_t width = 40;
   const std::size_t filled = width * done_ / all_;
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_).count();
-  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{} {}  {}:{:02}", std::string(filled, '#'), std::string(width - filled, '.'),
-             done_, all_, what, seconds / 60, seconds % 60);
+  const auto clock = [](double seconds) {
+    const auto whole = static_cast<std::int64_t>(seconds);
+    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  };
+  const Clock::time_point now = Clock::now();
+  const double in_phase = std::chrono::duration<double>(now - phase_start_).count();
+  constexpr double soon = 2.0;  // seconds after which an estimate means something
+  const bool estimated = in_phase > soon && done_ > 0 && done_ < all_;
+  const double left =
+      in_phase * static_cast<double>(all_ - done_) / static_cast<double>(std::max<std::size_t>(1, done_));
+  fmt::print(stderr, "\r\x1b[K[{}{}] {} {}/{}  {}{}", std::string(filled, '#'), std::string(width - filled, '.'), what,
+             done_, all_, clock(std::chrono::duration<double>(now - start_).count()),
+             estimated ? fmt::format(", about {} left", clock(left)) : "");
   std::fflush(stderr);
   drawn_ = true;
 }
 
 int report_width(int otherwise) {
   constexpr int least = 80;  // a narrower table is not readable
+  constexpr int most = 1000;
   winsize size{};
   if (::isatty(STDOUT_FILENO) != 1 || ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
-    return otherwise;
+    const char* columns = std::getenv("COLUMNS");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+    const int given = columns != nullptr ? std::atoi(columns) : 0;  // NOLINT(cert-err34-c): 0 where it is no number
+    return given > 0 ? std::clamp(given, least, most) : otherwise;
   }
   return size.ws_col < least ? least : size.ws_col;
 }

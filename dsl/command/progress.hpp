@@ -15,7 +15,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(std::size_t done, std::size_t all);
+  void show(std::size_t done, std::size_t all) { show("steps", done, all); }
+  /// Shows a phase, "planning" or "scoring", with its own count, and an estimate of the time that it has left.
+  void show(const std::string& phase, std::size_t done, std::size_t all);
   /// Shows the current activity beside the bar: "drawing trap".
   void show(const std::string& what);
 
@@ -28,10 +30,13 @@ class Progress {
   bool drawn_ = false;
   std::size_t done_ = 0;
   std::size_t all_ = 0;
+  std::string phase_;
   Clock::time_point start_ = Clock::now();
+  Clock::time_point phase_start_ = Clock::now();
 };
 
-/// Returns the width of the terminal at stdout in columns, `otherwise` if stdout is no terminal.
+/// Returns the width of the terminal at stdout in columns. If stdout is no terminal: the environment variable COLUMNS
+/// if it is set, else `otherwise`.
 int report_width(int otherwise);
 
 }  // namespace trellis::command

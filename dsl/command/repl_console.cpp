@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -60,7 +61,7 @@ bool loads(Stack& stack, const std::string& text, const std::string& name, std::
 bool ends_early(const std::string& message) { return message.ends_with("<eof>"); }
 
 /// Removes a traceback that only shows the position in the message.
-std::string told(const std::string& message) {
+std::string without_traceback(const std::string& message) {
   constexpr std::string_view heading = "\nstack traceback:";
   const std::size_t at = message.find(heading);
   if (at == std::string::npos) return message;
@@ -100,13 +101,6 @@ std::string commented(const std::string& text) {
   return out;
 }
 
-/// Returns the path of a table's field or a global in a message: script.strategies.nested, script.strategies["a b"].
-std::string field_path(const std::string& table, const std::string& name) {
-  const auto all = dsl::tokens(name);
-  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
-  return plain ? table + "." + name : table + "[\"" + name + "\"]";
-}
-
 std::string environment(const char* name) {
   const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing here sets it
   return value != nullptr ? value : "";
@@ -130,6 +124,42 @@ void open_editor(const std::string& path) {
   }
   InterruptibleSession::forget();
   if (status != 0) throw Error(fmt::format("edit: '{}' failed; VISUAL or EDITOR names another one", editor));
+}
+
+/// A name, or fields of names: scenes.cup.
+bool is_path(std::string_view text) {
+  bool begins = true;
+  for (const char c : text) {
+    if (c == '.' && !begins) {
+      begins = true;
+    } else if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+               (!begins && std::isdigit(static_cast<unsigned char>(c)) != 0)) {
+      begins = false;
+    } else {
+      return false;
+    }
+  }
+  return !begins;
+}
+
+/// What users of other shells type, in the language: exit, help skeleton, skeleton?, skeleton?? and = 1 + 1.
+std::string as_input(const std::string& input) {
+  const std::size_t first = input.find_first_not_of(" \t");
+  if (first == std::string::npos) return input;
+  const std::string text = input.substr(first, input.find_last_not_of(" \t\n") - first + 1);
+  if (text == "exit" || text == "quit" || text == "exit()") return "quit()";
+  if (text.starts_with("=") && !text.starts_with("==")) return text.substr(1);
+  constexpr std::string_view help = "help ";
+  if (text.starts_with(help)) {
+    const std::size_t word = text.find_first_not_of(' ', help.size());
+    if (is_path(text.substr(word))) return fmt::format("help(\"{}\")", text.substr(word));
+  }
+  for (const auto& [mark, verb] : {std::pair{"\?\?", "source"}, std::pair{"?", "help"}}) {
+    if (!text.ends_with(mark)) continue;
+    const std::string word = text.substr(0, text.size() - std::string_view(mark).size());
+    if (is_path(word)) return fmt::format("{}(\"{}\")", verb, word);
+  }
+  return input;
 }
 
 /// Inside a string: the words that the language allows there, the session commands for help, files otherwise.
@@ -158,6 +188,14 @@ std::optional<std::vector<std::string>> chain_before(const std::vector<dsl::Toke
     if (i < 4) break;
   }
   return path;
+}
+
+/// Whether the text ends with `>>`, or with a name begun after it.
+bool ends_in_composition(const std::vector<dsl::Token>& all, const std::string& text) {
+  std::size_t end = all.size();
+  const bool touches = end > 0 && all[end - 1].begin + all[end - 1].text.size() == text.size();
+  if (touches && all[end - 1].kind == dsl::Token::Kind::name) --end;
+  return end > 0 && all[end - 1].text == ">>";
 }
 
 /// Returns the members of the value that a chain of names gives: fields after '.', methods after ':'.
@@ -197,48 +235,43 @@ std::string Console::load(const std::string& path) {
   std::string bound;
   session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // the script may only define globals
+    bench_.returned = stack[1].get<dsl::Program>() != nullptr ? Bench::Returned::experiment
+                      : stack[1].type() == Type::table        ? Bench::Returned::table
+                                                              : Bench::Returned::pair;
     bench_.script = dsl::read_program(stack, 1);
     const Experiment& experiment = bench_.script->experiment;
     stack.resize(0);
-    const Value script = stack.push_table();
     const auto note = [&](const std::string& field, const std::string& what) {
       bound += fmt::format("  {:<32} {}\n", field, what);
     };
-    const Value strategies = stack.push_table();
     for (const auto& [name, strategy] : experiment.strategies) {
-      stack.push_object(strategy);
-      stack.set_field(strategies, name);
       note(field_path("script.strategies", name), strategy.text());
     }
-    stack.set_field(script, "strategies");
-    const Value problems = stack.push_table();
     for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
-      stack.push_object(experiment.problems[i]);
-      stack.append(problems);
       constexpr std::size_t most = 4;
-      if (i < most) note(fmt::format("script.problems[{}]", i + 1), experiment.problems[i].name);
+      if (i < most) {
+        const Problem& problem = experiment.problems[i];
+        note(field_path("script.problems", problem.name), fmt::format("problem in {}", problem.space.name()));
+      }
       if (i == most) note("...", fmt::format("{} problems in all", experiment.problems.size()));
     }
-    stack.set_field(script, "problems");
-    const Value seeds = stack.push_table();
-    for (const std::uint64_t seed : experiment.seeds) {
-      stack.push(static_cast<std::int64_t>(seed));
-      stack.append(seeds);
-    }
-    stack.set_field(script, "seeds");
+    dsl::push_experiment(stack, experiment);
     stack.set_global("script");
   });
-  bench_.accepted.push_back("-- after " + path);
+  bench_.path = path;
   return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
                        : fmt::format("{} is bound to script:\n{}", path, bound);
 }
 
-Console::Verdict Console::run(const std::string& input, bool more) {
+Console::Verdict Console::run(const std::string& typed, bool more) {
+  const std::string input = as_input(typed);
   const std::string name = fmt::format("@input {}", inputs_ + 1);
   bench_.used = false;
   bench_.announced = nullptr;
   bool incomplete = false;
   const std::string last_input = std::exchange(bench_.last_input, input);
+  bench_.inputs.resize(inputs_);
+  bench_.inputs.push_back(input);
   try {
     session_.with([&](Stack& stack) {
       std::string no_expression;
@@ -277,8 +310,9 @@ Console::Verdict Console::run(const std::string& input, bool more) {
   } catch (const Interrupted&) {
     complain("interrupted");
   } catch (const Error& error) {
+    if (output_closed()) throw;
     const bool stopped = InterruptibleSession::requested();
-    complain(stopped ? "interrupted" : told(error.what()));
+    complain(stopped ? "interrupted" : without_traceback(error.what()));
   } catch (const std::exception& error) {
     complain(fmt::format("a fault of trellis itself, please report it: {}", error.what()));
   }
@@ -328,10 +362,16 @@ Completion Console::complete(const std::string& text) {
     return all.back().kind == dsl::Token::Kind::string ? completion_in_string(text, all) : Completion{};
   }
   std::vector<std::string> names;
+  const bool composes = ends_in_composition(all, text);
   session_.with([&](Stack& stack) {
-    for (const auto& name : stack.push_globals().keys().names) {
-      if (!name.starts_with("_")) names.push_back(name);
-    }
+    const int before = stack.size();
+    stack.push_globals().each_pair([&](Value key, Value value) {
+      const auto name = key.string();
+      const bool fits = !composes || value.get<GuideSpec>() != nullptr || value.get<PlannerSpec>() != nullptr ||
+                        value.get<StrategySpec>() != nullptr;
+      if (name && fits && !name->starts_with("_")) names.push_back(*name);
+    });
+    stack.resize(before);
   });
   const dsl::Completions known = dsl::completions(text, names);
   Completion found = {.words = known.words};

@@ -22,7 +22,7 @@ class Console {
   enum class Verdict { done, failed, incomplete };
   /// Runs an input, an expression or a chunk, and prints its values or its error.
   /// \param more  whether more lines may follow: then an input that ends too early is incomplete, not an error
-  Verdict run(const std::string& input, bool more);
+  Verdict run(const std::string& typed, bool more);
 
   /// Whether the lines of a text form one input: a chunk with local variables, which separate lines would lose.
   bool together(const std::string& text);

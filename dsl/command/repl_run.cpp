@@ -122,7 +122,7 @@ void score(Run& run, const Measure& measure, const std::function<bool()>& interr
 std::string outcome_text(const Run& run) {
   const RunRecord& record = run.result.run;
   std::string text =
-      fmt::format("run {}: {} on {}, seed {}: ", run.number, run.strategy_name, run.problem.name, run.seed);
+      fmt::format("run {} on {}: {}, seed {}: ", run.number, run.problem.name, run.strategy_name, run.seed);
   const std::string cost =
       fmt::format("{} and {} in {:.{}f} ms", counted(run.proposals, "proposal"),
                   counted(record.validity_checks, "check"), 1000.0 * record.seconds, record.seconds < 0.01 ? 1 : 0);

@@ -5,6 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -15,10 +19,12 @@
 #include <dsl/language/construct.hpp>
 #include <dsl/language/help.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
 
@@ -30,9 +36,10 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-constexpr std::array<Verb, 18> all_verbs = {{
+constexpr std::array<Verb, 20> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
-     "runs a strategy; without a problem, on the last one or scenes.simple_passage()"},
+     "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
+     "scenes.simple_passage()"},
     {"start", "start(strategy, problem, { seed = 1 })", "begins a run and stops it before its first proposal"},
     {"step", "step(n)", "takes a run n proposals further, of whatever level; one without n"},
     {"continue", "continue()", "takes a run to its end"},
@@ -44,15 +51,20 @@ constexpr std::array<Verb, 18> all_verbs = {{
     {"plot", "plot(level) or plot(\"run.svg\", level)", "the world, tree, failed proposals and path; or a picture"},
     {"compare", "compare(a, b, ..., { seeds = 5 })",
      "strategies side by side, paired by seed; options: problem, seeds, measure"},
+    {"time", "time(strategy, 20, problem)",
+     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 99 % intervals"},
     {"ablate", "ablate(strategy, { seeds = 5 })",
      "a strategy with each of its guides taken out in turn; options likewise"},
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
     {"runs", "runs()", "the runs of this session, as a list"},
     {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
-    {"save", "save(\"file.lua\")", "writes the inputs that succeeded as a script"},
+    {"save", "save(\"file.lua\")",
+     "writes the inputs that succeeded as a script that runs: it requires the loaded one, and returns what was planned "
+     "last"},
     {"run", "run(n)", "run n of this session; without n the current one"},
-    {"help", "help(\"shrink\")", "what is known about a word; without one, this"},
-    {"quit", "quit()", "ends the session, as Ctrl-D does"},
+    {"help", "help(\"shrink\")", "what is known about a word, as shrink? and help shrink; without one, this"},
+    {"source", "source(\"scenes.cup\")", "the lines that define a function, as scenes.cup??"},
+    {"quit", "quit()", "ends the session, as exit and Ctrl-D do"},
 }};
 
 void say(const std::string& text) { print_all(text.empty() || text.back() == '\n' ? text : text + "\n"); }
@@ -111,6 +123,76 @@ std::string name_of(Stack& call, const Bench& bench, const StrategySpec& strateg
     }
   }
   return strategy.text();
+}
+
+/// The problem and the text of an expression that gives it, "" if none is known.
+struct NamedProblem {
+  Problem problem;
+  std::string expression;
+};
+
+/// The path of a value in the session: a global, or a field of the script's strategies or problems; "" for none.
+std::string expression_of(Stack& call, const Value& value) {
+  const void* wanted = value.identity();
+  if (wanted == nullptr) return "";
+  std::string found;
+  const auto search = [&](Value table, const std::string& prefix) {
+    table.each_pair([&](Value key, Value element) {
+      const auto name = key.string();
+      if (!name || element.identity() != wanted) return;
+      const std::string path = prefix.empty() ? *name : field_path(prefix, *name);
+      if (found.empty() || path < found) found = path;
+    });
+  };
+  const int before = call.size();
+  const Value globals = call.push_globals();
+  search(globals, "");
+  if (found.empty()) {
+    const Value script = globals.field("script");
+    for (const char* part : {"strategies", "problems"}) {
+      if (script.type() != Type::table) break;
+      const Value table = script.field(part);
+      if (table.type() == Type::table) search(table, std::string("script.") + part);
+    }
+  }
+  call.resize(before);
+  return found;
+}
+
+/// The lines that give a saved script what a loaded one gave the session.
+/// \param file  the saved script, from whose folder its modules are loaded
+std::string requiring_lines(const Bench& bench, const std::string& file) {
+  if (bench.path.empty()) return "";
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::absolute(fs::path(file)).parent_path().lexically_normal();
+  std::string name = fs::absolute(fs::path(bench.path)).lexically_normal().lexically_relative(folder).string();
+  const bool below = name.ends_with(".lua") && !name.starts_with("..");
+  if (below) name.resize(name.size() - std::string_view(".lua").size());
+  const bool plain = std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '/'; });
+  if (!below || !plain) {
+    throw Error(
+        fmt::format("save: '{0}' requires the loaded script, and only a file in its folder '{1}' or above it can "
+                    "(with names of letters, digits and '_'); save into that folder",
+                    file, fs::absolute(fs::path(bench.path)).lexically_normal().parent_path().string()));
+  }
+  std::replace(name.begin(), name.end(), '/', '.');
+  switch (bench.returned) {
+    case Bench::Returned::nothing: return fmt::format("require \"{}\"\n", name);
+    case Bench::Returned::experiment: return fmt::format("local script = require \"{}\"\n", name);
+    case Bench::Returned::table:
+      return fmt::format(
+          "local returned = require \"{}\"\n"
+          "local script = {{ strategies = {{ strategy = returned.strategy }}, problems = {{ returned.problem }}, seeds "
+          "= "
+          "{{ 1 }} }}\n",
+          name);
+    case Bench::Returned::pair: break;
+  }
+  throw Error(
+      fmt::format("save: '{}' returns two values, of which require gives one; let it return {{ strategy = ..., "
+                  "problem = ... }}",
+                  bench.path));
 }
 
 /// Implements the session commands.
@@ -208,6 +290,69 @@ class Verbs {
     return report(experiment);
   }
 
+  int time(Stack& call) {
+    constexpr std::uint64_t usual = 10;
+    const StrategySpec strategy = strategy_argument("time", call[1]);
+    const std::uint64_t count = call[2].given() ? natural("time: the number of runs", call[2], 1) : usual;
+    if (count > dsl::most_seeds) throw Error(fmt::format("time: at most {} runs, got {}", dsl::most_seeds, count));
+    const Problem problem =
+        call[3].given() ? problem_argument("time", call[3]) : usual_problem(call, of_script(strategy)).problem;
+    const std::string name = name_of(call, bench_, strategy);
+    std::vector<CensoredCost> milliseconds;
+    std::vector<CensoredCost> checks;
+    for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
+      const RunRecord run = run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted}).run;
+      if (run.status == Status::interrupted) break;
+      milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
+      checks.push_back({static_cast<double>(run.validity_checks), run.solved});
+    }
+    if (milliseconds.empty()) {
+      say("interrupted before a run ended");
+      return 0;
+    }
+    const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
+    const auto row = [](const char* what, const Interval& interval) {
+      const std::string range = std::isnan(interval.lo) ? "no interval from fewer than five runs"
+                                                        : fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi);
+      return fmt::format("  {:<24} {:.3g}  ({})\n", what, interval.value, range);
+    };
+    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
+                    checks.size(), solved, checks.size()) +
+        row("CPU time, ms", median_cost(milliseconds)) + row("validity checks", median_cost(checks)));
+    return 0;
+  }
+
+  int source(Stack& call) {
+    std::string word = call[1].string().value_or("");
+    if (!call[1].given()) throw Error("source: the name of a function belongs here, as source(\"scenes.cup\")");
+    if (!word.empty()) {
+      call.load("return " + word, "=source");
+      call.call(0);
+    }
+    const Value value = word.empty() ? call[1] : call.top();
+    const auto definition = call.definition(value);
+    if (!definition) {
+      if (value.type() != Type::function) {
+        say(value_text(call, value));
+      } else if (!word.empty()) {
+        say(fmt::format("{0} is part of the runtime; help(\"{0}\") describes it", word));
+      } else {
+        say("this function is part of the runtime; help(it) describes it");
+      }
+      return 0;
+    }
+    const std::string text = text_of(*definition);
+    std::string lines;
+    std::size_t begin = 0;
+    for (int line = 1; line <= definition->last && begin < text.size(); ++line) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+      if (line >= definition->first) lines += text.substr(begin, end - begin);
+      begin = end;
+    }
+    say(fmt::format("{}:{}\n{}", definition->chunk, definition->first, lines));
+    return 0;
+  }
+
   int ablate(Stack& call) {
     Experiment experiment = comparison(call, "ablate");
     if (experiment.strategies.size() != 1) throw Error("ablate: it takes one strategy");
@@ -285,7 +430,16 @@ class Verbs {
                               dsl::describe(call[1])));
     }
     std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
+    text += requiring_lines(bench_, *file);
     for (const auto& input : bench_.accepted) text += input + "\n";
+    if (!bench_.planned) {
+      text += "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
+    } else if (bench_.planned->problem.empty()) {
+      text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n",
+                          bench_.planned->strategy);
+    } else {
+      text += fmt::format("return {}, {}\n", bench_.planned->strategy, bench_.planned->problem);
+    }
     require_writable_file(*file);
     write_file(*file, text);
     say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
@@ -313,6 +467,18 @@ class Verbs {
   }
 
  private:
+  /// The text of the chunk that defines a function.
+  [[nodiscard]] std::string text_of(const lua::Definition& definition) const {
+    if (definition.file) {
+      constexpr std::string_view input = "input ";
+      if (!definition.chunk.starts_with(input)) return dsl::read_file(definition.chunk);
+      const auto number = static_cast<std::size_t>(std::atoll(definition.chunk.c_str() + input.size()));
+      return number >= 1 && number <= bench_.inputs.size() ? bench_.inputs[number - 1] : "";
+    }
+    const std::string name = std::filesystem::path(definition.chunk).stem().string();
+    return dsl::module_text(name).value_or("");
+  }
+
   [[nodiscard]] int width() const { return static_cast<int>(bench_.screen().columns); }
 
   [[nodiscard]] Measure measure() const {
@@ -341,34 +507,58 @@ class Verbs {
   int begin(Stack& call, const std::string& verb, std::uint64_t proposals) {
     StrategySpec strategy = strategy_argument(verb, call[1]);
     int next = 2;
-    std::optional<Problem> problem;
-    if (call[next].given() && call[next].type() != Type::table) problem = problem_argument(verb, call[next++]);
+    std::optional<NamedProblem> problem;
+    const auto given_problem = [&](Value value) {
+      problem = {problem_argument(verb, value), expression_of(call, value)};
+    };
+    if (call[next].given() && call[next].type() != Type::table) given_problem(call[next++]);
     std::uint64_t seed = 1;
     if (call[next].type() == Type::table) {
       const Value options = call[next];
       check_options(verb, options, {"seed", "problem"});
       if (const Value given = options.field("seed"); given.given()) seed = natural(verb + ": option 'seed'", given, 0);
-      if (const Value given = options.field("problem"); given.given()) problem = problem_argument(verb, given);
+      if (const Value given = options.field("problem"); given.given()) given_problem(given);
     } else if (call[next].given()) {
       throw Error(fmt::format("{}: a table of options belongs here, as {{ seed = 2 }}, got {}", verb,
                               dsl::describe(call[next])));
     }
-    if (!problem) problem = usual_problem(call);
+    if (!problem) problem = usual_problem(call, of_script(strategy));
     std::string name = name_of(call, bench_, strategy);
-    auto run = std::make_shared<Run>(
-        Run{.strategy_name = std::move(name), .strategy = std::move(strategy), .problem = *problem, .seed = seed});
+    std::string expression = expression_of(call, call[1]);
+    if (expression.empty()) expression = strategy.text();
+    auto run = std::make_shared<Run>(Run{
+        .strategy_name = std::move(name), .strategy = std::move(strategy), .problem = problem->problem, .seed = seed});
     advance(*run, proposals, bench_.interrupted);
     add(run);
+    bench_.expression = problem->expression;
+    bench_.planned = {std::move(expression), problem->expression};
     say(outcome_text(*run));
     return announce(call, run);
   }
 
-  Problem usual_problem(Stack& call) {
-    if (bench_.problem) return *bench_.problem;
-    if (bench_.script && !bench_.script->experiment.problems.empty()) return bench_.script->experiment.problems.front();
+  /// Whether the loaded script has this strategy.
+  [[nodiscard]] bool of_script(const StrategySpec& strategy) const {
+    if (!bench_.script) return false;
+    const auto& all = bench_.script->experiment.strategies;
+    return std::any_of(all.begin(), all.end(), [&](const auto& entry) { return entry.second == strategy; });
+  }
+
+  /// Returns the problem of a run that names none: the last one, but the script's for the script's own strategies.
+  NamedProblem usual_problem(Stack& call, bool scripts) {
+    const bool has_problems = bench_.script && !bench_.script->experiment.problems.empty();
+    if (has_problems && (scripts || !bench_.problem)) {
+      const auto& problems = bench_.script->experiment.problems;
+      // The last problem may be one of several of the script.
+      const auto last = std::find_if(problems.begin(), problems.end(), [&](const Problem& problem) {
+        return bench_.problem && problem.name == bench_.problem->name && problem.scene == bench_.problem->scene;
+      });
+      const Problem& chosen = last != problems.end() ? *last : problems.front();
+      return {chosen, field_path("script.problems", chosen.name)};
+    }
+    if (bench_.problem) return {*bench_.problem, bench_.expression};
     call.load("return require('scenes').simple_passage()", "=repl");
     call.call(0);
-    return problem_argument("plan", call.top());
+    return {problem_argument("plan", call.top()), "scenes.simple_passage()"};
   }
 
   /// Returns the run that an argument names, else the current one.
@@ -453,7 +643,17 @@ class Verbs {
         }
       }
     }
-    experiment.problems = {problem ? *problem : usual_problem(call)};
+    const auto& all = experiment.strategies;
+    const bool scripts =
+        std::all_of(all.begin(), all.end(), [&](const auto& entry) { return of_script(entry.second); });
+    if (!problem) {
+      NamedProblem usual = usual_problem(call, scripts);
+      problem = std::move(usual.problem);
+      bench_.expression = std::move(usual.expression);
+    } else {
+      bench_.expression.clear();
+    }
+    experiment.problems = {*problem};
     bench_.problem = experiment.problems.front();
     return experiment;
   }
@@ -493,6 +693,12 @@ class Verbs {
 
 std::span<const Verb> verbs() { return all_verbs; }
 
+std::string field_path(const std::string& table, const std::string& name) {
+  const auto all = dsl::tokens(name);
+  const bool plain = all.size() == 1 && all.front().kind == dsl::Token::Kind::name && all.front().text == name;
+  return plain ? table + "." + name : table + "[\"" + name + "\"]";
+}
+
 std::string verbs_text(std::string_view name) {
   std::string text;
   std::size_t column = 0;
@@ -529,6 +735,8 @@ void open_verbs(Stack& stack, Bench& bench) {
   add("plot", &Verbs::plot);
   add("compare", &Verbs::compare);
   add("ablate", &Verbs::ablate);
+  add("time", &Verbs::time);
+  add("source", &Verbs::source);
   add("replay", &Verbs::replay);
   add("runs", &Verbs::runs);
   add("run", &Verbs::run);

@@ -33,9 +33,20 @@ struct Bench {
   std::vector<RunPointer> runs;
   RunPointer current;              ///< the default run of the commands
   std::optional<Problem> problem;  ///< of the last planning run
+  std::string expression;          ///< gives that problem; "" if none is known
   std::optional<dsl::Program> script;
+  std::string path;  ///< of the script, "" without one
+  enum class Returned { nothing, experiment, table, pair };
+  Returned returned = Returned::nothing;  ///< what the script returns
+  /// The last planning run as an input would write it; "" for a problem without a name.
+  struct Planned {
+    std::string strategy;
+    std::string problem;
+  };
+  std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
   std::string last_input;
+  std::vector<std::string> inputs;  ///< all, by number: input 1 is the first
 
   // Of the current input:
   bool used = false;                ///< it called a session command
@@ -44,6 +55,9 @@ struct Bench {
   bool edits = false;
   bool over = false;  ///< the session ends
 };
+
+/// Returns the path of a table's field in an expression: script.strategies.nested, script.strategies["a b"].
+std::string field_path(const std::string& table, const std::string& name);
 
 /// Registers the session commands. The bench must outlive the interpreter.
 void open_verbs(lua::Stack& stack, Bench& bench);

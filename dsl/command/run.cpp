@@ -26,6 +26,7 @@
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/unused.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
@@ -33,6 +34,7 @@
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/report/summary.hpp>
 
 namespace trellis::command {
 
@@ -61,8 +63,9 @@ struct Options {
   std::optional<double> novelty;       ///< metres
   std::optional<std::size_t> palette;  ///< of the figures: 0 or none for safe, 1 for paper
   FigureOptions style;
-  std::optional<std::size_t> report;  ///< a ReportKind; none: the overview
-  bool full = false;                  ///< the full report
+  std::optional<std::size_t> report;   ///< a ReportKind; none: the overview
+  bool full = false;                   ///< the full report
+  std::optional<std::uint64_t> width;  ///< of the report, in columns
   bool ablate = false;
   bool quiet = false;
 };
@@ -70,9 +73,17 @@ struct Options {
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
   const InterruptibleRun interruptible;
   Progress progress(!quiet);
-  progress.show(0, steps(experiment));
+  const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  progress.show("planning", 0, cells);
   return run(experiment, {.jobs = jobs,
-                          .progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
+                          .progress =
+                              [&](std::size_t done, std::size_t all) {
+                                if (done < cells || all == cells) {
+                                  progress.show("planning", done, cells);
+                                } else {
+                                  progress.show("scoring", done - cells, all - cells);
+                                }
+                              },
                           .interrupted = InterruptibleRun::requested});
 }
 
@@ -90,14 +101,26 @@ Experiment part_of(const Experiment& experiment, std::size_t first, std::size_t 
   return part;
 }
 
-/// Applies --problem, --strategy and --only to an experiment.
+/// Applies --strategy and --ablate: the strategy of this name, and its ablations where these are requested.
+void choose_strategies(Experiment& experiment, const Options& options) {
+  if (options.strategy.empty()) {
+    if (options.ablate) dsl::ablate_all(experiment, "--ablate");
+    return;
+  }
+  const bool own = std::any_of(experiment.strategies.begin(), experiment.strategies.end(),
+                               [&](const auto& entry) { return entry.first == options.strategy; });
+  // The name may be that of an ablation.
+  if (options.ablate && !own) dsl::ablate_all(experiment, "--ablate");
+  choose_strategy(experiment, options.strategy);
+  experiment.baseline.clear();
+  experiment.ablations.clear();
+  if (options.ablate && own) dsl::ablate_all(experiment, "--ablate");
+}
+
+/// Applies --problem, --strategy, --ablate and --only to an experiment.
 void narrow(Experiment& experiment, const Options& options) {
   choose_problem(experiment, options.problem);
-  choose_strategy(experiment, options.strategy);
-  if (!options.strategy.empty()) {
-    experiment.baseline.clear();
-    experiment.ablations.clear();
-  }
+  choose_strategies(experiment, options);
   // The published claims refer to the complete experiment.
   if (!options.problem.empty() || !options.strategy.empty()) experiment.published.reset();
   if (options.only) experiment.seeds = {*options.only};
@@ -194,6 +217,15 @@ void warn(const dsl::Program& program, const ExperimentResult& result) {
   }
 }
 
+/// Prints on stderr the warnings of a report that is not printed.
+void warn_of_guides(const Experiment& experiment, const ExperimentResult& result) {
+  for (const Problem& problem : experiment.problems) {
+    for (const std::string& sentence : guide_warnings(experiment, result, problem.name)) {
+      fmt::print(stderr, "trellis: warning: {}: {}\n", problem.name, sentence);
+    }
+  }
+}
+
 SceneFigureOptions drawing_options(const Options& options) {
   const bool drawn = !options.figures.empty() || !options.out.empty();
   if (options.palette && !drawn) throw Error("--palette: nothing is drawn without --figures");
@@ -226,7 +258,6 @@ dsl::Program program_of(const Options& options) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
-  if (options.ablate) dsl::ablate_all(program.experiment, "--ablate");
   narrow(program.experiment, options);
   if (options.cross) {
     if (!program.experiment.measure) throw Error("--cross: the script measures nothing (measure = false)");
@@ -254,8 +285,10 @@ class Writers {
   std::optional<Error> failure_;
 };
 
-void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind) {
-  const int width = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+void print_report(const Experiment& experiment, const ExperimentResult& result, ReportKind kind,
+                  std::optional<std::uint64_t> given) {
+  const int usual = report_width(kind == ReportKind::overview ? overview_width : unbounded_width);
+  const int width = given ? static_cast<int>(*given) : usual;
   print_all(report_text(experiment, result, width, kind));
 }
 
@@ -281,6 +314,9 @@ int run(const Options& options) {
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
 
+  for (const std::string& sentence : input_warnings(experiment)) {
+    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
   const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet)
                                                       : run_problems(experiment, threads, options, drawing);
@@ -290,7 +326,8 @@ int run(const Options& options) {
   if (!options.out.empty()) tell_unsolved(experiment, result);
 
   Writers writers;
-  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind); });
+  writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
+  if (options.quiet) warn_of_guides(experiment, result);
   writers.attempt(!options.json.empty(),
                   [&] { write_file(options.json, report_json(experiment, result, options.script)); });
   writers.attempt(!options.html.empty(), [&] { write_page(experiment, result, options); });
@@ -340,6 +377,9 @@ void add_run(CommandLine& line) {
   verb.choice("--report", report_kinds(), options->report,
               "what is printed: overview (default), levels, efficiency or full");
   verb.flag("--full", options->full, "as --report full");
+  verb.integer(
+      "--width", "N", 60, 1000, options->width,
+      "the report's width in columns (default the terminal's, else COLUMNS of the environment, else 100 or 160)");
   verb.flag("--quiet", options->quiet, "print neither report nor progress");
   add_script_options(verb, options->scripts);
 }

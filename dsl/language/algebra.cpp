@@ -229,6 +229,14 @@ void add_refusals(lua::Metamethods& metamethods) {
           constexpr const char* offer = "guides compose with '>>', '+', '*' and '..'";
           check_called(symbol, call[1], call[2]);
           if (unary) throw Error(fmt::format("'{}' means nothing for {}: {}", symbol, describe(call[1]), offer));
+          // Lua compares a > b as b < a. A planner stands last, so before a guide it was typed after it.
+          const bool order = *symbol == '<' && std::string_view(symbol) != "<<";
+          const bool swapped = order && call[1].get<GuideSpec>() == nullptr && call[2].get<GuideSpec>() != nullptr;
+          if (swapped) reject(std::string_view(symbol) == "<" ? ">" : ">=", call[2], call[1], offer);
+          const bool unknown = order && call[1].get<GuideSpec>() != nullptr && call[2].get<GuideSpec>() != nullptr;
+          if (unknown) {
+            reject(std::string_view(symbol) == "<" ? "<' or '>" : "<=' or '>=", call[1], call[2], offer);
+          }
           reject(symbol, call[1], call[2], offer);
         });
   }

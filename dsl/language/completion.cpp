@@ -222,6 +222,21 @@ std::vector<std::string> after_dot(const std::string& table) {
   return all;
 }
 
+/// Returns what `>>` may lead to: guides, planners, functions that return one, and the given names.
+std::vector<std::string> composable(std::span<const std::string> names) {
+  std::vector<std::string> all(names.begin(), names.end());
+  constexpr std::array<std::string_view, 3> types = {"trellis.Guide", "trellis.Planner", "trellis.Strategy"};
+  for (const Word& word : words()) {
+    const bool made = std::find(types.begin(), types.end(), word.returns) != types.end();
+    if (word.kind == Word::Kind::guide || word.kind == Word::Kind::planner) {
+      all.push_back(word.name);
+    } else if (made) {
+      all.push_back(word.name.substr(0, word.name.find('.')));
+    }
+  }
+  return all;
+}
+
 /// Returns the words that may follow the first `end` tokens, which do not end in an open string.
 /// \param options  set if only an option may follow
 std::vector<std::string> following(const std::vector<Token>& tokens, std::size_t end,
@@ -240,6 +255,7 @@ std::vector<std::string> following(const std::vector<Token>& tokens, std::size_t
     }
     return all;
   }
+  if (is(last, ">>")) return composable(names);
   const Place place = place_after(tokens, end);
   if (place.word != nullptr && (is(last, "{") || is(last, ",") || is(last, ";"))) {
     for (const auto& name : place.word->named()) {

@@ -259,6 +259,21 @@ int experiment_text(Stack& call) {
                                  counted(experiment.seeds.size(), "seed", "seeds")));
 }
 
+/// experiment { ... }.strategies, .problems, .seeds.
+int experiment_field(Stack& call) {
+  static const std::vector<std::string> fields = {"problems", "seeds", "strategies"};
+  const auto* program = call[1].get<Program>();
+  const auto name = call[2].string();
+  if (program == nullptr || !name || std::find(fields.begin(), fields.end(), *name) == fields.end()) {
+    throw Error(fmt::format("an experiment has no field {}{}; it has: {}", call[2].describe(),
+                            name ? did_you_mean(*name, fields) : "", fmt::join(fields, ", ")));
+  }
+  const Experiment experiment = program->experiment;
+  const Value table = push_experiment(call, experiment);
+  static_cast<void>(table.field(*name));
+  return 1;
+}
+
 Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>& read) {
   ProblemReader problems;
   read(problems);
@@ -271,6 +286,31 @@ Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>&
 }
 
 }  // namespace
+
+Value push_experiment(Stack& stack, const Experiment& experiment) {
+  const Value table = stack.push_table();
+  const Value strategies = stack.push_table();
+  for (const auto& [name, strategy] : experiment.strategies) {
+    stack.push_object(strategy);
+    stack.set_field(strategies, name);
+  }
+  stack.set_field(table, "strategies");
+  const Value problems = stack.push_table();
+  for (const Problem& problem : experiment.problems) {
+    stack.push_object(problem);
+    stack.append(problems);
+    stack.push_object(problem);
+    stack.set_field(problems, problem.name);
+  }
+  stack.set_field(table, "problems");
+  const Value seeds = stack.push_table();
+  for (const std::uint64_t seed : experiment.seeds) {
+    stack.push(static_cast<std::int64_t>(seed));
+    stack.append(seeds);
+  }
+  stack.set_field(table, "seeds");
+  return table;
+}
 
 std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Arguments& arguments, const std::string& of) {
   const Value table = arguments["strategies"];
@@ -421,7 +461,7 @@ std::vector<Problem> read_problems(Stack& stack, int first) {
 }
 
 void open_experiment(Stack& stack) {
-  stack.declare<Program>({{"__tostring", experiment_text}});
+  stack.declare<Program>({{"__tostring", experiment_text}, {"__index", experiment_field}});
   stack.push_function(make_experiment);
   stack.set_global(experiment_construct().name);
 }

@@ -27,6 +27,9 @@ std::vector<std::uint64_t> read_seeds(const Arguments& arguments, const std::str
 /// Reads a script's results, from stack position `first` on, as a program: an experiment; a strategy and a problem; or
 /// a table { strategy = s, problem = p }. \throws Error for other results.
 Program read_program(lua::Stack& stack, int first);
+/// Pushes a table with the fields `strategies` (by name), `problems` (by number and by name) and `seeds`.
+lua::Value push_experiment(lua::Stack& stack, const Experiment& experiment);
+
 /// Reads the results of a script that returns a problem or a list of problems.
 std::vector<Problem> read_problems(lua::Stack& stack, int first);
 

@@ -61,9 +61,9 @@ class Modules {
     const Value known = loaded.field(name);
     if (known.given()) return;
     if (std::find(loading_.begin(), loading_.end(), name) != loading_.end()) {
-      std::string way;
-      for (const auto& module : loading_) way += module + " -> ";
-      throw Error(fmt::format("require: the modules need each other in a cycle: {}{}", way, name));
+      std::string cycle;
+      for (const auto& module : loading_) cycle += module + " -> ";
+      throw Error(fmt::format("require: the modules need each other in a cycle: {}{}", cycle, name));
     }
     const Source source = find(name);
     stack.load(source.text, source.chunk);

@@ -14,7 +14,7 @@
 #include <dsl/language/motion.hpp>
 #include <dsl/language/script_place.hpp>
 #include <dsl/language/words.hpp>
-#include <trellis/instance/settle_goal.hpp>
+#include <trellis/instance/resolve_goal.hpp>
 #include <trellis/scene/readers.hpp>
 #include <trellis/strategy/executor.hpp>
 
@@ -327,7 +327,7 @@ lua::Callback scene_loader(std::string script_folder, bool trust) {
         path, {settings.weight, settings.resolution, settings.collision, settings.motion, settings.goal_tolerance});
     const Value list = call.push_table();
     for (auto& problem : problems) {
-      settle_goal(problem);
+      resolve_goal(problem);
       call.push_object(std::move(problem));
       call.append(list);
     }

@@ -401,13 +401,10 @@ class FunctionHeuristic final : public Heuristic {
   }
 
   Source sample(Stream& stream, MutableView out) override {
-    constexpr std::uint64_t looked_at = 8;  // number of samples at which to check the density
+    constexpr std::uint64_t checked_samples = 8;  // number of samples at which to check the density
     calls_->draw(*function_, c_, ++drawn_, stream, out);
-    if (density_ && drawn_ <= looked_at) static_cast<void>(density_->at_sample(out));
+    if (density_ && drawn_ <= checked_samples) static_cast<void>(density_->at_sample(out));
     return 0;
-  }
-  [[nodiscard]] double density(View q) const override {
-    return density_ ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
   }
   void record(DensityRecord& record, double share) const override {
     if (density_) {
@@ -487,8 +484,6 @@ class ScriptHeuristic final : public Heuristic {
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
   void restart() override { h_->restart(); }
   void found(double length) override { h_->found(length); }
-  [[nodiscard]] double density(View q) const override { return h_->density(q); }
-  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + h_->epoch(); }
   void record(DensityRecord& record, double share) const override { h_->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override;
@@ -502,8 +497,8 @@ class ScriptHeuristic final : public Heuristic {
   std::unique_ptr<Heuristic> h_;
   OutcomeTable table_;
   std::uint64_t epoch_ = 0;
-  std::uint64_t told_ = 0;  ///< number of reported outcomes
-  double progress_ = 0.0;   ///< progress of earlier results
+  std::uint64_t reported_ = 0;  ///< number of reported outcomes
+  double progress_ = 0.0;       ///< progress of earlier results
   TreeSide side_ = TreeSide::start;
 };
 
@@ -519,8 +514,6 @@ class OwnedHeuristic final : public Heuristic {
   [[nodiscard]] double progress() const override { return h_->progress(); }
   [[nodiscard]] double connected() const override { return h_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return h_->edge_factor(a, b); }
-  [[nodiscard]] double density(View q) const override { return h_->density(q); }
-  [[nodiscard]] double atom_mass() const override { return h_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_->epoch(); }
   void record(DensityRecord& record, double share) const override { h_->record(record, share); }
   void observe(const Outcome& outcome, bool mine) override {
@@ -635,10 +628,11 @@ class ScriptGuide final : public Guide {
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
   h_->observe(outcome, mine);
   if (!calls_->has(Slot::observe)) return;
-  ++told_;
+  ++reported_;
   std::optional<Returned> returned;
   calls_->call(
-      Slot::observe, *calls_->definition()[Slot::observe], [&] { return fmt::format("observe, outcome {}", told_); },
+      Slot::observe, *calls_->definition()[Slot::observe],
+      [&] { return fmt::format("observe, outcome {}", reported_); },
       [&](Stack& stack) {
         table_.push(stack, outcome, mine);
         return 1;
@@ -970,8 +964,8 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   }
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
-  return std::make_unique<LiftedHeuristic>(calls_->definition().name, projection_, *s_,
-                                           compose(lift->distribution(), true), parent_->start, parent_->goal);
+  return std::make_unique<LiftedHeuristic>(projection_, *s_, compose(lift->distribution(), true), parent_->start,
+                                           parent_->goal, LiftedHeuristic::Points::unknown, calls_->definition().name);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

@@ -140,7 +140,13 @@ std::vector<ObjectType> make_types() {
   for (ObjectType& type : guiding_space_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Claim", "a sentence that the results are to bear out", "", {}, {}});
   all.push_back({"trellis.Publication", "published figures and sentences", "", {}, {}});
-  all.push_back({"trellis.Experiment", "what a script returns to be run", "", {}, {}});
+  all.push_back({"trellis.Experiment",
+                 "what a script returns to be run",
+                 "",
+                 {{"strategies", "table<string, trellis.Strategy>", "", "its strategies by name"},
+                  {"problems", "table<integer|string, trellis.Problem>", "", "its problems by number and by name"},
+                  {"seeds", "integer[]", "", "its seeds"}},
+                 {}});
   for (ObjectType& type : scenario_types()) all.push_back(std::move(type));
   return all;
 }

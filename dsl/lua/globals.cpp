@@ -78,12 +78,12 @@ class Reader {
     constexpr std::uint32_t get = 11,
                             set = 15;  // OP_GETTABUP A B C: A = Up[B][K[C]]; OP_SETTABUP A B C: Up[A][K[B]] = C
     int line = f.line;
-    std::size_t told = 0;
+    std::size_t next_line = 0;
     for (std::size_t i = 0; i < f.code.size(); ++i) {
       constexpr signed char outright = -0x80;
       if (i < f.steps.size()) {
-        if (f.steps[i] == outright && told < f.lines.size()) {
-          line = f.lines[told++].second;
+        if (f.steps[i] == outright && next_line < f.lines.size()) {
+          line = f.lines[next_line++].second;
         } else {
           line += f.steps[i];
         }

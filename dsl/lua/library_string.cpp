@@ -47,7 +47,7 @@ class Search {
   std::size_t match(std::size_t at) {
     return guarded([&] { return matcher_.match(at); });
   }
-  void settle() { matcher_.settle(); }
+  void report_work() { matcher_.report_work(); }
 
   /// Returns the number of values of a match: its captures, or the whole match.
   [[nodiscard]] int values(bool whole) const {
@@ -122,7 +122,7 @@ int find_or_match(lua_State* state, bool find) {
   for (std::size_t at = begin; at <= text.size(); ++at) {
     const std::size_t end = search.match(at);
     if (end != Matcher::npos) {
-      search.settle();
+      search.report_work();
       if (!find) return search.push_all(at, end, true);
       lua_pushinteger(state, static_cast<lua_Integer>(at) + 1);
       lua_pushinteger(state, static_cast<lua_Integer>(end));
@@ -130,7 +130,7 @@ int find_or_match(lua_State* state, bool find) {
     }
     if (anchored) break;
   }
-  search.settle();
+  search.report_work();
   luaL_pushfail(state);
   return 1;
 }
@@ -152,13 +152,13 @@ int next_match(lua_State* state) {
   for (auto at = static_cast<std::size_t>(lua_tointeger(state, lua_upvalueindex(place))); at <= text.size(); ++at) {
     const std::size_t end = search.match(at);
     if (end == Matcher::npos || static_cast<lua_Integer>(end) == last_end) continue;
-    search.settle();
+    search.report_work();
     lua_pushinteger(state, static_cast<lua_Integer>(end));
     lua_copy(state, -1, lua_upvalueindex(place));
     lua_replace(state, lua_upvalueindex(last));
     return search.push_all(at, end, true);
   }
-  search.settle();
+  search.report_work();
   return 0;
 }
 
@@ -266,7 +266,7 @@ int gsub(lua_State* state) {
     }
     if (anchored) break;
   }
-  search.settle();
+  search.report_work();
   if (!changed) {
     lua_pushvalue(state, 1);
   } else {

@@ -45,7 +45,7 @@ std::size_t Matcher::match(std::size_t at) {
   return step(at, 0, deepest);
 }
 
-void Matcher::settle() {
+void Matcher::report_work() {
   if (done_ > 0) work_(std::exchange(done_, 0));
 }
 
@@ -58,7 +58,7 @@ const Matcher::Capture& Matcher::capture(std::size_t i) const {
 void Matcher::did(std::size_t steps) {
   constexpr std::size_t often = 4096;
   done_ += steps;
-  if (done_ >= often) settle();
+  if (done_ >= often) report_work();
 }
 
 std::size_t Matcher::end_of_class(std::size_t p) const {

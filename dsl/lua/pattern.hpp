@@ -32,7 +32,7 @@ class Matcher {
   /// pattern.
   std::size_t match(std::size_t at);
   /// Reports the remaining work.
-  void settle();
+  void report_work();
 
   // Of the last match.
   [[nodiscard]] std::size_t captures() const { return count_; }

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <new>
+#include <string>
+#include <string_view>
 
 #include <dsl/lua/collect.hpp>
 #include <dsl/lua/guard.hpp>
@@ -29,6 +31,25 @@ int call_back(lua_State* state) {
   return Guard::run(state, static_cast<const Boxed<Callback>&>(*object).value);
 }
 
+/// What other languages write where Lua's parser stops; "" if nothing is known. An input that ends too early gets none:
+/// sessions recognise it by its end.
+std::string syntax_hint(std::string_view message) {
+  const auto says = [&](std::string_view words) { return message.find(words) != std::string_view::npos; };
+  if (says("<eof>")) return "";
+  if (says("near '!'")) return "; Lua writes ~= for 'not equal', and not x for the opposite of x";
+  if (says("near '&'")) return "; Lua writes 'and'";
+  if (says("near '|'")) return "; Lua writes 'or'";
+  if (says("syntax error near '+'") || says("unexpected symbol near '+'")) {
+    return "; Lua has neither '++' nor '+=': write x = x + 1";
+  }
+  if ((says("'then' expected") || says("'do' expected")) && says("near '='")) return "; '==' compares, '=' assigns";
+  if (says("'}' expected") || says("')' expected")) {
+    const std::size_t at = message.rfind("near ");
+    return fmt::format("; is a comma missing before {}?", message.substr(at + std::string_view("near ").size()));
+  }
+  return "";
+}
+
 void room(lua_State* state, int slots = 2) { luaL_checkstack(state, slots, "too many values"); }
 
 }  // namespace
@@ -49,6 +70,18 @@ std::optional<Position> Stack::where() const {
     if (frame.currentline > 0 && frame.source[0] == '@') return Position{frame.source + 1, frame.currentline};
   }
   return {};
+}
+
+std::optional<Definition> Stack::definition(Value function) {
+  if (function.type() != Type::function) return {};
+  room(state_);
+  lua_pushvalue(state_, function.index());
+  lua_Debug about{};
+  lua_getinfo(state_, ">S", &about);
+  if (std::string_view(about.what) == "C") return {};
+  const bool marked = about.source[0] == '@' || about.source[0] == '=';
+  return Definition{marked ? about.source + 1 : about.source, about.source[0] == '@', about.linedefined,
+                    about.lastlinedefined};
 }
 
 void Stack::push_nil() {
@@ -139,7 +172,7 @@ void Stack::load(std::string_view text, const std::string& chunk) {
   if (luaL_loadbufferx(state_, text.data(), text.size(), chunk.c_str(), "t") == LUA_OK) return;
   const std::string message = top().text();
   lua_pop(state_, 1);
-  throw Located(message);
+  throw Located(message + syntax_hint(message));
 }
 
 void Stack::call(int arguments) { lua_call(state_, arguments, LUA_MULTRET); }

@@ -41,6 +41,14 @@ struct Position {
   [[nodiscard]] std::string prefix() const;
 };
 
+/// The lines of a script that define a function.
+struct Definition {
+  std::string chunk;  ///< its name as loaded, without the mark of a file: "script.lua", "stdlib/scenes.lua", "input 3"
+  bool file = false;  ///< the chunk is a file
+  int first = 0;
+  int last = 0;
+};
+
 /// The view of Lua in one call: its arguments, and a stack for results. At the return of the call, Lua drops all pushed
 /// values except the results.
 class Stack {
@@ -59,6 +67,8 @@ class Stack {
 
   /// Returns the line of the user's script: that of the innermost frame outside of the standard library.
   [[nodiscard]] std::optional<Position> where() const;
+  /// Returns where a function is defined; none for other values and for functions that are not Lua's.
+  [[nodiscard]] std::optional<Definition> definition(Value function);
 
   void push_nil();
   void push(bool value);

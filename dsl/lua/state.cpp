@@ -235,7 +235,7 @@ void State::watch(const std::stop_token& stop) {
   std::uint64_t seen = 0;
   double begin = 0.0;
   while (!stop.stop_requested()) {
-    const std::uint64_t run = at_work_.load();
+    const std::uint64_t run = active_run_.load();
     const double now = run != 0 ? processor_seconds(clock_.load()) : 0.0;
     if (run != 0 && run == seen && now - begin > watched_seconds_.load() + grace) {
       options_.stuck("the script does not terminate: a single instruction takes far longer than the limit");
@@ -254,7 +254,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   work_.begin = work_.looked = Clock::now();
   const auto watch = [this] {
     watched_seconds_ = work_.limits->seconds;
-    at_work_ = work_.number = ++runs_;
+    active_run_ = work_.number = ++runs_;
   };
   if (options_.stuck) {
     clockid_t clock = CLOCK_THREAD_CPUTIME_ID;
@@ -268,7 +268,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   lua_pushcfunction(state_, run_body);
   lua_pushlightuserdata(state_, const_cast<std::function<void(Stack&)>*>(&body));  // NOLINT: only called
   const int status = lua_pcall(state_, 1, 0, before + 1);
-  at_work_ = 0;
+  active_run_ = 0;
   Work done = std::exchange(work_, std::move(outer));
   if (work_.number != 0) watch();
   if (status == LUA_OK && !done.ended) {

@@ -96,7 +96,7 @@ class State : public std::enable_shared_from_this<State> {
   Work work_;  ///< the innermost run
   // For the watchdog:
   std::uint64_t runs_ = 0;
-  std::atomic<std::uint64_t> at_work_ = 0;  ///< the number of the active run; 0: none
+  std::atomic<std::uint64_t> active_run_ = 0;  ///< the number of the active run; 0: none
   std::atomic<double> watched_seconds_ = 0.0;
   std::atomic<clockid_t> clock_ = 0;  ///< processor clock of its thread
   std::mutex watching_;               ///< the watchdog locks it except while it sleeps

@@ -142,7 +142,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -152,7 +152,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -164,7 +164,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -181,7 +181,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -194,7 +194,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -206,7 +206,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -218,7 +218,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -231,7 +231,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -244,7 +244,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0.05: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -254,7 +254,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -267,7 +267,7 @@
 ---@field goal_bias? number a number in [0, 1] (share of proposals); default 0: share of proposals that are the goal itself
 ---@field uniform? number a number in [0, 1] (share of proposals); default 0.05: share of uniform proposals kept (of those that are not the goal) when the level is guided; with 0 completeness rests on the guide alone
 ---@field bound? number a number at least 0 (factor); default 0.8: work (validity checks and proposals) of guided proposals and of the levels below, per work of unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; 0: without bound; the report prints the validity checks of either side
----@field proposals? number a number at least 1 (proposals); default 50000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 50000: budget: proposals of this level, over all its solves
 ---@field checks? number a number at least 1 (validity checks); default math.huge: budget: validity checks of this level, over all its solves
 ---@field seconds? number a number greater than 0 (s); default math.huge: budget: wall-clock time of this level, over all its solves; a run that it ends does not repeat
 
@@ -884,7 +884,7 @@
 ---@field enhance? number a number in [0, 100] (nodes per proposal); default 1: nodes placed about the middles of edges that were removed though both ends are valid, for each proposal after the first `samples`; they are no proposals
 ---@field spread? number a number greater than 0 (edge lengths); default 0.25: standard deviation of such a node from the middle, along every axis, by the length of the edge
 ---@field neighbours? integer an integer at least 1 (nodes); default 20: nearest nodes that a new node is joined to
----@field proposals? number a number at least 1 (proposals); default 10000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 10000: budget: proposals of this level, over all its solves
 
 ---What `strategies.parasol_lazy_prm` takes.
 ---@class trellis.strategies.parasol_lazy_prm.Options
@@ -895,7 +895,7 @@
 ---@field enhance? number a number in [0, 100] (nodes per proposal); default 0: nodes placed about the middles of edges that were removed though both ends are valid, for each proposal after the first `samples`; they are no proposals
 ---@field spread? number a number greater than 0 (edge lengths); default 0.25: standard deviation of such a node from the middle, along every axis, by the length of the edge
 ---@field neighbours? integer an integer at least 1 (nodes); default 20: nearest nodes that a new node is joined to
----@field proposals? number a number at least 1 (proposals); default 10000: budget: proposals of this level, over all its solves
+---@field proposals? number a number in [1, 1e+09] (proposals); default 10000: budget: proposals of this level, over all its solves
 
 ---What `strategies.regions` takes.
 ---@class trellis.strategies.regions.Options

@@ -18,6 +18,7 @@
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
+using Catch::Matchers::Contains;
 using trellis::test::content;
 using trellis::test::Outcome;
 using trellis::test::Place;
@@ -111,6 +112,18 @@ TEST_CASE("the command line asks for ablations, other paths and figures", "[slow
   CHECK(json.find("plain without") == std::string::npos);
   REQUIRE(fs::is_directory(place / "figures"));
   CHECK_FALSE(fs::is_empty(place / "figures"));
+
+  // One strategy with its ablations, and an ablation by its name.
+  CHECK(place.run({"run", "guided.lua", "--strategy", "guided", "--ablate", "--cross", "0", "--json", "one.json"})
+            .status == 0);
+  const std::string one = content(place / "one.json");
+  CHECK(one.find("\"guided without skeleton()\"") != std::string::npos);
+  CHECK(one.find("\"plain\"") == std::string::npos);
+  const auto ablated =
+      place.run({"run", "guided.lua", "--strategy", "guided without skeleton()", "--ablate", "--cross", "0"});
+  CHECK(ablated.status == 0);
+  CHECK(place.run({"run", "guided.lua", "--strategy", "plain", "--ablate"}).err ==
+        "trellis: --ablate: no strategy has a guide that could be taken out\n");
 
   place.script("quick.lua", quick);
   CHECK(place.run({"run", "quick.lua", "--ablate"}).err ==
@@ -325,6 +338,40 @@ TEST_CASE("check finds what a run would meet late: names in functions, guides th
       "= 300 } ends after 300 (strategy 'late')\n"
       "trellis: warning: late.lua:13: shrink(0.5) never draws: rrt { uniform = 1 } leaves it no share of its proposals "
       "(uniform = 1, goal_bias = 0.05) (strategy 'unheard')\n");
+}
+
+TEST_CASE("inputs that are probably mistakes are warned of, by check and by run") {
+  const Place place;
+  place.script(
+      "odd.lua",
+      "local w = world { bounds = {0, 0, 10, 10}, box {4, 0, 5, 10} }\n"
+      "return experiment { measure = false, strategies = { shrunken = shrink(0.5) >> rrt { proposals = 50 } }, "
+      "problems = { problem { name = 'walled', world = w, robot = robot.point(), start = {1, 1}, goal = {9, 9} },\n"
+      "  problem { name = 'turned', world = world { bounds = {0, 0, 10, 10} }, robot = robot.rectangle(0.6, 0.2), "
+      "start = {1, 1, 90}, goal = {9, 9, 0} } } }\n");
+  for (const char* verb : {"check", "run"}) {
+    const auto outcome = place.run({verb, "odd.lua"});
+    INFO(verb << "\n" << outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK_THAT(outcome.err, Contains("warning: problem 'walled': obstacles separate start and goal") &&
+                                Contains("a point, which has nothing to shrink") &&
+                                Contains("problem 'turned': start: theta = 90 is more than a full turn") &&
+                                Contains("math.rad(90) = 1.5708") && !Contains("'turned': obstacles"));
+  }
+}
+
+TEST_CASE("a script alone is run, and a misspelt command is named with the nearest one") {
+  const Place place;
+  place.script("quick.lua", quick);
+  const auto outcome = place.run({"quick.lua", "--quiet"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK(place.run({"runn", "quick.lua"}).err ==
+        "trellis: no command 'runn' (did you mean 'run'?); 'trellis help' shows the usage\n");
+  const auto none = place.run({});
+  CHECK(none.err.starts_with("trellis: no command given; there are: "));
+  CHECK(none.status == 2);
+  CHECK(place.run({"--version"}).out == "trellis " TRELLIS_VERSION "\n");
 }
 
 TEST_CASE("the program prints its version and its words") {

@@ -240,7 +240,7 @@ class Reader {
       succeed("bash -e commands");
     } else if (block.language == "console") {
       for (const Step& step : steps_of(block)) take(step);
-      settle();
+      finish();
     }
   }
 
@@ -319,7 +319,7 @@ class Reader {
   /// Enters a step of a console block; the next prompt ends its output, which is then compared.
   void take(const Step& step) {
     if (step.prompt == "$ ") {
-      settle();
+      finish();
       session_.reset();
       if (step.typed.starts_with("trellis repl") && step.typed.find('|') == std::string::npos) {
         begin(step);
@@ -338,7 +338,7 @@ class Reader {
     typed_ = step.typed;
     waits_ = true;
   }
-  void settle() {
+  void finish() {
     if (waits_) compare(session_->wait_for(Terminal::prompt));
     waits_ = false;
   }

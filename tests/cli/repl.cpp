@@ -139,6 +139,32 @@ TEST_CASE("Tab completes names, fields, options and scenes") {
   CHECK_THAT(sitting.enter(""), Contains("shrink (guide)"));
 }
 
+TEST_CASE("habits of other shells do what they mean") {
+  const Place place;
+  {
+    Sitting sitting(place);
+    CHECK_THAT(sitting.enter("= 1 + 1"), Contains("\n2\r\n"));
+    CHECK_THAT(sitting.enter("help shrink"), Contains("shrink (guide)"));
+    CHECK_THAT(sitting.enter("shrink?"), Contains("shrink (guide)"));
+    CHECK_THAT(sitting.enter("scenes.cup?"), Contains("scenes.cup"));
+    CHECK_THAT(sitting.enter("scenes.cup??"), Contains("stdlib/scenes.lua:") && Contains("return problem"));
+    CHECK_THAT(sitting.enter("shrink??"), Contains("part of the runtime"));
+    sitting.enter("function twice(x) return 2 * x end");
+    CHECK_THAT(sitting.enter("twice??"), Contains("input 7:1") && Contains("return 2 * x"));
+    CHECK_THAT(sitting.enter("nothing_like_it?"), Contains("nothing_like_it"));
+    CHECK_THAT(sitting.enter("time(rrt_connect {}, 6, scenes.cup())"),
+               Contains("on cup, seeds 1 to 6: 6 of 6 solved") && Contains("CPU time, ms") && Contains(" to "));
+    CHECK_THAT(sitting.enter("time(rrt_connect {}, 0)"), Contains("at least 1, got 0"));
+    sitting.enter("mine = lazy()");
+    sitting.enter("mint = 1");
+    sitting.terminal.type("skeleton() >> min\t >> rrt {}");
+    CHECK_THAT(sitting.enter(""), Contains("lazy()"));
+    sitting.terminal.type("exit\n");
+    CHECK(sitting.terminal.finish() == 0);
+  }
+  CHECK(pipe(place, "quit\nboom\n").status == 0);
+}
+
 TEST_CASE("Ctrl-C drops a line, Ctrl-D ends the session") {
   const Place place;
   Sitting sitting(place);
@@ -178,7 +204,7 @@ TEST_CASE("a run is planned and inspected") {
   Sitting sitting(place);
   sitting.enter("nested = skeleton() >> shrink(0.5) >> rrt { step = 0.5 }");
   CHECK_THAT(sitting.enter("plan(nested, scenes.cup(), { seed = 3 })"),
-             Contains("run 1: nested on cup, seed 3: solved by"));
+             Contains("run 1 on cup: nested, seed 3: solved by"));
   CHECK_THAT(sitting.enter("levels()"), Contains("shrink(0.5)") && Contains("all levels"));
   CHECK_THAT(sitting.enter("plot()"), Contains("┌──") && Contains("G") && Contains("level 0, root"));
   CHECK_THAT(sitting.enter("efficiency()"), Contains("own space, own path") && Contains("expansion"));
@@ -188,7 +214,7 @@ TEST_CASE("a run is planned and inspected") {
   CHECK_THAT(sitting.enter("replay(run())"), Contains("run 1 again: the same"));
   CHECK_THAT(sitting.enter("run().pat"), Contains("did you mean 'path'?"));
   // The problem of the previous run is the default; a planner is a strategy.
-  CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2: rrt() on cup, seed 1"));
+  CHECK_THAT(sitting.enter("plan(rrt {})"), Contains("run 2 on cup: rrt(), seed 1"));
   CHECK_THAT(sitting.enter("#runs()"), Contains("\n2\r\n"));
 }
 
@@ -220,9 +246,9 @@ TEST_CASE("a script's strategies and problems are bound") {
                "{ plain = rrt {}, ['with guide'] = skeleton() >> rrt {} } }\n");
   Sitting sitting(place, {"two.lua"});
   CHECK_THAT(sitting.greeting, Contains("script.strategies.plain") && Contains("script.strategies[\"with guide\"]") &&
-                                   Contains("script.problems[1]"));
+                                   Contains("script.problems.cup"));
   CHECK_THAT(sitting.enter("plan(script.strategies.plain, { seed = script.seeds[1] })"),
-             Contains("run 1: plain on cup, seed 4"));
+             Contains("run 1 on cup: plain, seed 4"));
   CHECK_THAT(sitting.enter("spare"), Contains("rrt { step = 0.1 }"));
   CHECK_THAT(sitting.enter("compare(script.strategies, { seeds = 2 })"),
              Contains("summary of cup") && Contains("with guide") && Contains("compared with plain, 2 runs paired"));
@@ -270,6 +296,45 @@ TEST_CASE("an editor's text is run") {
   CHECK_THAT(sitting.enter("edited"), Contains("\n25\r\n"));
 }
 
+TEST_CASE("a script's strategy is planned on the script's problem, whatever was planned before") {
+  const Place place;
+  place.script("own.lua",
+               "return experiment { problems = { scenes.cup(), scenes.trap() }, strategies = { plain = rrt {} } }\n");
+  Sitting sitting(place, {"own.lua"});
+  CHECK_THAT(sitting.enter("plan(rrt_connect {}, scenes.simple_passage())"), Contains("run 1 on simple_passage: "));
+  CHECK_THAT(sitting.enter("plan(script.strategies.plain)"), Contains("run 2 on cup: plain"));
+  // One of the script's problems stays; another strategy takes the last one.
+  CHECK_THAT(sitting.enter("plan(script.strategies.plain, script.problems.trap)"), Contains("run 3 on trap: "));
+  CHECK_THAT(sitting.enter("plan(script.strategies.plain)"), Contains("run 4 on trap: "));
+  CHECK_THAT(sitting.enter("plan(rrt_connect {}, scenes.simple_passage())"), Contains("run 5 on simple_passage: "));
+  CHECK_THAT(sitting.enter("plan(prm {})"), Contains("run 6 on simple_passage: "));
+  CHECK_THAT(sitting.enter("compare(script.strategies.plain, rrt_connect {}, { seeds = 2, measure = false })"),
+             Contains("simple_passage"));
+}
+
+TEST_CASE("what is saved after a script runs: it requires the script and returns what was planned last") {
+  const Place place;
+  fs::create_directory(place / "scripts");
+  place.script(
+      "scripts/own.lua",
+      "width = 2\n"
+      "return experiment { problems = scenes.trap(), strategies = { ['with guide'] = skeleton() >> rrt {} } }\n");
+  {
+    Sitting sitting(place, {"scripts/own.lua"});
+    sitting.enter("twice = 2 * width");
+    sitting.enter("plan(script.strategies['with guide'])");
+    CHECK_THAT(sitting.enter("save 'kept.lua'"), Contains("kept.lua written"));
+    CHECK_THAT(sitting.enter("save 'elsewhere/kept.lua'"), Contains("requires the loaded script"));
+  }
+  CHECK_THAT(content(place / "kept.lua"),
+             Contains("\nlocal script = require \"scripts.own\"\n") &&
+                 Contains("\nreturn script.strategies[\"with guide\"], script.problems.trap\n"));
+  const auto outcome = place.run({"kept.lua", "--seeds", "2"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.out, Contains("trap") && Contains("2/2"));
+}
+
 TEST_CASE("what succeeded is saved as a script") {
   const Place place;
   {
@@ -282,8 +347,10 @@ TEST_CASE("what succeeded is saved as a script") {
   const std::string kept = content(place / "kept.lua");
   CHECK_THAT(kept, Contains("\nmine = skeleton() >> rrt { step = 0.4 }\n") && Contains("\n-- plan(mine)\n"));
   CHECK_THAT(kept, !Contains("mistake"));
+  CHECK_THAT(kept, Contains("\nreturn mine, scenes.simple_passage()\n"));
   Sitting again(place, {"kept.lua"});
   CHECK_THAT(again.enter("mine"), Contains("rrt { step = 0.4 }"));
+  CHECK(place.run({"run", "kept.lua", "--quiet"}).status == 0);
 }
 
 TEST_CASE("a picture of a run is written") {
@@ -304,7 +371,7 @@ TEST_CASE("a run of a document is replayed by the script that it names") {
   REQUIRE(place.run({"run", "s.lua", "--quiet", "--json", "results.json"}).status == 0);
   Sitting sitting(place);
   CHECK_THAT(sitting.enter("replay('results.json', 2)"),
-             Contains("the same as run 2 of results.json") && Contains("run 1: plain on cup, seed 2"));
+             Contains("the same as run 2 of results.json") && Contains("run 1 on cup: plain, seed 2"));
   CHECK_THAT(sitting.enter("replay('results.json', 9)"), Contains("has the runs 1 to 2, got 9"));
   place.script("s.lua", "return experiment { problems = scenes.cup(), strategies = { plain = rrt { step = 0.1 } } }\n");
   CHECK_THAT(sitting.enter("replay('results.json', 1)"), Contains("is another strategy in 's.lua' now"));

@@ -54,16 +54,16 @@ class Place {
     std::vector<char*> argv;
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int out = ::open((path_ / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int err = ::open((path_ / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      ::dup2(out, STDOUT_FILENO);
-      ::dup2(err, STDERR_FILENO);
-      if (::chdir(path_.c_str()) == 0) ::execv(TRELLIS_BINARY, argv.data());
-      ::_exit(99);
-    }
-    return child;
+    return spawn(argv.data());
+  }
+  /// Runs a command of bash in this folder; it has the program's name in the variable T.
+  [[nodiscard]] Outcome shell(std::string command) const {
+    command.insert(0, "T='" TRELLIS_BINARY "'\n");
+    std::vector<std::string> words = {"/bin/bash", "-c", std::move(command)};
+    std::vector<char*> argv;
+    for (auto& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    return finish(spawn(argv.data()));
   }
   [[nodiscard]] Outcome finish(pid_t child) const {
     int status = 0;
@@ -75,6 +75,19 @@ class Place {
   [[nodiscard]] Outcome run(std::vector<std::string> arguments) const { return finish(start(std::move(arguments))); }
 
  private:
+  [[nodiscard]] pid_t spawn(char** argv) const {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const int out = ::open((path_ / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const int err = ::open((path_ / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      ::dup2(out, STDOUT_FILENO);
+      ::dup2(err, STDERR_FILENO);
+      if (::chdir(path_.c_str()) == 0) ::execv(argv[0], argv);
+      ::_exit(99);
+    }
+    return child;
+  }
+
   fs::path path_;
 };
 

@@ -40,8 +40,6 @@ class RecordingGuidance final : public Guidance {
     uniform_.sample(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View q) const override { return (1.0 - goal_bias_) * uniform_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return goal_bias_; }
   void observe(const Outcome& o, bool mine) override {
     const auto copy = [](View q) { return Configuration(q.begin(), q.end()); };
     outcomes.push_back({mine, o.fate, copy(o.proposal), copy(o.near), copy(o.added), copy(o.blocked_at), o.from_goal,

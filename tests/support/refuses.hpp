@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <variant>
+
+#include <trellis/guide/arm_projection.hpp>
 #include <trellis/guide/guide.hpp>
-#include <trellis/guide/position.hpp>
 #include <trellis/instance/instance.hpp>
 
 namespace trellis::test {
@@ -13,7 +15,8 @@ inline bool refuses(const GuideKind& above, const GuideKind& guided, const Probl
   const auto sub = guided.make(Options::validate(*guided.component, {}))->project(*parent);
   switch (above.claims.needs) {
     case GuideClaims::Needs::nothing: return false;
-    case GuideClaims::Needs::position: return !has_position(*sub);
+    case GuideClaims::Needs::position:
+      return sub->position_axes.size() != 2 && !std::holds_alternative<ArmChain>(arm_chain(*sub));
     case GuideClaims::Needs::position_axes: return sub->position_axes.size() != 2;
     case GuideClaims::Needs::robot_axes: return static_cast<bool>(sub->validity_of);
   }

@@ -56,8 +56,6 @@ class SpyHeuristic final : public PathFollower {
 
   void select_tree(TreeSide side) override { calls_->sides.push_back(side); }
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return (1.0 - atoms) * uniform_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return atoms; }
   [[nodiscard]] std::uint32_t vertex() const override {
     ++calls_->vertices;
     return named_;

@@ -101,8 +101,8 @@ TEST_CASE("every instruction set gives the same bits") {
     kernel::Lanes shares{};
     for (double& share : shares.v) share = stream.uniform();
     shares.v[7] = 1.0;
-    for (double* x : {&line.x, &line.y, &line.angle, &line.way_x, &line.way_y, &line.turn, &line.end_x, &line.end_y,
-                      &line.end_angle, &line.joint_x, &line.joint_y}) {
+    for (double* x : {&line.x, &line.y, &line.angle, &line.difference_x, &line.difference_y, &line.turn, &line.end_x,
+                      &line.end_y, &line.end_angle, &line.joint_x, &line.joint_y}) {
       *x = stream.uniform(-10, 10);
     }
     kernel::Poses expected{};

@@ -28,7 +28,12 @@ TEST_CASE("a name is completed to globals, keywords and the names of the session
   CHECK(next("local g = skel") == Words{"skeleton"});
   CHECK(next("ret") == Words{"return"});
   CHECK(next("rob") == Words{"robot"});
-  CHECK(next("skeleton() >> sc") == Words{"scenario", "scenes", "schedule"});
+  // After `>>` come guides and planners, and functions that return one.
+  CHECK(next("skeleton() >> sc") == Words{"schedule"});
+  CHECK(offers("skeleton() >> ", "rrt"));
+  CHECK(offers("skeleton() >> ", "strategies"));
+  CHECK_FALSE(offers("skeleton() >> ", "world"));
+  CHECK_FALSE(offers("skeleton() >> ", "print"));
   CHECK(offers("", "experiment"));
   CHECK(offers("rrt { step = 0.5 }\n", "strategies"));
   CHECK(offers("pri", "print"));

@@ -285,27 +285,27 @@ TEST_CASE("a user's target scores an experiment, the same each time, after its s
 
 TEST_CASE("a user's functions receive the path, the problem and its space") {
   const std::string density = ", log_density = function() return -math.log(100) end";
-  const auto told = [&](const std::string& what) {
+  const auto value_of = [&](const std::string& what) {
     const std::string message = run_failure("sample = function(c) error(tostring(" + what + "), 0) end" + density);
     const std::string run = "(problem 'room', strategy 'rrt', seed 1): ";
     const auto begin = message.find(run);
     REQUIRE(begin != std::string::npos);
     return message.substr(begin + run.size(), message.find('\n') - begin - run.size());
   };
-  CHECK(told("c.problem.name") == "room");
-  CHECK(told("c.problem.goal[1]") == "8.0");
-  CHECK(told("#c.path >= 2 and c.path[1][1]") == "2.0");
-  CHECK(told("c.space.name") == "R^2");
-  CHECK(told("c.space.dimension") == "2");
-  CHECK(told("table.concat(c.space.names, ' ')") == "x y");
-  CHECK(told("table.concat(c.space.lower, ' ')") == "0.0 0.0");
-  CHECK(told("table.concat(c.space.upper, ' ')") == "10.0 10.0");
-  CHECK(told("table.concat(c.space.weights, ' ')") == "1.0 1.0");
-  CHECK(told("c.space.periodic[1]") == "false");
-  CHECK(told("c.valid {1, 1}") == "true");
-  CHECK(told("c.valid {11, 1}") == "false");
-  CHECK(told("math.type(c.random(6))") == "integer");
-  CHECK(told("math.type(c.normal())") == "float");
+  CHECK(value_of("c.problem.name") == "room");
+  CHECK(value_of("c.problem.goal[1]") == "8.0");
+  CHECK(value_of("#c.path >= 2 and c.path[1][1]") == "2.0");
+  CHECK(value_of("c.space.name") == "R^2");
+  CHECK(value_of("c.space.dimension") == "2");
+  CHECK(value_of("table.concat(c.space.names, ' ')") == "x y");
+  CHECK(value_of("table.concat(c.space.lower, ' ')") == "0.0 0.0");
+  CHECK(value_of("table.concat(c.space.upper, ' ')") == "10.0 10.0");
+  CHECK(value_of("table.concat(c.space.weights, ' ')") == "1.0 1.0");
+  CHECK(value_of("c.space.periodic[1]") == "false");
+  CHECK(value_of("c.valid {1, 1}") == "true");
+  CHECK(value_of("c.valid {11, 1}") == "false");
+  CHECK(value_of("math.type(c.random(6))") == "integer");
+  CHECK(value_of("math.type(c.normal())") == "float");
 }
 
 TEST_CASE("an error in a user's function names the function, the draw and the line") {

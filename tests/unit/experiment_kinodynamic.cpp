@@ -40,7 +40,7 @@ TEST_CASE("a driven path is recorded as its controls, which give its states to t
       const auto states = replay(*problem.motion_model, problem.space, problem.start, run.trajectory);
       REQUIRE(states.size() == run.path.size());
       CHECK(std::equal(states.values().begin(), states.values().end(), run.path.values().begin()));
-      CHECK(run.trajectory.duration() == Approx((states.size() - 1) * 0.1));
+      CHECK(run.trajectory.duration() == Approx(0.1 * static_cast<double>(states.size() - 1)));
       CHECK(run.shortcut_checks == 0);
       CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
       auto instance = make_instance(problem);

@@ -157,20 +157,20 @@ TEST_CASE("progress reports every cell, one at a time", "[experiment]") {
   Experiment experiment = small();
   experiment.measure.reset();
   for (const unsigned jobs : {1U, 2U}) {
-    std::vector<std::size_t> told;
+    std::vector<std::size_t> reported;
     std::atomic<int> inside{0};
     bool overlapped = false;
     ExperimentOptions options;
     options.jobs = jobs;
     options.progress = [&](std::size_t done, std::size_t all) {
       if (inside.fetch_add(1) != 0) overlapped = true;
-      told.push_back(done);
+      reported.push_back(done);
       if (all != 8) overlapped = true;
       inside.fetch_sub(1);
     };
     static_cast<void>(run(experiment, options));
     CHECK_FALSE(overlapped);
-    CHECK(told == std::vector<std::size_t>{1, 2, 3, 4, 5, 6, 7, 8});
+    CHECK(reported == std::vector<std::size_t>{1, 2, 3, 4, 5, 6, 7, 8});
   }
 }
 

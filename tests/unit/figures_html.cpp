@@ -282,11 +282,12 @@ TEST_CASE("the page is the same twice, times apart", "[report][html]") {
 
 TEST_CASE("a page that would be too large holds fewer runs, and says so", "[report][html]") {
   const auto [experiment, result] = fixture::passage();
-  std::size_t told = 0;
-  const std::string all = report_html(
-      experiment, result, {.progress = [&](std::size_t done, std::size_t of) { told = done == of ? done : told; }});
+  std::size_t reported = 0;
+  const std::string all =
+      report_html(experiment, result,
+                  {.progress = [&](std::size_t done, std::size_t of) { reported = done == of ? done : reported; }});
   CHECK(held(all) == 30);
-  CHECK(told == 30);
+  CHECK(reported == 30);
   CHECK(all.find("This file holds") == std::string::npos);
   const std::size_t pair = script(all, "run-0").size() + script(all, "run-1").size();
 

@@ -14,6 +14,7 @@
 #include <trellis/scene/polygon.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -306,14 +307,15 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
       w.h->sample(stream, q);
       REQUIRE(space.contains(q));
       REQUIRE(detour(q) <= cost * (1.0 + 1e-12));
-      REQUIRE(w.h->density(q) > 0.0);
+      REQUIRE(test::record_of(*w.h).at(q) > 0.0);
     }
+    const DensityRecord now = test::record_of(*w.h);
     double sum = 0.0;
     double squares = 0.0;
     constexpr int points = 200000;
     for (int i = 0; i < points; ++i) {
       space.sample_uniform(stream, q);
-      const double p = w.h->density(q) * std::exp(space.log_volume());
+      const double p = now.at(q) * std::exp(space.log_volume());
       REQUIRE((p > 0.0) == (detour(q) <= cost));
       sum += p;
       squares += p * p;
@@ -328,15 +330,15 @@ TEST_CASE("informed uses the best reported path as long as it is valid", "[guide
   const Work w = work("informed", {}, problem);
   const Configuration corner = {9.5, 0.5};
   const double uniform = std::exp(-problem.space.log_volume());
-  CHECK(w.h->density(corner) == Approx(uniform));
+  CHECK(test::record_of(*w.h).at(corner) == Approx(uniform));
   w.h->found(14.0);
-  CHECK(w.h->density(corner) == 0.0);
-  const double there = w.h->density(problem.start);
+  CHECK(test::record_of(*w.h).at(corner) == 0.0);
+  const double there = test::record_of(*w.h).at(problem.start);
   CHECK(there > uniform);
   w.h->found(15.0);  // no better
-  CHECK(w.h->density(problem.start) == there);
+  CHECK(test::record_of(*w.h).at(problem.start) == there);
   w.h->found(13.0);
-  CHECK(w.h->density(problem.start) > there);
+  CHECK(test::record_of(*w.h).at(problem.start) > there);
   CHECK_THROWS_WITH(work("informed", {{"cost", 5.0}}, problem), Catch::Contains("no path is as short"));
 }
 

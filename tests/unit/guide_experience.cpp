@@ -14,6 +14,7 @@
 #include <trellis/memory/library.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/folder.hpp"
 #include "support/outcomes.hpp"
 #include "support/worlds.hpp"
@@ -30,7 +31,7 @@ Problem plane(const test::Rectangles& rectangles, Configuration start, Configura
                             std::move(goal));
 }
 
-Configurations way(const Points& points) {
+Configurations path_of(const Points& points) {
   Configurations path(2);
   for (const auto& p : points) path.push(p);
   return path;
@@ -116,14 +117,14 @@ TEST_CASE("an empty library guides nowhere, and a missing one is empty", "[guide
     const auto r = retrieve(problem, {{"db", file}});
     CHECK(r.found.status == Status::no_path);
     CHECK(r.sub->checks.validity == 0);
-    CHECK(r.h->density(problem.start) == Approx(std::exp(-problem.space.log_volume())));
+    CHECK(test::record_of(*r.h).at(problem.start) == Approx(std::exp(-problem.space.log_volume())));
   }
 }
 
 TEST_CASE("a stored path is followed from the query's start to its goal, in either stored direction",
           "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}});
+  const Stored library({{stored, path_of(over)}});
   for (const bool backwards : {false, true}) {
     // Near the stored ends, not at them.
     Problem query = plane({{4, 0, 6, 3}}, {1.2, 1.1}, {8.9, 1.3});
@@ -133,7 +134,7 @@ TEST_CASE("a stored path is followed from the query's start to its goal, in eith
     const Configurations path = r.h->lifted_path();
     CHECK(std::equal(path.front().begin(), path.front().end(), query.start.begin()));
     CHECK(std::equal(path.back().begin(), path.back().end(), query.goal.begin()));
-    CHECK(farthest(query.space, path, way(over)) < 0.4);
+    CHECK(farthest(query.space, path, path_of(over)) < 0.4);
     CHECK(r.sub->checks.validity > 0);
     CHECK(r.parent->checks.motion == 0);
   }
@@ -141,26 +142,26 @@ TEST_CASE("a stored path is followed from the query's start to its goal, in eith
 
 TEST_CASE("of several paths the one is followed that the present world violates least", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  const Stored library({{stored, path_of(over)}, {stored, path_of(under)}});
   // Both are free: the shorter one.
   const auto open = retrieve(plane({}, {1, 1}, {9, 1}), {{"db", library.file()}});
-  CHECK(farthest(open.sub->space, open.h->lifted_path(), way(under)) < 0.3);
+  CHECK(farthest(open.sub->space, open.h->lifted_path(), path_of(under)) < 0.3);
   // A wall across the short one.
   const Problem blocked = plane({{4, 0, 6, 3}}, {1, 1}, {9, 1});
   const auto r = retrieve(blocked, {{"db", library.file()}});
-  CHECK(farthest(r.sub->space, r.h->lifted_path(), way(over)) < 0.3);
+  CHECK(farthest(r.sub->space, r.h->lifted_path(), path_of(over)) < 0.3);
   // Walls across both, a thin one across the long one: the path avoids walls whose repair costs more than the detour.
   const Problem both = plane({{4, 0, 6, 3}, {4, 8.9, 4.1, 9.1}}, {1, 1}, {9, 1});
   const auto thin = retrieve(both, {{"db", library.file()}});
-  CHECK(farthest(thin.sub->space, thin.h->lifted_path(), way(over)) < 0.3);
+  CHECK(farthest(thin.sub->space, thin.h->lifted_path(), path_of(over)) < 0.3);
   const auto cheap = retrieve(both, {{"db", library.file()}, {"repair", 1.0}});
-  CHECK(farthest(cheap.sub->space, cheap.h->lifted_path(), way(under)) < 0.3);
+  CHECK(farthest(cheap.sub->space, cheap.h->lifted_path(), path_of(under)) < 0.3);
 }
 
 TEST_CASE("only candidates for the path with the least repair are checked", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored one({{stored, way(under)}});
-  const Stored both({{stored, way(under)}, {stored, way(over)}});
+  const Stored one({{stored, path_of(under)}});
+  const Stored both({{stored, path_of(under)}, {stored, path_of(over)}});
   const Problem query = plane({}, {1, 1}, {9, 1});
   const auto alone = retrieve(query, {{"db", one.file()}});
   const auto beside = retrieve(query, {{"db", both.file()}});
@@ -171,12 +172,12 @@ TEST_CASE("only candidates for the path with the least repair are checked", "[gu
 TEST_CASE("paths from A to B and from B to C make one from A to C", "[guide][experience]") {
   const Points ab = {{1, 1}, {1, 9}, {5, 9}};
   const Points bc = {{9, 1}, {9, 9}, {5.1, 9}};  // stored from C to B, and ends a little beside
-  const Stored library({{plane({}, {1, 1}, {5, 9}), way(ab)}, {plane({}, {9, 1}, {5.1, 9}), way(bc)}});
+  const Stored library({{plane({}, {1, 1}, {5, 9}), path_of(ab)}, {plane({}, {9, 1}, {5.1, 9}), path_of(bc)}});
   const Problem query = plane({{4, 0, 6, 8}}, {1, 1}, {9, 1});
   const auto r = retrieve(query, {{"db", library.file()}});
   REQUIRE(r.found.solved());
   const Configurations path = r.h->lifted_path();
-  Configurations whole = way(ab);
+  Configurations whole = path_of(ab);
   for (std::size_t i = 3; i-- > 0;) whole.push(bc[i]);
   CHECK(farthest(query.space, path, whole) < 1e-6);
   CHECK(farthest(query.space, whole, path) < 0.3);
@@ -189,7 +190,7 @@ TEST_CASE("paths from A to B and from B to C make one from A to C", "[guide][exp
 
 TEST_CASE("only paths of the same space and robot are retrieved", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}});
+  const Stored library({{stored, path_of(over)}});
   Problem disc = test::make_problem("disc", test::rectangle_world({}), Robot::disc(0.2), {1, 1}, {9, 1});
   CHECK(retrieve(disc, {{"db", library.file()}}).found.status == Status::no_path);
   CHECK(retrieve(disc, {{"db", library.file()}, {"robots", std::string("any")}}).found.solved());
@@ -199,7 +200,7 @@ TEST_CASE("only paths of the same space and robot are retrieved", "[guide][exper
 
 TEST_CASE("several distinct paths guide at once", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  const Stored library({{stored, path_of(over)}, {stored, path_of(under)}});
   const auto r = retrieve(
       stored, {{"db", library.file()}, {"paths", std::int64_t{2}}, {"follow", std::string("tube")}, {"window", 1.0}});
   Stream stream(1, "0", "both");
@@ -215,11 +216,11 @@ TEST_CASE("several distinct paths guide at once", "[guide][experience]") {
 
 TEST_CASE("a path without progress of the planner is replaced by another one", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  const Stored library({{stored, path_of(over)}, {stored, path_of(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});
-  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
+  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), path_of(under)) < 0.3);
   int tries = 0;
-  while (farthest(r.sub->space, r.h->lifted_path(), way(over)) > 0.3 && tries < 10) {
+  while (farthest(r.sub->space, r.h->lifted_path(), path_of(over)) > 0.3 && tries < 10) {
     r.guide->before_resolve();
     r.solve();
     ++tries;
@@ -242,7 +243,7 @@ void block(Retrieved& r, View at) { report(r, test::blocked(at), true); }
 
 TEST_CASE("motions of a path that are valid are not checked again, and those that are not are repaired",
           "[guide][experience]") {
-  const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}});
+  const Stored library({{plane({}, {1, 1}, {9, 1}), path_of(over)}});
   // A box above the path.
   const Problem query = plane({{4, 0, 6, 3}, {4.5, 8.5, 5.5, 9.5}}, {1, 1}, {9, 1});
   auto r = retrieve(query, {{"db", library.file()}});
@@ -260,11 +261,11 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   // Only the gap cost checks.
   CHECK(r.parent->checks.validity - before < 30);
   // Before the tree reaches them, the guide proposes the points of the path themselves.
-  CHECK(r.h->atom_mass() == 1.0);
+  CHECK(test::record_of(*r.h).atoms() == 1.0);
   for (std::size_t i = 1; i <= gap; ++i) add_node(r, path[i]);
   // First the far end; then half of the proposals lie about the gap, on either side of the box.
   block(r, Configuration{4.6, 9});
-  CHECK(r.h->atom_mass() < 0.6);
+  CHECK(test::record_of(*r.h).atoms() < 0.6);
   const auto count = [&](const auto& where) {
     Stream stream(1, "0", "gap");
     Configuration q(2);
@@ -276,8 +277,8 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
     return inside;
   };
   CHECK(count([](View q) { return q[0] > 4.4 && q[0] < 5.6 && std::abs(q[1] - 9) > 0.15; }) > 200);
-  CHECK(r.h->density(Configuration{5, 9.2}) > 0.0);
-  CHECK(r.h->density(Configuration{5, 5}) == 0.0);
+  CHECK(test::record_of(*r.h).at(Configuration{5, 9.2}) > 0.0);
+  CHECK(test::record_of(*r.h).at(Configuration{5, 5}) == 0.0);
   // The balls grow until they contain the route around the box.
   const auto around = [](View q) { return q[0] > 4.4 && q[0] < 5.6 && q[1] < 8.3; };
   CHECK(count(around) == 0);
@@ -285,13 +286,13 @@ TEST_CASE("motions of a path that are valid are not checked again, and those tha
   CHECK(count(around) > 20);
   // A node at the far end closes the gap.
   add_node(r, path[gap + 1]);
-  CHECK(r.h->atom_mass() == 1.0);
+  CHECK(test::record_of(*r.h).atoms() == 1.0);
   CHECK_FALSE(r.h->stale());
 }
 
 TEST_CASE("a gap that stays open refutes the path, which is no candidate any more while there is another",
           "[guide][experience]") {
-  const Stored library({{plane({}, {1, 1}, {9, 1}), way(over)}, {plane({}, {1, 1}, {9, 1}), way(under)}});
+  const Stored library({{plane({}, {1, 1}, {9, 1}), path_of(over)}, {plane({}, {1, 1}, {9, 1}), path_of(under)}});
   const Problem query = plane({{4.5, 8.5, 5.5, 9.5}, {4.5, 0, 5.5, 1}}, {1, 1}, {9, 1});
   // The distance between the path before and after blocked proposals at the start refuted it.
   const auto refuted_distance = [&](Retrieved& r) {
@@ -309,16 +310,16 @@ TEST_CASE("a gap that stays open refutes the path, which is no candidate any mor
     CHECK(refuted_distance(r) > 1.0);
   }
   // Without another path the guide follows it again: the tree may have passed the gap since.
-  const Stored one({{plane({}, {1, 1}, {9, 1}), way(over)}});
+  const Stored one({{plane({}, {1, 1}, {9, 1}), path_of(over)}});
   auto r = retrieve(query, {{"db", one.file()}, {"evidence", std::int64_t{20}}});
   CHECK(refuted_distance(r) < 0.1);
 }
 
 TEST_CASE("what C finds invalid on an edge counts as a check of it", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
-  const Stored library({{stored, way(over)}, {stored, way(under)}});
+  const Stored library({{stored, path_of(over)}, {stored, path_of(under)}});
   auto r = retrieve(stored, {{"db", library.file()}});
-  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), way(under)) < 0.3);
+  REQUIRE(farthest(r.sub->space, r.h->lifted_path(), path_of(under)) < 0.3);
   // The found point lies on a path that was not validated. That path now needs a repair; the other one is followed
   // unless its cost is higher.
   const auto cost = [&] {

@@ -12,6 +12,7 @@
 #include <trellis/guide/pieces.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/outcomes.hpp"
 #include "support/spy_heuristic.hpp"
 #include "support/worlds.hpp"
@@ -74,7 +75,8 @@ Wrapped lifted(const Space& s) {
     axes->project(q, image);
     return image;
   };
-  w.h = std::make_unique<LiftedHeuristic>("lifted", axes, s, w.spy(s), Configuration{1, 1, 0}, Configuration{9, 9, 1});
+  w.h = std::make_unique<LiftedHeuristic>(axes, s, w.spy(s), Configuration{1, 1, 0}, Configuration{9, 9, 1},
+                                          LiftedHeuristic::Points::atoms);
   return w;
 }
 
@@ -117,7 +119,7 @@ void check_forwards(Wrapped w) {
   CHECK(h.connected() == 2.0 * SpyHeuristic::metres * static_cast<double>(w.calls.size()));
   CHECK(h.edge_factor(a, b) == SpyHeuristic::factor);
   for (const auto& calls : w.calls) CHECK(calls->edges.back() == pair);
-  CHECK(h.atom_mass() == Approx(SpyHeuristic::atoms));
+  CHECK(test::record_of(h).atoms() == Approx(SpyHeuristic::atoms));
   h.restart();
   for (const auto& calls : w.calls) CHECK(calls->restarts == 1);
   h.found(12.5);

@@ -27,7 +27,7 @@ Problem bent_corridor() {
 
 /// A car and its trailer, each with an angle of its own in the world.
 Problem with_trailer() {
-  Body car{.parts = {Polygon{rectangle_vertices({{-0.5, -0.2}, {0.5, 0.2}})}}, .angle_axis = 2};
+  Body car{.parts = {Polygon{rectangle_vertices({{-0.5, -0.2}, {0.5, 0.2}})}}, .joint = {}, .angle_axis = 2};
   Body trailer{.parts = {Polygon{rectangle_vertices({{-1.2, -0.2}, {-0.2, 0.2}})}},
                .parent = 0,
                .joint = {-0.5, 0},
@@ -65,7 +65,7 @@ TEST_CASE("handles on the medial axis turn a body along its corridor", "[guide][
     CHECK(along > draws * 3 / 4);
     q[0] = place[0];
     q[1] = place[1];
-    lift.settle(q);
+    lift.set_likely_angles(q);
     CHECK(off(q[2], direction) < 0.1);
   }
 }

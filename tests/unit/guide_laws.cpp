@@ -11,6 +11,7 @@
 #include <trellis/guide/path_steps.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
@@ -88,11 +89,12 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   s.guide->attach(*s.sub);
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
-  const auto at_work = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}});
-  s.found = at_work->solve(budget);
+  const auto search_planner =
+      planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false, {}});
+  s.found = search_planner->solve(budget);
   while (const std::int64_t more = s.guide->another(s.found.solved() ? &s.found : nullptr)) {
     budget.proposals = static_cast<double>(search.proposals.size()) + static_cast<double>(more);
-    s.found = at_work->solve(budget);
+    s.found = search_planner->solve(budget);
   }
   s.h = s.guide->heuristic(*s.parent, s.sub.get(), &s.found);
   return s;
@@ -155,7 +157,6 @@ TEST_CASE("f of a guide that relaxes maps what is valid in C to what is valid in
   for (const auto& kind : guide_kinds()) {
     if (kind.default_planner.empty() || !kind.claims.relaxes) continue;
     for (const auto& problem : problems(kind)) {
-      if (!kind.claims.relaxes_arms && !problem.scene->robot.translates()) continue;
       CAPTURE(kind.component->name, problem.name);
       const auto solved = solve(kind, problem);
       Stream stream(4, "0", "valid");
@@ -194,6 +195,7 @@ std::pair<double, double> mass(Heuristic& h, const Space& space, std::uint64_t s
     box_volume *= axis.weight * (box[j].second - box[j].first);
   }
   const double volume = std::exp(space.log_volume());
+  const DensityRecord now = test::record_of(h);
   double sum = 0.0;
   double squares = 0.0;
   for (int i = 0; i < points; ++i) {
@@ -204,7 +206,7 @@ std::pair<double, double> mass(Heuristic& h, const Space& space, std::uint64_t s
     }
     bool in_box = true;
     for (std::size_t j = 0; j < q.size(); ++j) in_box = in_box && q[j] >= box[j].first && q[j] <= box[j].second;
-    const double density = h.density(q);
+    const double density = now.at(q);
     REQUIRE(density >= 0.0);
     const double p = density / (0.5 / volume + (in_box ? 0.5 / box_volume : 0.0));
     sum += p;
@@ -223,11 +225,11 @@ void check_distribution(const GuideKind& kind, Solved& solved, std::uint64_t see
     solved.h->sample(stream, q);
     REQUIRE(space.contains(q));
   }
-  const double there = solved.h->density(solved.parent->start);
+  const double there = test::record_of(*solved.h).at(solved.parent->start);
   if (!kind.claims.closed_form) CHECK(std::isnan(there));
   if (std::isnan(there)) return;
   const auto [mean, error] = mass(*solved.h, space, seed);
-  CHECK(std::abs(mean - (1.0 - solved.h->atom_mass())) < 5.0 * error + 1e-9);
+  CHECK(std::abs(mean - (1.0 - test::record_of(*solved.h).atoms())) < 5.0 * error + 1e-9);
 }
 
 /// A wall from side to side between start and goal.
@@ -242,7 +244,7 @@ TEST_CASE("a guide has a closed form where it claims one", "[guide][claims]") {
   for (const auto& kind : guide_kinds()) {
     CAPTURE(kind.component->name);
     auto solved = solve(kind, test::simple_passage_problem());
-    CHECK(std::isnan(solved.h->density(solved.parent->start)) == !kind.claims.closed_form);
+    CHECK(std::isnan(test::record_of(*solved.h).at(solved.parent->start)) == !kind.claims.closed_form);
     if (kind.claims.category == GuideClaims::Category::sampling) CHECK(kind.default_planner.empty());
     CHECK((kind.claims.fallback == GuideClaims::Fallback::none) == kind.default_planner.empty());
   }
@@ -289,9 +291,9 @@ TEST_CASE("h proposes inside C, and its density integrates to one less its atoms
       CAPTURE(kind.component->name, problem.name);
       const auto solved = solve(kind, problem);
       const auto& space = solved.parent->space;
-      if (std::isnan(solved.h->density(solved.parent->start))) continue;  // no closed form is claimed
+      if (std::isnan(test::record_of(*solved.h).at(solved.parent->start))) continue;  // no closed form is claimed
       const auto [whole, error] = mass(*solved.h, space, 5);
-      CHECK(std::abs(whole - (1.0 - solved.h->atom_mass())) < 4.0 * error + 1e-9);
+      CHECK(std::abs(whole - (1.0 - test::record_of(*solved.h).atoms())) < 4.0 * error + 1e-9);
     }
   }
 }
@@ -304,7 +306,7 @@ TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") 
       const auto& space = solved.parent->space;
       Stream stream(6, "0", "samples");
       Configuration q(space.dimension());
-      const bool closed = !std::isnan(solved.h->density(solved.parent->start));
+      const bool closed = !std::isnan(test::record_of(*solved.h).at(solved.parent->start));
       // The probability of each cell of a grid over the first two axes, from samples and from the density.
       constexpr int cells = 6;
       constexpr int draws = 40000;
@@ -329,13 +331,13 @@ TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") 
           box[j].first = std::min(box[j].first, q[j]);
           box[j].second = std::max(box[j].second, q[j]);
         }
-        if (q == goal && solved.h->atom_mass() > 0.0) {
+        if (q == goal && test::record_of(*solved.h).atoms() > 0.0) {
           atoms += 1.0;
         } else {
           drawn[cell(q)] += 1.0 / draws;
         }
       }
-      CHECK(atoms / draws == Approx(solved.h->atom_mass()).margin(0.01));
+      CHECK(atoms / draws == Approx(test::record_of(*solved.h).atoms()).margin(0.01));
       if (!closed) continue;
       double volume = 1.0;
       for (std::size_t j = 0; j < box.size(); ++j) {
@@ -344,13 +346,14 @@ TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") 
         box[j] = {std::max(axis.lo, box[j].first - wider), std::min(axis.hi, box[j].second + wider)};
         volume *= axis.weight * (box[j].second - box[j].first);
       }
+      const DensityRecord now = test::record_of(*solved.h);
       // A density that is high in small places needs more points until its integral is known well enough.
       double points = 0.0;
       double squares = 1.0;
       constexpr double batch = 120000.0;
       for (; points < batch || (std::sqrt(squares) > 0.01 * points && points < 30.0 * batch); ++points) {
         for (std::size_t j = 0; j < q.size(); ++j) q[j] = stream.uniform(box[j].first, box[j].second);
-        const double p = solved.h->density(q) * volume;
+        const double p = now.at(q) * volume;
         expected[cell(q)] += p;
         variance[cell(q)] += p * p;
         squares += p * p;
@@ -388,15 +391,16 @@ TEST_CASE("what h enters into a record is its density at every step", "[guide][d
       std::vector<double> sums(probes.size(), 0.0);
       double atoms = 0.0;
       DensityRecord record;
-      const bool closed = !std::isnan(solved.h->density(solved.parent->start));
+      const bool closed = !std::isnan(test::record_of(*solved.h).at(solved.parent->start));
       constexpr int steps = 400;
       // However many steps there were: what follows a path by steps has balls of so many sizes.
       const std::size_t most_terms = dynamic_cast<const StepHeuristic*>(solved.h.get()) != nullptr ? 5 : 1;
       for (int t = 0; t < steps; ++t) {
         solved.h->sample(stream, q);
         record.served(*solved.h);
-        atoms += solved.h->atom_mass() / steps;
-        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += solved.h->density(probes[i]) / steps;
+        const DensityRecord now = test::record_of(*solved.h);
+        atoms += now.atoms() / steps;
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += now.at(probes[i]) / steps;
         // Two of three proposals are reached, from wherever: stretches and regions move on.
         Outcome outcome;
         outcome.proposal = q;

@@ -19,6 +19,7 @@
 #include <trellis/guide/position.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -108,14 +109,14 @@ TEST_CASE("waypoints are proposed in turn, each until it is reached", "[guide][w
       REQUIRE(at > before);
       before = at;
       const bool kept = w.parent->valid(path[at]);
-      CHECK(h.atom_mass() == (kept ? 1.0 : 0.0));
+      CHECK(test::record_of(h).atoms() == (kept ? 1.0 : 0.0));
       h.sample(stream, q);
       CHECK(w.parent->space.distance(q, path[at]) <= (kept ? 0.0 : h.radius() + 1e-12));
       if (kept) {
         // The motion to it is blocked: the guide proposes points near it as well.
         tell(w, {}, true);
         CHECK(h.waypoint() == at);
-        CHECK(h.atom_mass() == 0.5);
+        CHECK(test::record_of(h).atoms() == 0.5);
         for (int i = 0; i < 20; ++i) {
           h.sample(stream, q);
           CHECK(w.parent->space.distance(q, path[at]) <= h.radius() + 1e-12);
@@ -127,7 +128,7 @@ TEST_CASE("waypoints are proposed in turn, each until it is reached", "[guide][w
       tell(w, path[at], true);
     }
     // Afterwards the guide uses the whole path.
-    CHECK(h.atom_mass() == 0.0);
+    CHECK(test::record_of(h).atoms() == 0.0);
     for (int i = 0; i < 200; ++i) {
       h.sample(stream, q);
       CHECK(least_distance(w.parent->space, q, path) <= h.radius() + 1e-9);
@@ -182,8 +183,9 @@ TEST_CASE("the recorded density of h along waypoints or several paths is correct
       DensityRecord record;
       constexpr int steps = 1500;
       for (int t = 0; t < steps; ++t) {
-        atoms += w.h->atom_mass() / steps;
-        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += w.h->density(std::as_const(probes)[i]) / steps;
+        const DensityRecord now = test::record_of(*w.h);
+        atoms += now.atoms() / steps;
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += now.at(std::as_const(probes)[i]) / steps;
         w.h->sample(stream, q);
         record.served(*w.h);
         for (const auto& path : w.paths) {
@@ -299,7 +301,7 @@ TEST_CASE("a region is dropped after so many failures in a row, and then the who
     Configuration q(3);
     for (int i = 0; i < 200; ++i) {
       problem.space.sample_uniform(stream, q);
-      if (std::abs(w.h->density(q) - even) > 1e-12) return false;
+      if (std::abs(test::record_of(*w.h).at(q) - even) > 1e-12) return false;
     }
     return true;
   };
@@ -398,10 +400,10 @@ TEST_CASE("a region's proposals move along its edge where they are aligned", "[g
         const double forward = q.size() > 3 && q[3] < 0.0 ? -1.0 : 1.0;
         const bool aligned = forward * std::cos(q[2]) >= alignment - 1e-6;
         count += aligned ? 0 : 1;
-        CHECK(w.h->density(q) > 0.0);
+        CHECK(test::record_of(*w.h).at(q) > 0.0);
         // The same place with the opposite heading.
         q[2] = std::remainder(q[2] + std::numbers::pi, 2.0 * std::numbers::pi);
-        CHECK((w.h->density(q) > 0.0) == (alignment <= 0.0));
+        CHECK((test::record_of(*w.h).at(q) > 0.0) == (alignment <= 0.0));
       }
       return count;
     };

@@ -10,6 +10,7 @@
 #include <trellis/guide/pieces.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -102,8 +103,8 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
   std::vector<SumHeuristic::Part> parts;
   parts.push_back({3.0, along(path_of({{1, 1}, {1, 9}}), plain())->over(sub, reached)});
   parts.push_back({1.0, std::make_unique<UniformHeuristic>("uniform", sub.space)});
-  LiftedHeuristic h("lifted", f, sub.space, std::make_unique<SumHeuristic>("sum", std::move(parts)), parent->start,
-                    parent->goal);
+  LiftedHeuristic h(f, sub.space, std::make_unique<SumHeuristic>("sum", std::move(parts)), parent->start, parent->goal,
+                    LiftedHeuristic::Points::unknown, "lifted");
   DensityRecord record;
   Stream stream(1, "0", "proposals");
   Configuration q(3);
@@ -111,7 +112,7 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
     h.sample(stream, q);
     record.served(h);
     CHECK(parent->space.contains(q));
-    CHECK(h.density(q) > 0.0);
+    CHECK(test::record_of(h).at(q) > 0.0);
     Outcome outcome;
     outcome.fate = Fate::reached;
     outcome.proposal = outcome.added = q;
@@ -120,7 +121,7 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
   REQUIRE(record.exact());
   const auto [mean, error] = mass(parent->space, [&](View x) { return record.at(x); });
   CHECK(std::abs(mean - 1.0) < error + 1e-9);
-  const auto [now, within] = mass(parent->space, [&](View x) { return h.density(x); });
+  const auto [now, within] = mass(parent->space, [of = test::record_of(h)](View x) { return of.at(x); });
   CHECK(std::abs(now - 1.0) < within + 1e-9);
   CHECK(record.terms() < 100);
 }
@@ -143,9 +144,10 @@ TEST_CASE("a sum of distributions draws by its weights and has their density", "
     first += q[0] < 5 ? 1 : 0;
   }
   CHECK(std::abs(first - draws / 4) < 4 * std::sqrt(draws * 0.25 * 0.75));
-  const auto [mean, error] = mass(parent->space, [&](View x) { return sum.density(x); });
+  const auto [mean, error] = mass(parent->space, [of = test::record_of(sum)](View x) { return of.at(x); });
   CHECK(std::abs(mean - 1.0) < error);
-  CHECK(sum.density(Configuration{8, 8, 0}) == Approx(3.0 * sum.density(Configuration{2, 2, 0})));
+  CHECK(test::record_of(sum).at(Configuration{8, 8, 0}) ==
+        Approx(3.0 * test::record_of(sum).at(Configuration{2, 2, 0})));
 }
 
 TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
@@ -160,6 +162,6 @@ TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
                     "along: point 2 of the path, (2, 20, 0), is outside of the space SE(2)");
   CHECK_THROWS_WITH(ball({1, 1}, 0.5)->over(*parent, reached), Contains("ball: its centre has 2 coordinates"));
   // Without any information.
-  CHECK(along(Configurations(3), plain())->over(*parent, reached)->density(parent->start) ==
+  CHECK(test::record_of(*along(Configurations(3), plain())->over(*parent, reached)).at(parent->start) ==
         Approx(std::exp(-parent->space.log_volume())));
 }

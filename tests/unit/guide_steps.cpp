@@ -11,6 +11,7 @@
 #include <trellis/instance/verified_motions.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/outcomes.hpp"
 #include "support/worlds.hpp"
 
@@ -155,7 +156,8 @@ TEST_CASE("what follows a path by steps enters into a record is its density at e
       h.select_tree(t % 2 == 0 ? TreeSide::start : TreeSide::goal);
       h.sample(stream, q);
       record.served(h);
-      for (std::size_t i = 0; i < probes.size(); ++i) sums[i] += h.density(probes[i]) / steps;
+      const DensityRecord now = test::record_of(h);
+      for (std::size_t i = 0; i < probes.size(); ++i) sums[i] += now.at(probes[i]) / steps;
       const bool success = static_cast<std::size_t>(t) % every == 0;
       h.observe(success ? reached(q, static_cast<std::uint32_t>(t), t % 2 != 0) : blocked(q), true);
     }
@@ -390,10 +392,10 @@ TEST_CASE("along edges that were verified their ends are proposed themselves", "
   Configuration q(3);
   std::size_t vertex = 0;
   for (; vertex < 4; ++vertex) {
-    CHECK(h.atom_mass() == 1.0);
+    CHECK(test::record_of(h).atoms() == 1.0);
     h.sample(stream, q);
     CHECK(q == Configuration(path[vertex + 1].begin(), path[vertex + 1].end()));
-    CHECK(h.density(q) == 0.0);
+    CHECK(test::record_of(h).at(q) == 0.0);
     // A node in the middle lies on the edge too.
     Configuration half = q;
     half[0] -= 0.25;
@@ -404,9 +406,9 @@ TEST_CASE("along edges that were verified their ends are proposed themselves", "
     CHECK(h.vertex() == 2 * vertex + 2);
   }
   // Nothing is known of the next edge: proposals are near the path, a step ahead.
-  CHECK(h.atom_mass() == 0.0);
+  CHECK(test::record_of(h).atoms() == 0.0);
   h.sample(stream, q);
-  CHECK(h.density(q) > 0.0);
+  CHECK(test::record_of(h).at(q) > 0.0);
   h.observe(reached(std::vector<double>{3.4, 5.02, 0.1}, 20), true);
   // The end of what is not known is near: from there the edges are verified again.
   h.observe(reached(std::vector<double>{3.8, 5.02, 0.1}, 21), true);
@@ -414,7 +416,7 @@ TEST_CASE("along edges that were verified their ends are proposed themselves", "
   CHECK(q == Configuration{4.0, 5, 0});
   // Where that is blocked, it proposes points nearby.
   h.observe(blocked(q), true);
-  CHECK(h.atom_mass() == 0.0);
+  CHECK(test::record_of(h).atoms() == 0.0);
 }
 
 TEST_CASE("trees along a verified path meet where both have come", "[guide][steps][verified]") {

@@ -496,21 +496,21 @@ TEST_CASE("Input that makes no figure is refused with what is wrong and what was
       Target(plane(), path, {0, 1}, settings, verify::anywhere, 1);
     });
   };
-  const Configurations way = path_of({{1, 5}, {9, 5}});
-  CHECK(tube(way, 0.0) == "tube: delta must be greater than 0, in m, got 0");
-  CHECK(tube(way, -1.5) == "tube: delta must be greater than 0, in m, got -1.5");
-  CHECK_THAT(tube(way, not_a_number), Catch::Contains("delta must be greater than 0, in m, got nan"));
+  const Configurations path = path_of({{1, 5}, {9, 5}});
+  CHECK(tube(path, 0.0) == "tube: delta must be greater than 0, in m, got 0");
+  CHECK(tube(path, -1.5) == "tube: delta must be greater than 0, in m, got -1.5");
+  CHECK_THAT(tube(path, not_a_number), Catch::Contains("delta must be greater than 0, in m, got nan"));
   CHECK(tube(path_of({{1, 5}}), 0.5) == "tube: the path is a single configuration; a tube needs two at least");
   CHECK(tube(path_of({{1, 5}, {1, 5}, {1, 5}}), 0.5) == "tube: the path has no length");
   CHECK(tube(Configurations(2), 0.5) == "tube: the path is empty");
   CHECK(tube(path_of({{1, 5, 0}, {2, 5, 0}}), 0.5) == "tube: the path has 3 coordinates, the space R^2 has 2");
   CHECK(tube(path_of({{1, 5}, {11, 5}, {2, 2}}), 0.5) == "tube: waypoint 2 of the path lies outside of the space R^2");
   CHECK(tube(path_of({{1, 5}, {2, not_a_number}}), 0.5) == "tube: waypoint 2 of the path is not finite");
-  CHECK_THAT(message([&] { Target(plane(), way, {0, 1}, {}, {}, 1); }), Catch::Contains("needs a validity"));
+  CHECK_THAT(message([&] { Target(plane(), path, {0, 1}, {}, {}, 1); }), Catch::Contains("needs a validity"));
 
   // A tube without a valid configuration has a reason and no number.
   const Target invalid(
-      plane(), way, {0, 1}, {}, [](View) { return false; }, 1);
+      plane(), path, {0, 1}, {}, [](View) { return false; }, 1);
   for (const EstimatorSpec& spec : all_kinds()) {
     const Efficiency e = by(spec, invalid, cloud(100, 1));
     CHECK(e.reason == "the target is empty: no valid configuration lies in it");

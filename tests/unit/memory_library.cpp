@@ -120,20 +120,31 @@ TEST_CASE("a path is added only when it is new, in either direction and with any
 TEST_CASE("the distance of paths is zero for equal paths, symmetric, and the gap for parallel ones",
           "[memory][library]") {
   const Space plane = Space::euclidean({{0, 10}, {0, 10}});
-  const auto way = [](std::initializer_list<std::array<double, 2>> points) {
+  const auto path_of = [](std::initializer_list<std::array<double, 2>> points) {
     Configurations path(2);
     for (const auto& p : points) path.push(p);
     return path;
   };
-  const auto flat = way({{1, 1}, {9, 1}});
-  const auto divided = way({{1, 1}, {2, 1}, {2.5, 1}, {9, 1}});
-  const auto above = way({{9, 1.7}, {1, 1.7}});
-  const auto round = way({{1, 1}, {1, 9}, {9, 9}, {9, 1}});
-  CHECK(path_distance(plane, flat, flat) == 0.0);
-  CHECK(path_distance(plane, flat, divided) < 1e-12);
-  CHECK(path_distance(plane, flat, above) == Approx(0.7).epsilon(1e-9));
-  CHECK(path_distance(plane, flat, round) > 2.0);
-  CHECK(path_distance(plane, round, flat) == Approx(path_distance(plane, flat, round)).epsilon(1e-12));
+  const auto flat = path_of({{1, 1}, {9, 1}});
+  const auto divided = path_of({{1, 1}, {2, 1}, {2.5, 1}, {9, 1}});
+  const auto above = path_of({{9, 1.7}, {1, 1.7}});
+  const auto round = path_of({{1, 1}, {1, 9}, {9, 9}, {9, 1}});
+  const auto farther = [&](const Configurations& a, const Configurations& b, double than) {
+    const test::Folder folder;
+    Library library(folder.file("a.db"), Library::Mode::write);
+    StoredPath first = stored(0);
+    first.path = a;
+    StoredPath second = stored(0);
+    second.path = b;
+    REQUIRE(library.add(first, plane, 0.0));
+    return library.add(second, plane, than);
+  };
+  CHECK_FALSE(farther(flat, flat, 0.0));
+  CHECK_FALSE(farther(flat, divided, 1e-12));
+  CHECK(farther(flat, above, 0.7 - 1e-9));
+  CHECK_FALSE(farther(flat, above, 0.7 + 1e-9));
+  CHECK(farther(flat, round, 2.0));
+  for (double d = 2.0; d < 6.0; d += 0.125) CHECK(farther(flat, round, d) == farther(round, flat, d));
 }
 
 TEST_CASE("identities distinguish the spaces, robots and worlds of paths", "[memory][library]") {

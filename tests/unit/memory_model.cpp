@@ -73,25 +73,25 @@ TEST_CASE("a grid's cells are free where no obstacle comes into them", "[memory]
 
 TEST_CASE("the oracle finds the shortest paths over the grid", "[memory][grid]") {
   const WorldGrid empty(test::rectangle_world({}), square, 20);
-  const auto ways = ways_to(empty, empty.at({9.75, 9.75}));
-  CHECK(ways[empty.at({9.75, 9.75})] == 0.0);
-  CHECK(ways[empty.at({0.25, 0.25})] == Approx(9.5 * std::sqrt(2.0)));
-  CHECK(ways[empty.at({0.25, 9.75})] == Approx(9.5));
-  CHECK(ways[empty.at({0.25, 7.75})] == Approx(2.0 * std::sqrt(2.0) + 7.5));
+  const auto lengths = path_lengths_to(empty, empty.at({9.75, 9.75}));
+  CHECK(lengths[empty.at({9.75, 9.75})] == 0.0);
+  CHECK(lengths[empty.at({0.25, 0.25})] == Approx(9.5 * std::sqrt(2.0)));
+  CHECK(lengths[empty.at({0.25, 9.75})] == Approx(9.5));
+  CHECK(lengths[empty.at({0.25, 7.75})] == Approx(2.0 * std::sqrt(2.0) + 7.5));
   // Round the end of a wall, and not across the corner of it.
   const WorldGrid wall(test::rectangle_world({{4, 0, 4.4, 9.4}}), square, 20);
-  const auto round = ways_to(wall, wall.at({5.25, 0.25}));
+  const auto round = path_lengths_to(wall, wall.at({5.25, 0.25}));
   const double below = round[wall.at({3.25, 0.25})];
   // Up to the last row and down again: 19 steps each, and four across, of which none may cut the wall's corner.
   CHECK(below > 2 * 9.0 + 1.0);
   CHECK(below < 2 * 9.5 + 2.0);
   const WorldGrid closed(test::rectangle_world({{4, 0, 4.4, 10}}), square, 20);
-  CHECK(std::isinf(ways_to(closed, closed.at({5.25, 0.25}))[closed.at({3.25, 0.25})]));
+  CHECK(std::isinf(path_lengths_to(closed, closed.at({5.25, 0.25}))[closed.at({3.25, 0.25})]));
   CHECK_FALSE(ask_oracle(closed, {1, 1}, {9, 9}, tolerance).has_value());
   const auto found = ask_oracle(wall, {1, 1}, {9, 1}, tolerance);
   REQUIRE(found.has_value());
-  CHECK(found->on_way[wall.at({4.25, 9.75})] != 0);
-  CHECK(found->on_way[wall.at({9.75, 9.75})] == 0);
+  CHECK(found->on_path[wall.at({4.25, 9.75})] != 0);
+  CHECK(found->on_path[wall.at({9.75, 9.75})] == 0);
   CHECK(found->shortest > 16.0);
 }
 
@@ -102,8 +102,8 @@ TEST_CASE("the oracle's lengths satisfy the triangle inequality and are lengths 
     const auto start = grid.free_near({0.5, 5});
     const auto goal = grid.free_near({9.5, 5});
     REQUIRE((start && goal));
-    const auto behind = ways_to(grid, *start);
-    const auto ahead = ways_to(grid, *goal);
+    const auto behind = path_lengths_to(grid, *start);
+    const auto ahead = path_lengths_to(grid, *goal);
     CHECK(behind[*goal] == Approx(ahead[*start]));
     for (std::size_t i = 0; i < grid.size(); ++i) {
       if (!grid.free(i) || std::isinf(ahead[i])) continue;

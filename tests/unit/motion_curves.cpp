@@ -128,9 +128,9 @@ TEST_CASE("steering drives models of bounded curvature close to where they are t
       const CurvePose b = random_pose(stream, 3.0);
       const Configuration from = {a.x, a.y, a.theta};
       const Configuration to = {b.x, b.y, b.theta};
-      const auto way = steer(*model, from, to);
-      REQUIRE(way);
-      const auto states = replay(*model, space, from, *way);
+      const auto trajectory = steer(*model, from, to);
+      REQUIRE(trajectory);
+      const auto states = replay(*model, space, from, *trajectory);
       // Headings are exact, positions but for what a step turns.
       CHECK(std::abs(std::remainder(states.back()[2] - b.theta, 2.0 * pi)) < 1e-9);
       CHECK(std::hypot(states.back()[0] - b.x, states.back()[1] - b.y) < 0.05);
@@ -159,10 +159,10 @@ TEST_CASE("steering at one speed keeps to what the controls allow, and ends near
       const double share = stream.uniform();
       CAPTURE(share);
       const Configuration from = {a.x, a.y, a.theta};
-      const auto way = steer_at(*model, from, Configuration{b.x, b.y, b.theta}, share);
-      REQUIRE(way);
-      for (std::size_t k = 0; k < way->steps.size(); ++k) CHECK(model->allows(way->controls[k]));
-      const auto states = replay(*model, space, from, *way);
+      const auto trajectory = steer_at(*model, from, Configuration{b.x, b.y, b.theta}, share);
+      REQUIRE(trajectory);
+      for (std::size_t k = 0; k < trajectory->steps.size(); ++k) CHECK(model->allows(trajectory->controls[k]));
+      const auto states = replay(*model, space, from, *trajectory);
       CHECK(std::abs(std::remainder(states.back()[2] - b.theta, 2.0 * pi)) < 0.05);
       CHECK(std::hypot(states.back()[0] - b.x, states.back()[1] - b.y) < 0.15);
     }

@@ -63,7 +63,6 @@ class AheadGuidance final : public Guidance {
     space_.reflect(out);
     return 0;
   }
-  [[nodiscard]] double density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
   void observe(const Outcome& outcome, bool) override {
     if (outcome.added.empty() || !outcome.connected || outcome.from_goal) return;
     for (std::size_t i = reached_ + 1; i < points_.size() && i <= reached_ + 4; ++i) {

@@ -18,11 +18,10 @@ using namespace trellis;
 namespace {
 
 /// Uniform; receives the paths found.
-class Told final : public Guidance {
+class LengthRecorder final : public Guidance {
  public:
-  explicit Told(const Space& space) : uniform_(space) {}
+  explicit LengthRecorder(const Space& space) : uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   void found(double length) override { lengths.push_back(length); }
   [[nodiscard]] std::vector<std::string> sources() const override { return uniform_.sources(); }
@@ -37,7 +36,7 @@ struct Run {
   Solution solution;
   Search search;
   Checks checks;
-  std::vector<double> told;
+  std::vector<double> reported;
   double length = std::numeric_limits<double>::infinity();
 };
 
@@ -45,15 +44,16 @@ Run run(const std::string& planner, const Problem& problem, std::uint64_t seed, 
         std::vector<Options::Entry> given = {}) {
   const PlannerKind& kind = *find_planner(planner);
   auto instance = make_instance(problem);
-  Told guidance(instance->space);
+  LengthRecorder guidance(instance->space);
   Run out;
   out.search = Search(instance->space.dimension());
   given.emplace_back("improve", improve);
   const Options options = Options::validate(*kind.component, given);
-  auto at_work = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), out.search, false, {}});
-  for (int i = 0; i < solves; ++i) out.solution = at_work->solve(kind.common(options).budget);
+  auto search_planner =
+      kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), out.search, false, {}});
+  for (int i = 0; i < solves; ++i) out.solution = search_planner->solve(kind.common(options).budget);
   out.checks = instance->checks;
-  out.told = guidance.lengths;
+  out.reported = guidance.lengths;
   if (out.solution.solved()) out.length = path_length(problem.space, out.solution.path);
   return out;
 }
@@ -86,12 +86,12 @@ TEST_CASE("the more is spent, the shorter the path, and h hears of each better o
         if (improve == 0.0) first = out.length;
         CHECK(out.length <= before);
         before = out.length;
-        REQUIRE_FALSE(out.told.empty());
-        CHECK(std::is_sorted(out.told.rbegin(), out.told.rend()));
-        CHECK(std::adjacent_find(out.told.begin(), out.told.end()) == out.told.end());
-        CHECK(out.told.front() == first);
-        CHECK(out.told.back() == out.length);
-        if (improve == 0.0) CHECK(out.told.size() == 1);
+        REQUIRE_FALSE(out.reported.empty());
+        CHECK(std::is_sorted(out.reported.rbegin(), out.reported.rend()));
+        CHECK(std::adjacent_find(out.reported.begin(), out.reported.end()) == out.reported.end());
+        CHECK(out.reported.front() == first);
+        CHECK(out.reported.back() == out.length);
+        if (improve == 0.0) CHECK(out.reported.size() == 1);
       }
       CHECK(before < first);
     }
@@ -159,26 +159,26 @@ TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a s
     std::size_t same = 0;
     for (std::size_t row = 0; row < n; ++row) {
       CAPTURE(seed, row);
-      double way = 0.0;
+      double length_of_path = 0.0;
       std::size_t steps = 0;
       for (std::size_t at = row; out.search.parents[at] != at; at = out.search.parents[at]) {
         REQUIRE(steps++ < n);
         REQUIRE(std::isfinite(length[at][out.search.parents[at]]));
-        way += length[at][out.search.parents[at]];
+        length_of_path += length[at][out.search.parents[at]];
       }
       // A node passes a shorter path of its parent on to its own children, but not to their other neighbours.
-      CHECK(way >= cost[row] * (1.0 - 1e-9));
-      same += way <= cost[row] * (1.0 + 1e-9) ? 1 : 0;
+      CHECK(length_of_path >= cost[row] * (1.0 - 1e-9));
+      same += length_of_path <= cost[row] * (1.0 + 1e-9) ? 1 : 0;
     }
     CHECK(same > 9 * n / 10);
     double end = std::numeric_limits<double>::infinity();
     for (std::size_t row = 0; row < n; ++row) {
       if (space.distance(out.search.nodes[row], problem.goal) > problem.goal_tolerance) continue;
-      double way = 0.0;
+      double length_of_path = 0.0;
       for (std::size_t at = row; out.search.parents[at] != at; at = out.search.parents[at]) {
-        way += length[at][out.search.parents[at]];
+        length_of_path += length[at][out.search.parents[at]];
       }
-      end = std::min(end, way);
+      end = std::min(end, length_of_path);
     }
     CHECK(out.length == Approx(end).epsilon(1e-12));
   }
@@ -195,7 +195,7 @@ TEST_CASE("Lazy-PRM* finds the paths of PRM* and checks a fraction of its edges"
       CHECK(lazy.search.proposals.size() == eager.search.proposals.size());
       CHECK(lazy.search.nodes.size() == eager.search.nodes.size());
       CHECK(lazy.length == Approx(eager.length).epsilon(1e-12));
-      CHECK(lazy.told.front() == Approx(eager.told.front()).epsilon(1e-12));
+      CHECK(lazy.reported.front() == Approx(eager.reported.front()).epsilon(1e-12));
       CHECK(10 * lazy.checks.motion < eager.checks.motion);
     }
   }
@@ -224,7 +224,7 @@ TEST_CASE("a budget that ends while paths get shorter leaves the best one", "[pl
     const Run out = run(planner, test::cup_problem(), 3, 1e6, 1, {{"proposals", std::int64_t{2000}}});
     CHECK(out.search.proposals.size() == 2000);
     CHECK(out.solution.solved());
-    CHECK(out.length == out.told.back());
+    CHECK(out.length == out.reported.back());
   }
 }
 

@@ -188,15 +188,15 @@ TEST_CASE("every lazy evaluation of a roadmap finds valid paths and reports the 
             REQUIRE(out.solution.solved());
             check_path(problem, out.solution.path);
             CHECK_FALSE(out.search.expands);
-            REQUIRE(out.search.looked_at.size() == out.search.nodes.size());
+            REQUIRE(out.search.validated.size() == out.search.nodes.size());
             // Each validated node is one check beside those of edges; the path's nodes are validated.
-            const auto looked_at = std::count(out.search.looked_at.begin(), out.search.looked_at.end(), 1);
-            CHECK(static_cast<std::uint64_t>(looked_at) <= out.checks.validity);
-            CHECK(looked_at >= static_cast<std::ptrdiff_t>(out.solution.path.size()));
+            const auto validated = std::count(out.search.validated.begin(), out.search.validated.end(), 1);
+            CHECK(static_cast<std::uint64_t>(validated) <= out.checks.validity);
+            CHECK(validated >= static_cast<std::ptrdiff_t>(out.solution.path.size()));
             for (std::size_t i = 0; i < out.solution.path.size(); ++i) {
               bool found = false;
               for (std::size_t k = 0; k < out.search.nodes.size() && !found; ++k) {
-                found = out.search.looked_at[k] != 0 &&
+                found = out.search.validated[k] != 0 &&
                         problem.space.distance(out.search.nodes[k], out.solution.path[i]) == 0.0;
               }
               CHECK(found);
@@ -230,7 +230,7 @@ TEST_CASE("only unguided lazy roadmaps that check for real have unseen nodes", "
   for (const auto* kind : sampling_planners()) {
     if (kind->component->name == "lazy_prm") continue;
     const auto out = run(*kind, test::cup_problem(), 1);
-    CHECK(out.search.looked_at.empty());
+    CHECK(out.search.validated.empty());
     CHECK(out.search.expands);
   }
 }

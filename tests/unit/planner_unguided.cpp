@@ -24,8 +24,6 @@ class Unguided final : public Guidance {
     uniform_.sample(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View q) const override { return (1.0 - goal_bias_) * uniform_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return goal_bias_; }
   void record(DensityRecord& record, double share) const override {
     goal_.record(record, share * goal_bias_);
     uniform_.record(record, share * (1.0 - goal_bias_));
@@ -67,7 +65,7 @@ void add_search(Fingerprint& print, const Search& search, const Checks& checks, 
   print.add(search.near);
   print.add(search.added);
   print.add(search.proposal_sources);
-  print.add(search.looked_at);
+  print.add(search.validated);
   for (const auto& edge : search.edges) print.add(edge);
   print.add_number(checks.validity);
   print.add_number(checks.motion);

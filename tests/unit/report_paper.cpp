@@ -214,7 +214,7 @@ TEST_CASE("LaTeX typesets the tables within the width of the text", "[report]") 
     return "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n" + body +
            "\\end{document}\n";
   };
-  place.write("table.tex", document(latex(report_markdown(experiment, result))));
+  static_cast<void>(place.write("table.tex", document(latex(report_markdown(experiment, result)))));
   const std::string cd = "cd '" + place.path().string() + "' && ";
   CHECK(succeeds(cd + "pdflatex -interaction=nonstopmode -halt-on-error table.tex"));
   CHECK(succeeds(cd + "! grep -q 'Overfull .hbox' table.log"));

@@ -114,7 +114,7 @@ TEST_CASE("levels of a mixture are drawn as a tree, by their keys", "[report]") 
     const auto index = static_cast<int>(run.levels.size());
     run.levels.push_back({fixture::level(index, key, name, plane, "rrt", 10, true), {}, {}});
   }
-  const std::string text = report_text(experiment, {{run}});
+  const std::string text = report_text(experiment, {.runs = {run}, .pooled = {}});
   for (const char* label : {"0 root ", "1 ├ first ", "2 │ └ deep ", "3 └ second ", "4   └ deeper "}) {
     CAPTURE(label);
     CHECK(text.find(label) != std::string::npos);

@@ -98,15 +98,15 @@ void check_displacement(const Robot& robot, const Space& space, std::uint64_t se
     const double bound = robot.displacement_bound(space, a, b);
     const auto marks = marks_of(robot, stream);
     auto last = points_of(robot, a, marks);
-    std::vector<double> way(marks.size(), 0.0);
+    std::vector<double> distance(marks.size(), 0.0);
     constexpr int steps = 60;
     for (int k = 1; k <= steps; ++k) {
       space.interpolate(a, b, static_cast<double>(k) / steps, q);
       const auto now = points_of(robot, q, marks);
-      for (std::size_t i = 0; i < marks.size(); ++i) way[i] += norm(now[i] - last[i]);
+      for (std::size_t i = 0; i < marks.size(); ++i) distance[i] += norm(now[i] - last[i]);
       last = now;
     }
-    const double longest = *std::max_element(way.begin(), way.end());
+    const double longest = *std::max_element(distance.begin(), distance.end());
     REQUIRE(longest <= bound + 1e-9);
     tightest = std::max(tightest, longest / bound);
   }

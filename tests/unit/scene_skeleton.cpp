@@ -245,7 +245,7 @@ TEST_CASE("discs are discs, not polygons", "[scene][skeleton]") {
     CHECK(least == Approx(0.5 * gap).epsilon(1e-9));
   }
   SECTION("discs that overlap less than their polygons close the passage") {
-    const auto ways = [](double gap) {
+    const auto routes = [](double gap) {
       // The polygons' flat sides face each other: the passage between them is always open in the diagram.
       const double angle = 3.14159265358979 / 24, apart = 4.0 + gap;
       const Vec2 to{apart * std::cos(angle), apart * std::sin(angle)};
@@ -255,8 +255,8 @@ TEST_CASE("discs are discs, not polygons", "[scene][skeleton]") {
       check_form(world, skeleton, default_spacing(world));
       return skeleton.edges.size() + components(skeleton).count - skeleton.vertices.size();
     };
-    CHECK(ways(0.001) == 2);
-    CHECK(ways(-0.001) == 1);
+    CHECK(routes(0.001) == 2);
+    CHECK(routes(-0.001) == 1);
   }
   SECTION("random worlds of discs and polygons") {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {

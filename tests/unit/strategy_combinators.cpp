@@ -13,6 +13,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/random_specs.hpp"
 #include "support/worlds.hpp"
 
@@ -230,7 +231,7 @@ TEST_CASE("a blend by exp3 draws by the documented rule, step by step", "[combin
     const auto share = [&](std::size_t i) {
       return 0.5 * settings.floor + (1.0 - settings.floor) * w[i] / (w[0] + w[1]);
     };
-    CHECK(h.atom_mass() == Approx(0.9 * share(1)).epsilon(1e-9));
+    CHECK(test::record_of(h).atoms() == Approx(0.9 * share(1)).epsilon(1e-9));
     const auto part = static_cast<std::size_t>(search.proposal_sources[step] - 3);
     if (search.fates[step] != Fate::rejected) w[part] *= std::exp(settings.floor / (2.0 * share(part)));
     ++step;
@@ -321,15 +322,15 @@ TEST_CASE("a split that no sub-goal solves is solved undivided", "[combinators][
 }
 
 TEST_CASE("a guide that never draws is reported", "[combinators][check]") {
-  const auto told = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
-  REQUIRE(told(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
-  CHECK_THAT(told(schedule({guide("uniform"), shrink(0.5)})).front(),
+  const auto unreachable = [](const GuideSpec& g) { return unreachable_guides(g >> rrt()); };
+  REQUIRE(unreachable(schedule({guide("uniform"), shrink(0.5)})).size() == 1);
+  CHECK_THAT(unreachable(schedule({guide("uniform"), shrink(0.5)})).front(),
              Contains("shrink(0.5) never draws") && Contains("uniform()") && Contains("never refuted"));
-  CHECK(told(schedule({guide("uniform"), shrink(0.5)}, {.turn = 100})).empty());
-  CHECK(told(schedule({shrink(0.5), guide("uniform")})).empty());
-  REQUIRE(told(race({guide("uniform"), shrink(0.5)})).size() == 1);
-  CHECK_THAT(told(race({guide("uniform"), shrink(0.5)})).front(), Contains("wins every race"));
-  CHECK(told(race({shrink(0.5), guide("lazy")})).empty());
+  CHECK(unreachable(schedule({guide("uniform"), shrink(0.5)}, {.turn = 100})).empty());
+  CHECK(unreachable(schedule({shrink(0.5), guide("uniform")})).empty());
+  REQUIRE(unreachable(race({guide("uniform"), shrink(0.5)})).size() == 1);
+  CHECK_THAT(unreachable(race({guide("uniform"), shrink(0.5)})).front(), Contains("wins every race"));
+  CHECK(unreachable(race({shrink(0.5), guide("lazy")})).empty());
 }
 
 TEST_CASE("ablation takes a guide out of every kind", "[combinators][ablation]") {

@@ -12,6 +12,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -240,14 +241,15 @@ TEST_CASE("the recorded density is that of every step", "[executor][density][slo
       }
       ExecuteOptions options;
       options.watch = [&](const LevelRecord& level, const Guidance& h) {
+        const DensityRecord now = test::record_of(h);
         // What the halves of a split draw is drawn for the whole as well.
         for (const LevelRecord* at = &first.levels[static_cast<std::size_t>(level.level)];;
              at = &first.levels[static_cast<std::size_t>(at->parent)]) {
           Sums& mine = sums[at->key];
           mine.proposals += 1.0;
-          mine.atoms += h.atom_mass();
+          mine.atoms += now.atoms();
           for (std::size_t i = 0; i < mine.densities.size(); ++i) {
-            mine.densities[i] += h.density(std::as_const(mine.probes)[i]);
+            mine.densities[i] += now.at(std::as_const(mine.probes)[i]);
           }
           if (!at->name.ends_with(" half")) break;
         }

@@ -7,6 +7,7 @@
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
+#include "support/density.hpp"
 #include "support/refuses.hpp"
 #include "support/worlds.hpp"
 
@@ -305,7 +306,7 @@ TEST_CASE("a blend draws by the documented rule, step by step", "[executor][blen
   options.watch = [&](const LevelRecord&, const Guidance& h) {
     const double w[2] = {successes[0] / attempts[0], successes[1] / attempts[1]};
     const double share = 0.5 * settings.floor + (1.0 - settings.floor) * w[1] / (w[0] + w[1]);
-    CHECK(h.atom_mass() == Approx(0.9 * share).epsilon(1e-12));
+    CHECK(test::record_of(h).atoms() == Approx(0.9 * share).epsilon(1e-12));
     const auto part = static_cast<std::size_t>(search.proposal_sources[step] - 3);
     successes[part] = settings.decay * successes[part] + (search.fates[step] == Fate::rejected ? 0.0 : 1.0);
     attempts[part] = settings.decay * attempts[part] + 1.0;

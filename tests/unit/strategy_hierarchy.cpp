@@ -41,8 +41,6 @@ class PointHeuristic : public Heuristic {
     std::copy(point_.begin(), point_.end(), out.begin());
     return 0;
   }
-  [[nodiscard]] double density(View) const override { return 0.0; }
-  [[nodiscard]] double atom_mass() const override { return 1.0; }
   void record(DensityRecord& record, double share) const override { record.add_atoms(share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"one point"}; }
 
@@ -54,7 +52,6 @@ class UniformDraws final : public Heuristic {
  public:
   explicit UniformDraws(const Space& space) : uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"garbage"}; }
 

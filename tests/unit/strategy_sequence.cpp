@@ -53,7 +53,6 @@ struct Part final : SearchedGuidance {
     ++drew;
     return 0;
   }
-  [[nodiscard]] double density(View) const override { return 1.0; }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"part"}; }
 };
 

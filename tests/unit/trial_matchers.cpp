@@ -133,10 +133,10 @@ TEST_CASE("spends: fewer than another, seed by seed, with a confidence") {
   CHECK_THAT(said.text, StartsWith("guided spends fewer validity checks than plain: 0."));
   CHECK_THAT(said.text, Contains("with 95 % confidence; less on "));
 
-  const Said other_way = judge(plain(), spends(fewer_than(guided()).validity_checks()));
-  CHECK_FALSE(other_way.holds);
-  CHECK_THAT(other_way.help, Contains("; guided spent "));
-  CHECK_THAT(other_way.help, StartsWith("seed "));
+  const Said reversed = judge(plain(), spends(fewer_than(guided()).validity_checks()));
+  CHECK_FALSE(reversed.holds);
+  CHECK_THAT(reversed.help, Contains("; guided spent "));
+  CHECK_THAT(reversed.help, StartsWith("seed "));
   // No strategy spends less than itself, however often it is tested.
   CHECK_FALSE(judge(plain(), spends(fewer_than(plain()).validity_checks())).holds);
   CHECK_FALSE(judge(guided(), spends(fewer_than(plain()).validity_checks().by(0.99))).holds);
@@ -162,10 +162,10 @@ TEST_CASE("spends: more than another, which is what misleads") {
   CHECK_THAT(said.text, Contains(" times as many at the median, at least ") && Contains("; more on "));
   CHECK(judge(plain(), spends(more_than(guided()).validity_checks().by(1.0))).holds);
 
-  const Said other_way = judge(guided(), spends(more_than(plain()).validity_checks().by(0.2)));
-  CHECK_FALSE(other_way.holds);
-  CHECK_THAT(other_way.text, StartsWith("guided spends 20 % more validity checks than plain: 0."));
-  CHECK_THAT(other_way.help, StartsWith("seed ") && Contains("; plain spent "));
+  const Said reversed = judge(guided(), spends(more_than(plain()).validity_checks().by(0.2)));
+  CHECK_FALSE(reversed.holds);
+  CHECK_THAT(reversed.text, StartsWith("guided spends 20 % more validity checks than plain: 0."));
+  CHECK_THAT(reversed.help, StartsWith("seed ") && Contains("; plain spent "));
   CHECK_FALSE(judge(plain(), spends(more_than(plain()).validity_checks())).holds);
   CHECK_FALSE(judge(plain(), spends(more_than(guided()).validity_checks().by(1e6))).holds);
 }

@@ -30,7 +30,9 @@ std::string nearest_name(std::string_view given, std::span<const std::string> kn
   const std::string* best = nullptr;
   std::size_t least = 0;
   for (const auto& name : known) {
-    const std::size_t allowed = std::max<std::size_t>(2, std::max(given.size(), name.size()) / 3);
+    const std::size_t longer = std::max(given.size(), name.size());
+    // In three letters two changes leave next to nothing: box is not near foo.
+    const std::size_t allowed = longer <= 3 ? 1 : std::max<std::size_t>(2, longer / 3);
     const std::size_t length = std::min(given.size(), name.size());
     if (std::max(given.size(), name.size()) - length > allowed) continue;  // a lower bound of the distance
     const std::size_t distance = edit_distance(given, name);

@@ -28,6 +28,20 @@ using Vector3 = fcl::Vector3d;
 using Transform3 = fcl::Transform3d;
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
+/// FCL's iterations have tolerances in metres, about 1e-6: a smaller world is enlarged by a power of two, which is
+/// exact.
+double scale_of(const World& world) {
+  constexpr double least = 1.0;
+  const double size = norm(world.bounds().hi - world.bounds().lo);
+  return size < least ? std::exp2(std::ceil(std::log2(least / size)) + 3.0) : 1.0;
+}
+
+ConvexShape scaled_shape(ConvexShape shape, double scale) {
+  if (auto* disc = std::get_if<Disc>(&shape)) return Disc{scale * disc->centre, scale * disc->radius};
+  for (Vec2& v : std::get<Polygon>(shape).vertices) v = scale * v;
+  return shape;
+}
+
 Transform3 transform(const Pose2& pose) {
   Transform3 result;
   result.matrix() << pose.c, -pose.s, 0.0, pose.x,  //
@@ -131,14 +145,16 @@ class FclChecker final : public Checker {
       : scene_(std::move(scene)), robot_(scene_->robot), space_(std::move(space)), resolution_(resolution) {
     check_fits(*scene_, space_, resolution_);
     slack_ = touching_slack(*scene_);
+    scale_ = scale_of(scene_->world);
     const auto& world = scene_->world;
     // The robot is lower than the obstacles: with prisms of one height, FCL's iteration produces degenerate simplices,
     // for which it reports contact of polygons 0.1 m from each other (some 30 of a million configurations).
-    const double size = norm(world.bounds().hi - world.bounds().lo);
+    const double size = scale_ * norm(world.bounds().hi - world.bounds().lo);
+    const double slack = 0.5 * scale_ * slack_;
     const double obstacle_height = 0.2 * size;
     const double robot_height = 0.05 * size;
     for (const auto& part : world.parts()) {
-      obstacles_.emplace_back(part.shape, obstacle_height, 0.5 * slack_);
+      obstacles_.emplace_back(scaled_shape(part.shape, scale_), obstacle_height, slack);
       const Box2 box = bounding_box(part.shape);
       const Vec2 margin{slack_, slack_};
       boxes_.push_back({box.lo - margin, box.hi + margin});
@@ -158,7 +174,7 @@ class FclChecker final : public Checker {
 
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
       for (const auto& part : robot_.bodies()[i].parts) {
-        pieces_.push_back({i, &part, Solid(part, robot_height, 0.5 * slack_), {}, {}});
+        pieces_.push_back({i, &part, Solid(scaled_shape(part, scale_), robot_height, slack), {}, {}});
       }
     }
     for (const auto& [first, second] : robot_.pairs()) {
@@ -166,7 +182,7 @@ class FclChecker final : public Checker {
         for (std::size_t k = 0; k < pieces_.size(); ++k) {
           if (pieces_[i].body != first || pieces_[k].body != second) continue;
           // The body that stands for the obstacle has the height of obstacles.
-          pairs_.push_back({i, k, Solid(*pieces_[i].shape, obstacle_height, 0.5 * slack_)});
+          pairs_.push_back({i, k, Solid(scaled_shape(*pieces_[i].shape, scale_), obstacle_height, slack)});
         }
       }
     }
@@ -176,6 +192,8 @@ class FclChecker final : public Checker {
     sweepable_ = !robot_.translates() || (!space_.axes()[0].periodic && !space_.axes()[1].periodic);
     request_.num_max_contacts = 1;
     request_.enable_contact = false;
+    // With the default of 1e-6, FCL misses contacts of shapes narrower than about 1e-6 m.
+    request_.gjk_tolerance = 1e-14;
   }
 
   [[nodiscard]] bool valid(View q) const override {
@@ -230,7 +248,7 @@ class FclChecker final : public Checker {
         const Solid& obstacle = obstacles_[i];
         fcl::distance(piece.solid.facing(obstacle), frame, obstacle.facing(piece.solid), obstacle.frame, request,
                       result);
-        best = std::min(best, result.min_distance);
+        best = std::min(best, result.min_distance / scale_);
       }
     }
     for (const Pair& pair : pairs_) {
@@ -238,7 +256,7 @@ class FclChecker final : public Checker {
       fcl::DistanceResultd result;
       fcl::distance(solid.facing(pair.solid), frame_of(pieces_[pair.second]), pair.solid.facing(solid), frame_of(pair),
                     request, result);
-      best = std::min(best, result.min_distance);
+      best = std::min(best, result.min_distance / scale_);
     }
     return std::max(best, 0.0);
   }
@@ -309,9 +327,11 @@ class FclChecker final : public Checker {
   void ask_tree(const Box2& box, Query& query) const {
     if (objects_.empty()) return;
     // The tree takes objects, not boxes: use a flat box in the plane that all solids intersect.
-    probe_box_->side = Vector3(box.hi.x - box.lo.x, box.hi.y - box.lo.y, 0.0);
+    const Vec2 lo = scale_ * box.lo;
+    const Vec2 hi = scale_ * box.hi;
+    probe_box_->side = Vector3(hi.x - lo.x, hi.y - lo.y, 0.0);
     probe_box_->computeLocalAABB();
-    probe_.setTranslation(Vector3(0.5 * (box.lo.x + box.hi.x), 0.5 * (box.lo.y + box.hi.y), 0.0));
+    probe_.setTranslation(Vector3(0.5 * (lo.x + hi.x), 0.5 * (lo.y + hi.y), 0.0));
     probe_.computeAABB();
     tree_.collide(&probe_, &query, &on_pair);
   }
@@ -329,13 +349,15 @@ class FclChecker final : public Checker {
     return fcl::collide(solid.facing(obstacle), frame, obstacle.facing(solid), obstacle.frame, request_, result_) > 0;
   }
 
+  [[nodiscard]] Pose2 scaled(const Pose2& pose) const { return {scale_ * pose.x, scale_ * pose.y, pose.c, pose.s}; }
+
   [[nodiscard]] Transform3 frame_of(const Piece& piece) const {
-    const Transform3 frame = transform(frames_[piece.body]);
+    const Transform3 frame = transform(scaled(frames_[piece.body]));
     return piece.solid.framed ? frame * piece.solid.frame : frame;
   }
 
   [[nodiscard]] Transform3 frame_of(const Pair& pair) const {
-    const Transform3 frame = transform(frames_[pieces_[pair.first].body]);
+    const Transform3 frame = transform(scaled(frames_[pieces_[pair.first].body]));
     return pair.solid.framed ? frame * pair.solid.frame : frame;
   }
 
@@ -381,6 +403,7 @@ class FclChecker final : public Checker {
   Space space_;
   double resolution_;
   double slack_ = 0.0;
+  double scale_ = 1.0;  ///< of what FCL receives
   bool sweepable_ = false;
   std::vector<Solid> obstacles_;  ///< the world's parts, with boxes and objects
   std::vector<Box2> boxes_;

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/collision/kernel.hpp>
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include <trellis/base/error.hpp>
 
 namespace trellis::kernel {
 
@@ -35,6 +42,16 @@ const Table* const* available(unsigned& count) {
   return found().tables.data();
 }
 
-const Table& best() { return *found().tables[found().count - 1]; }
+const Table& best() {
+  const Available& all = found();
+  const char* wanted = std::getenv("TRELLIS_KERNEL");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  if (wanted == nullptr || *wanted == '\0') return *all.tables[all.count - 1];
+  std::string names;
+  for (unsigned i = 0; i < all.count; ++i) {
+    if (std::string_view(all.tables[i]->name) == wanted) return *all.tables[i];
+    names += fmt::format("{}{}", i > 0 ? ", " : "", all.tables[i]->name);
+  }
+  throw Error(fmt::format("TRELLIS_KERNEL: this processor has the instruction sets {}, got '{}'", names, wanted));
+}
 
 }  // namespace trellis::kernel

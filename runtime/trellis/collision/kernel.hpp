@@ -23,11 +23,11 @@ struct Poses {
 
 /// The poses of one rigid body on a straight motion: start + share * difference; share 1 gives the end exactly.
 struct Line {
-  double x = 0.0, y = 0.0, angle = 0.0;              ///< the start
-  double way_x = 0.0, way_y = 0.0, turn = 0.0;       ///< from the start to the end
-  double end_x = 0.0, end_y = 0.0, end_angle = 0.0;  ///< the end
-  double joint_x = 0.0, joint_y = 0.0;               ///< added to every position
-  bool turns = false;                                ///< otherwise all angles are 0
+  double x = 0.0, y = 0.0, angle = 0.0;                       ///< the start
+  double difference_x = 0.0, difference_y = 0.0, turn = 0.0;  ///< from the start to the end
+  double end_x = 0.0, end_y = 0.0, end_angle = 0.0;           ///< the end
+  double joint_x = 0.0, joint_y = 0.0;                        ///< added to every position
+  bool turns = false;                                         ///< otherwise all angles are 0
 };
 
 /// An edge of a convex counter-clockwise polygon: from (x, y), `length` along (-ny, nx).
@@ -90,7 +90,8 @@ extern const Table avx512;
 
 /// Returns the tables that this processor can run, the fastest last. Writes their number to `count`.
 const Table* const* available(unsigned& count);
-/// Returns the fastest of them.
+/// Returns the fastest of them, or the one that the environment variable TRELLIS_KERNEL names (baseline, avx2, avx512).
+/// \throws Error if the processor has no such one.
 const Table& best();
 
 }  // namespace trellis::kernel

@@ -35,8 +35,8 @@ inline void sine_cosine(const V& angle, V& sine, V& cosine) {
 void poses_of(const Line& line, const double* shares, Poses& out) {
   const V share = load(shares);
   const M last = equal(share, spread(1.0));
-  const V x = select(last, spread(line.end_x), spread(line.x) + share * spread(line.way_x));
-  const V y = select(last, spread(line.end_y), spread(line.y) + share * spread(line.way_y));
+  const V x = select(last, spread(line.end_x), spread(line.x) + share * spread(line.difference_x));
+  const V y = select(last, spread(line.end_y), spread(line.y) + share * spread(line.difference_y));
   store(out.x.v, x + spread(line.joint_x));
   store(out.y.v, y + spread(line.joint_y));
   V c = spread(1.0);

@@ -120,7 +120,7 @@ class PlanarChecker final : public Checker {
     poses_.resize(bodies.size());
     frames_.resize(bodies.size());
     q_.resize(space_.dimension());
-    way_.resize(space_.dimension());
+    difference_.resize(space_.dimension());
 
     // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
     const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
@@ -411,8 +411,8 @@ class PlanarChecker final : public Checker {
     const Vec2 to = robot_.translates() ? Vec2{b[0], b[1]} : robot_.base();
     line_.x = from.x;
     line_.y = from.y;
-    line_.way_x = to.x - from.x;
-    line_.way_y = to.y - from.y;
+    line_.difference_x = to.x - from.x;
+    line_.difference_y = to.y - from.y;
     line_.end_x = to.x;
     line_.end_y = to.y;
     line_.joint_x = body.joint.x;
@@ -423,8 +423,8 @@ class PlanarChecker final : public Checker {
     if (a.data() == b.data()) {
       line_.turn = 0.0;
     } else {
-      space_.difference(a, b, way_);
-      line_.turn = way_[axis];
+      space_.difference(a, b, difference_);
+      line_.turn = difference_[axis];
     }
     line_.angle = a[axis];
     line_.end_angle = b[axis];
@@ -523,7 +523,7 @@ class PlanarChecker final : public Checker {
   mutable std::vector<unsigned> candidates_;
   mutable std::vector<Pose2> frames_;
   mutable Configuration q_;
-  mutable Configuration way_;
+  mutable Configuration difference_;
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
   mutable std::vector<Box> hulls_;     ///< of the pieces, where there are pairs

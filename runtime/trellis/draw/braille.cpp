@@ -57,11 +57,11 @@ void Braille::line(Point from, Point to, const Ink256& ink) {
   // Clip first (Liang and Barsky), so that the number of steps is bounded.
   double begin = 0.0;
   double end = 1.0;
-  const auto cut = [&](double at, double way, double limit) {
+  const auto cut = [&](double at, double difference, double limit) {
     // Restricts [begin, end] to the parameters on the inner side of the limit.
-    if (way == 0.0) return at <= limit;
-    const double t = (limit - at) / way;
-    if (way > 0.0) {
+    if (difference == 0.0) return at <= limit;
+    const double t = (limit - at) / difference;
+    if (difference > 0.0) {
       end = std::min(end, t);
     } else {
       begin = std::max(begin, t);

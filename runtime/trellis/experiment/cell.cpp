@@ -39,7 +39,7 @@ std::string difference_of(const Search& x, const Search& y, const std::string& l
     return fmt::format("the parts of h that drew the proposals of {} differ", level);
   }
   if (x.edges != y.edges) return fmt::format("the edges of {} differ", level);
-  if (x.looked_at != y.looked_at) return fmt::format("the checked nodes of {} differ", level);
+  if (x.validated != y.validated) return fmt::format("the checked nodes of {} differ", level);
   if (x.checks.validity != y.checks.validity) {
     return differ("validity checks of " + level, x.checks.validity, y.checks.validity);
   }

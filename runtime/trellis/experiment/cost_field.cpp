@@ -48,12 +48,12 @@ CostField::CostField(CostFieldInstance instance, const CostFieldSettings& settin
   to_goal_ = search(goal_node);
   // Both searches give a path; shortcutting from opposite ends makes them differ.
   const bool forward = from_start_.cost[goal_node] <= to_goal_.cost[start_node];
-  const Ways& ways = forward ? from_start_ : to_goal_;
+  const CostTree& tree = forward ? from_start_ : to_goal_;
   const std::uint32_t end = forward ? goal_node : start_node;
-  optimum_ = ways.cost[end];
+  optimum_ = tree.cost[end];
   if (optimum_ == infinity) return;
   std::vector<std::uint32_t> stops = {end};
-  while (ways.before[stops.back()] != stops.back()) stops.push_back(ways.before[stops.back()]);
+  while (tree.before[stops.back()] != stops.back()) stops.push_back(tree.before[stops.back()]);
   if (forward) std::reverse(stops.begin(), stops.end());
   for (const std::uint32_t stop : stops) path_.push(std::as_const(nodes_)[stop]);
 }
@@ -114,13 +114,13 @@ void CostField::join(const std::vector<Configurations>& known) {
   }
 }
 
-CostField::Ways CostField::search(std::uint32_t root) const {
+CostField::CostTree CostField::search(std::uint32_t root) const {
   const std::size_t n = nodes_.size();
-  Ways ways{std::vector<double>(n, infinity), std::vector<std::uint32_t>(n, root)};
+  CostTree tree{std::vector<double>(n, infinity), std::vector<std::uint32_t>(n, root)};
   std::vector<char> done(n, 0);
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  ways.cost[root] = 0.0;
+  tree.cost[root] = 0.0;
   queue.emplace(0.0, root);
   while (!queue.empty()) {
     const std::uint32_t v = queue.top().second;
@@ -128,35 +128,35 @@ CostField::Ways CostField::search(std::uint32_t root) const {
     if (done[v] != 0) continue;
     done[v] = 1;
     // The paths to all nodes before are final, so this node's path can only become shorter.
-    while (ways.before[v] != root) {
-      const std::uint32_t u = ways.before[ways.before[v]];
+    while (tree.before[v] != root) {
+      const std::uint32_t u = tree.before[tree.before[v]];
       if (!instance_.valid_motion(std::as_const(nodes_)[u], std::as_const(nodes_)[v])) break;
-      ways.before[v] = u;
+      tree.before[v] = u;
       const double straight = instance_.space.distance(std::as_const(nodes_)[u], std::as_const(nodes_)[v]);
-      ways.cost[v] = std::min(ways.cost[v], ways.cost[u] + straight);
+      tree.cost[v] = std::min(tree.cost[v], tree.cost[u] + straight);
     }
     for (const auto& edge : edges_[v]) {
-      const double way = ways.cost[v] + edge.length;
-      if (done[edge.to] == 0 && way < ways.cost[edge.to]) {
-        ways.cost[edge.to] = way;
-        ways.before[edge.to] = v;
-        queue.emplace(way, edge.to);
+      const double cost = tree.cost[v] + edge.length;
+      if (done[edge.to] == 0 && cost < tree.cost[edge.to]) {
+        tree.cost[edge.to] = cost;
+        tree.before[edge.to] = v;
+        queue.emplace(cost, edge.to);
       }
     }
   }
-  return ways;
+  return tree;
 }
 
-double CostField::reach(const Ways& ways, View q) const {
+double CostField::reach(const CostTree& tree, View q) const {
   candidates_.clear();
   const auto offer = [&](std::uint32_t id) {
-    if (ways.cost[id] < infinity) {
-      candidates_.emplace_back(ways.cost[id] + instance_.space.distance(std::as_const(nodes_)[id], q), id);
+    if (tree.cost[id] < infinity) {
+      candidates_.emplace_back(tree.cost[id] + instance_.space.distance(std::as_const(nodes_)[id], q), id);
     }
   };
   for (const auto& near : near_) {
     offer(near.id);
-    offer(ways.before[near.id]);
+    offer(tree.before[near.id]);
   }
   std::sort(candidates_.begin(), candidates_.end());
   candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());

@@ -60,25 +60,25 @@ class CostField {
     double length = 0.0;
   };
   /// Shortest paths from one node to all nodes.
-  struct Ways {
+  struct CostTree {
     std::vector<double> cost;
     std::vector<std::uint32_t> before;  ///< the parent of each node; the root's is itself
   };
 
   void sample(std::size_t count, std::uint64_t seed);
   void join(const std::vector<Configurations>& known);
-  [[nodiscard]] Ways search(std::uint32_t root) const;
+  [[nodiscard]] CostTree search(std::uint32_t root) const;
   /// Returns the least cost from the root of the shortest paths to q, by a straight motion from a node near q or from
   /// that node's parent.
-  [[nodiscard]] double reach(const Ways& ways, View q) const;
+  [[nodiscard]] double reach(const CostTree& tree, View q) const;
 
   CostFieldInstance instance_;
   std::size_t neighbours_ = 0;
   Configurations nodes_;  ///< the start, the goal, samples, points of known paths
   NearestIndex index_;
   std::vector<std::vector<Edge>> edges_;
-  Ways from_start_;
-  Ways to_goal_;
+  CostTree from_start_;
+  CostTree to_goal_;
   double optimum_;
   Configurations path_;
   mutable std::vector<NearestIndex::Neighbour> near_;

@@ -23,6 +23,8 @@ namespace trellis {
 
 namespace {
 
+constexpr std::size_t most_runs = 1'000'000;  // of one experiment
+
 void check_name(const char* one, const char* many, const std::string& name, std::set<std::string>& taken) {
   if (name.empty()) throw Error(fmt::format("experiment: a {} without a name", one));
   if (!taken.insert(name).second) throw Error(fmt::format("experiment: two {} are called '{}'", many, name));
@@ -186,8 +188,8 @@ void check(const Experiment& experiment) {
   if (experiment.measure) check(*experiment.measure);
   if (!experiment.baseline.empty() && !strategies.contains(experiment.baseline)) {
     const std::vector<std::string> known(strategies.begin(), strategies.end());
-    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}", experiment.baseline,
-                            did_you_mean(experiment.baseline, known)));
+    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}; there are: {}", experiment.baseline,
+                            did_you_mean(experiment.baseline, known), fmt::join(known, ", ")));
   }
   for (const auto& problem : experiment.problems) check(problem);
   if (experiment.published) check(*experiment.published, problems, strategies);
@@ -197,6 +199,11 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   check(experiment);
 
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+  if (cells > most_runs) {
+    throw Error(fmt::format("experiment: {} problems x {} strategies x {} seeds are {} runs; at most {}",
+                            experiment.problems.size(), experiment.strategies.size(), experiment.seeds.size(), cells,
+                            most_runs));
+  }
   ExperimentResult result;
   result.runs.resize(cells);
 

@@ -557,10 +557,10 @@ class ProblemScoring {
   // Equal numbers ----------------------------------------------------------------------------------------------------
 
   static double measured_nodes(const Search& search) {
-    const auto& looked_at = search.looked_at;
-    return static_cast<double>(looked_at.empty()
+    const auto& validated = search.validated;
+    return static_cast<double>(validated.empty()
                                    ? search.nodes.size()
-                                   : static_cast<std::size_t>(std::count(looked_at.begin(), looked_at.end(), 1)));
+                                   : static_cast<std::size_t>(std::count(validated.begin(), validated.end(), 1)));
   }
   static double measured_proposals(const Search& search) {
     return search.expands ? static_cast<double>(search.proposals.size()) : 0.0;

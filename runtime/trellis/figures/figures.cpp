@@ -64,25 +64,25 @@ constexpr std::size_t wide_name = 28;
 /// Adds one panel for each path from an unguided level to the root: a chain has one, a mixture several.
 void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Figure& root, const std::string& role,
                 draw::Waterfall& picture) {
-  std::vector<std::vector<const WaterfallStep*>> ways;
-  const auto follow = [&](int level, const std::vector<const WaterfallStep*>& way, auto&& self) -> void {
+  std::vector<std::vector<const WaterfallStep*>> chains;
+  const auto follow = [&](int level, const std::vector<const WaterfallStep*>& chain, auto&& self) -> void {
     for (const WaterfallStep* s : steps_to(waterfall, level)) {
-      auto longer = way;
+      auto longer = chain;
       longer.insert(longer.begin(), s);
       if (s->from < 0) {
-        ways.push_back(std::move(longer));
+        chains.push_back(std::move(longer));
       } else {
         self(s->from, longer, self);
       }
     }
   };
   follow(0, {}, follow);
-  for (std::size_t w = 0; w < ways.size(); ++w) {
+  for (std::size_t w = 0; w < chains.size(); ++w) {
     draw::WaterfallPanel panel;
-    panel.title = ways.size() == 1 ? role : fmt::format("{}, by {}", role, [&] {
-      return short_level(summary.levels[static_cast<std::size_t>(ways[w].front()->level)].name, narrow_name);
+    panel.title = chains.size() == 1 ? role : fmt::format("{}, by {}", role, [&] {
+      return short_level(summary.levels[static_cast<std::size_t>(chains[w].front()->level)].name, narrow_name);
     }());
-    for (const WaterfallStep* s : ways[w]) {
+    for (const WaterfallStep* s : chains[w]) {
       panel.levels.push_back(step(summary.levels[static_cast<std::size_t>(s->level)].name, s->added));
     }
     panel.root = step("above uniform", root.gain);

@@ -66,22 +66,23 @@ std::vector<std::vector<Point>> pieces_of(const Space& space, const Configuratio
   std::vector<std::vector<Point>> pieces;
   if (path.size() == 0) return pieces;
   pieces.push_back({point(path[0])});
-  Configuration way(2);
+  Configuration difference(2);
   for (std::size_t i = 1; i < path.size(); ++i) {
-    space.difference(path[i - 1], path[i], way);
+    space.difference(path[i - 1], path[i], difference);
     // The parameters of the leg at which it wraps around an axis.
     std::vector<std::pair<double, std::size_t>> rounds;
     for (std::size_t j = 0; j < 2; ++j) {
       const Axis& axis = space.axes()[j];
-      const double end = path[i - 1][j] + way[j];
+      const double end = path[i - 1][j] + difference[j];
       if (!axis.periodic || (end >= axis.lo && end < axis.hi)) continue;
-      rounds.emplace_back(((way[j] > 0.0 ? axis.hi : axis.lo) - path[i - 1][j]) / way[j], j);
+      rounds.emplace_back(((difference[j] > 0.0 ? axis.hi : axis.lo) - path[i - 1][j]) / difference[j], j);
     }
     std::sort(rounds.begin(), rounds.end());
     Point shift{};
     for (const auto& [share, j] : rounds) {
-      const Point edge{path[i - 1][0] + share * way[0] + shift.x, path[i - 1][1] + share * way[1] + shift.y};
-      const double turn = way[j] > 0.0 ? -space.axes()[j].period() : space.axes()[j].period();
+      const Point edge{path[i - 1][0] + share * difference[0] + shift.x,
+                       path[i - 1][1] + share * difference[1] + shift.y};
+      const double turn = difference[j] > 0.0 ? -space.axes()[j].period() : space.axes()[j].period();
       (j == 0 ? shift.x : shift.y) += turn;
       pieces.back().push_back(edge);
       pieces.push_back({j == 0 ? Point{edge.x + turn, edge.y} : Point{edge.x, edge.y + turn}});

@@ -28,15 +28,15 @@ void write(Figure figure, const FigureStyle& style, const std::string& stem) {
   const std::string title = std::exchange(figure.title, "");
   const std::string caption = std::exchange(figure.caption, "");
   write_picture(draw::plot(figure), stem);
-  write_file(stem + ".txt", fmt::format("{}\n\n{}\n", title, caption));
+  write_file(stem + ".txt", fmt::format("{}\n\n{}\n", title, caption), Flush::none);
 }
 
 }  // namespace
 
 void write_picture(const draw::Canvas& canvas, const std::string& stem) {
-  write_file(stem + ".svg", canvas.render(draw::Format::svg));
-  write_file(stem + ".png", canvas.render(draw::Format::png));
-  write_file(stem + ".pdf", canvas.render(draw::Format::pdf));
+  write_file(stem + ".svg", canvas.render(draw::Format::svg), Flush::none);
+  write_file(stem + ".png", canvas.render(draw::Format::png), Flush::none);
+  write_file(stem + ".pdf", canvas.render(draw::Format::pdf), Flush::none);
 }
 
 void write_figure(draw::Figure figure, const FigureStyle& style, const std::string& stem) {

@@ -43,10 +43,10 @@ constexpr double most_cells_asked = 500.0;
 Point position(View q, const Axes& axes) { return {q[axes[0]], q[axes[1]]}; }
 
 std::vector<Point> track(const Configurations& path, const Axes& axes) {
-  std::vector<Point> way;
-  way.reserve(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i) way.push_back(position(path[i], axes));
-  return way;
+  std::vector<Point> positions;
+  positions.reserve(path.size());
+  for (std::size_t i = 0; i < path.size(); ++i) positions.push_back(position(path[i], axes));
+  return positions;
 }
 
 /// Counts of samples per cell, over any number of runs.

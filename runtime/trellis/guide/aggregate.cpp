@@ -6,6 +6,7 @@
 #include <trellis/guide/changing_world.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/scene/aggregate.hpp>
 
 namespace trellis {
@@ -45,9 +46,8 @@ class Aggregate final : public PathGuide {
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     world_ = parent.scene->world;
-    const double robot = parent.scene->robot.bounding_radius();
-    const double plain = robot > 0.0 ? robot : 0.02 * norm(world_.bounds().hi - world_.bounds().lo);
-    error_ = settings_.error > 0.0 ? settings_.error : plain;
+    error_ = settings_.error > 0.0 ? settings_.error
+                                   : size_or(parent.scene->robot, 0.02 * norm(world_.bounds().hi - world_.bounds().lo));
     validity_ = std::make_shared<ChangingWorld>(parent, aggregated(world_, error_));
     instance->validity = validity_;
     // A hull may contain the start or the goal. If an obstacle of C does too, no refinement helps.

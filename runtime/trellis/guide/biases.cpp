@@ -71,8 +71,6 @@ class GoalBias final : public Heuristic {
     uniform_.sample(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View q) const override { return (1.0 - share_) * uniform_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return share_; }
   void record(DensityRecord& record, double share) const override {
     record.add_atoms(share * share_);
     uniform_.record(record, share * (1.0 - share_));
@@ -115,7 +113,6 @@ class NearObstacle final : public Heuristic {
     space.sample_uniform(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
   [[nodiscard]] std::vector<std::string> sources() const override {
     const std::string name = test_ == Test::gaussian ? "gaussian" : "bridge_test";
     return {name, name + ": uniform"};

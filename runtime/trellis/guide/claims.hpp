@@ -38,7 +38,6 @@ struct GuideClaims {
   std::string no_path;  ///< description: S has no path
   std::string example;  ///< a script: "examples/nested.lua"
   Needs needs = Needs::nothing;
-  bool relaxes_arms = true;  ///< `relaxes` also applies to a robot that is fixed to its base
 };
 
 /// The name of the category, as "robot modification".

@@ -17,6 +17,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/scene/triangulation.hpp>
 
 namespace trellis {
@@ -367,14 +368,6 @@ class LeadHeuristic final : public Heuristic {
     return node_ && side_ == TreeSide::start ? exploration_->row(lead_[region_], *node_) : no_node;
   }
 
-  [[nodiscard]] double density(View q) const override {
-    const double on_lead = decomposition_->density(q, [this](std::uint32_t triangle) {
-      double mass = 0.0;
-      for (std::size_t i = 0; i < lead_.size(); ++i) mass += lead_[i] == triangle ? masses_[i] : 0.0;
-      return mass;
-    });
-    return settings_.explore * densities_->everywhere()->at(q) + (1.0 - settings_.explore) * on_lead;
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (!decomposition_->projection.closed_form()) {
@@ -545,9 +538,9 @@ class DecompositionGuide final : public Guide {
   /// \param tip  the position is that of an arm's tip, which has no size
   [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
     if (settings_.size > 0.0) return settings_.size;
-    const double robot = tip ? 0.0 : parent.scene->robot.bounding_radius();
     const Box2& bounds = parent.scene->world.bounds();
-    return robot > 0.0 ? 2.0 * robot : (tip ? 0.05 : 0.02) * norm(bounds.hi - bounds.lo);
+    const double world = norm(bounds.hi - bounds.lo);
+    return tip ? 0.05 * world : 2.0 * size_or(parent.scene->robot, 0.01 * world);
   }
 
   /// Makes the graph: triangles are vertices at their centroids, with edges through the midpoints of shared sides.

@@ -13,6 +13,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
 
@@ -48,7 +49,9 @@ const Settings<ExperienceSettings>& experience_settings() {
                    "paths that are retrieved: those whose ends are nearest to start and goal, in either direction")
           .number("join", &ExperienceSettings::join, "m in the metric", Range::non_negative(),
                   "distance within which two retrieved paths are joined, so that a path may change from one to the "
-                  "other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point")
+                  "other; 0: the robot's bounding radius; of the space's diameter 2 % for a point, 10 % for a robot "
+                  "that is fixed to its "
+                  "base")
           .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
                   "cost of a metre that is invalid in the present world, relative to a valid one")
           .choice("robots", &ExperienceSettings::robots, {"same", "any"},
@@ -121,10 +124,6 @@ class RepairedPath final : public PathFollower {
   [[nodiscard]] double progress() const override { return path_->progress(); }
   [[nodiscard]] double connected() const override { return path_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
-  [[nodiscard]] double density(View q) const override {
-    return (1.0 - share()) * path_->density(q) + (gap_ ? share() * (1.0 - ends_) * kernel().density(q) : 0.0);
-  }
-  [[nodiscard]] double atom_mass() const override { return (1.0 - share()) * path_->atom_mass() + share() * ends_; }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
   void record(DensityRecord& record, double of) const override {
     path_->record(record, of * (1.0 - share()));
@@ -289,15 +288,14 @@ class Experience final : public PathGuide {
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
     library_ = known_paths(settings_.db);
-    ExperienceGraph graph(*instance,
-                          settings_.join > 0.0 ? settings_.join : default_novelty(parent.space, parent.scene->robot));
+    ExperienceGraph graph(*instance, settings_.join > 0.0 ? settings_.join : characteristic_length(parent));
     for (const StoredPath* stored : retrieved(parent)) graph.add(stored->path);
     graph_ = std::make_shared<Graph>(graph.take());
     edges_.clear();
     by_ends_.clear();
     incident_.assign(graph_->vertices.size(), {});
     valid_.assign(graph_->vertices.size(), Seen::no);
-    refuted_ways_.clear();
+    refuted_edge_paths_.clear();
     for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
       edges_.push_back({graph_->edges[e].cost});
       by_ends_.emplace(std::minmax(graph_->edges[e].from, graph_->edges[e].to), e);
@@ -327,20 +325,21 @@ class Experience final : public PathGuide {
   std::int64_t another(const Solution* found) override {
     constexpr std::int64_t again = 200;  // proposals of a further search, if a guide weights the edges
     if (found != nullptr) {
-      Way way = edges_along(found->path);
-      if (!check(way)) return again;
-      const bool refuted = refuted_ways_.contains(way);
-      if (refuted && ways_.empty() && passed_over_ < most_passed_over) {
+      EdgePath edge_path = edges_along(found->path);
+      if (!check(edge_path)) return again;
+      const bool refuted = refuted_edge_paths_.contains(edge_path);
+      if (refuted && edge_paths_.empty() && passed_over_ < most_passed_over) {
         ++passed_over_;
-        avoid(way);
+        avoid(edge_path);
         return again;
       }
-      if (std::find(ways_.begin(), ways_.end(), way) == ways_.end() && (!refuted || ways_.empty())) {
-        if (refuted) refuted_ways_.clear();
-        paths_.push_back(kept(way));
-        ways_.push_back(std::move(way));
-        if (!refuted && static_cast<std::int64_t>(ways_.size()) < settings_.paths) {
-          for (const std::uint32_t e : ways_.back()) graph_->edges[e].cost *= avoided;
+      if (std::find(edge_paths_.begin(), edge_paths_.end(), edge_path) == edge_paths_.end() &&
+          (!refuted || edge_paths_.empty())) {
+        if (refuted) refuted_edge_paths_.clear();
+        paths_.push_back(kept(edge_path));
+        edge_paths_.push_back(std::move(edge_path));
+        if (!refuted && static_cast<std::int64_t>(edge_paths_.size()) < settings_.paths) {
+          for (const std::uint32_t e : edge_paths_.back()) graph_->edges[e].cost *= avoided;
           return again;
         }
       }
@@ -352,13 +351,13 @@ class Experience final : public PathGuide {
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     current_ = nullptr;
-    followed_ = std::exchange(ways_, {});
+    followed_ = std::exchange(edge_paths_, {});
     if (paths_.empty()) return PathGuide::heuristic(parent, sub, found);
     // S is C, so edges found valid in S are verified in C.
     if (!parent.verified) parent.verified = std::make_shared<VerifiedMotions>();
     parent.verified->hold_at(parent.epoch());
-    for (const auto& way : followed_) {
-      for (const std::uint32_t e : way) {
+    for (const auto& edge_path : followed_) {
+      for (const std::uint32_t e : edge_path) {
         if (edges_[e].seen != Seen::valid) continue;
         const auto& points = std::as_const(graph_->edges[e].points);
         parent.verified->add(points.front(), points.back());
@@ -375,9 +374,9 @@ class Experience final : public PathGuide {
   /// Increases the cost of the first part of each path that the planner did not reach.
   void before_resolve() override {
     if (current_ == nullptr) return;
-    for (const auto& way : followed_) {
-      avoid(way);
-      refuted_ways_.insert(way);
+    for (const auto& edge_path : followed_) {
+      avoid(edge_path);
+      refuted_edge_paths_.insert(edge_path);
     }
   }
 
@@ -386,7 +385,7 @@ class Experience final : public PathGuide {
 
  private:
   enum class Seen : std::uint8_t { no, valid, invalid };
-  using Way = std::vector<std::uint32_t>;  ///< edges from start to goal
+  using EdgePath = std::vector<std::uint32_t>;  ///< edges from start to goal
   static constexpr int most_passed_over = 4;
 
   /// The state of an edge of the graph.
@@ -418,10 +417,10 @@ class Experience final : public PathGuide {
   }
 
   /// Increases the cost of the first edge of a path whose end the planner did not reach.
-  void avoid(const Way& way) {
+  void avoid(const EdgePath& edge_path) {
     const double within = tube_radius(settings_, *sub_);
     std::uint32_t at = graph_->start;
-    for (const std::uint32_t e : way) {
+    for (const std::uint32_t e : edge_path) {
       const auto& edge = graph_->edges[e];
       at = edge.from == at ? edge.to : edge.from;
       const View place = std::as_const(graph_->vertices)[at];
@@ -447,10 +446,11 @@ class Experience final : public PathGuide {
   [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
     const std::uint64_t space = identity(parent.space);
     const std::uint64_t robot = identity(parent.scene->robot);
+    const bool same_robot = settings_.robots == "same";
     std::vector<std::pair<double, const StoredPath*>> fitting;
     for (const StoredPath& stored : *library_) {
       if (stored.space != space || stored.path.dimension() != parent.space.dimension()) continue;
-      if (settings_.robots == "same" && stored.robot != robot) continue;
+      if (same_robot && stored.robot != robot) continue;
       fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal, stored.path),
                                     apart(parent.space, parent.goal, parent.start, stored.path)),
                            &stored);
@@ -464,23 +464,23 @@ class Experience final : public PathGuide {
   }
 
   /// The edges of a path found in the graph.
-  [[nodiscard]] Way edges_along(const Configurations& path) const {
-    Way way;
-    way.reserve(path.size());
+  [[nodiscard]] EdgePath edges_along(const Configurations& path) const {
+    EdgePath edge_path;
+    edge_path.reserve(path.size());
     std::uint32_t at = graph_->start;
     for (std::size_t i = 1; i < path.size(); ++i) {
       const std::uint32_t next = places_->nearest(path[i]).id;
-      way.push_back(by_ends_.at(std::minmax(at, next)));
+      edge_path.push_back(by_ends_.at(std::minmax(at, next)));
       at = next;
     }
-    return way;
+    return edge_path;
   }
 
   /// Validates the unchecked edges of a path. Returns whether no cost increased.
-  bool check(const Way& way) {
+  bool check(const EdgePath& edge_path) {
     bool as_thought = true;
     std::uint32_t at = graph_->start;
-    for (const std::uint32_t e : way) {
+    for (const std::uint32_t e : edge_path) {
       const auto& edge = graph_->edges[e];
       const std::uint32_t next = edge.from == at ? edge.to : edge.from;
       if (edges_[e].seen == Seen::no) {
@@ -500,12 +500,12 @@ class Experience final : public PathGuide {
   }
 
   /// The waypoints of a path without the invalid ones. A gap is repaired up to its next valid waypoint.
-  [[nodiscard]] Configurations kept(const Way& way) const {
+  [[nodiscard]] Configurations kept(const EdgePath& edge_path) const {
     const auto& vertices = std::as_const(graph_->vertices);
     Configurations points(vertices.dimension());
     points.push(vertices[graph_->start]);
     std::uint32_t at = graph_->start;
-    for (const std::uint32_t e : way) {
+    for (const std::uint32_t e : edge_path) {
       at = graph_->edges[e].from == at ? graph_->edges[e].to : graph_->edges[e].from;
       if (at == graph_->goal || valid_[at] != Seen::invalid) points.push(vertices[at]);
     }
@@ -529,10 +529,10 @@ class Experience final : public PathGuide {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> by_ends_;
   std::optional<NearestIndex> places_;  ///< index of the vertices
   std::vector<Configurations> paths_;   ///< found since h was last made
-  std::vector<Way> ways_;               ///< edges of `paths_`
-  std::vector<Way> followed_;
-  std::set<Way> refuted_ways_;  ///< refuted by evidence
-  int passed_over_ = 0;         ///< refuted paths rejected in the current search
+  std::vector<EdgePath> edge_paths_;    ///< edges of `paths_`
+  std::vector<EdgePath> followed_;
+  std::set<EdgePath> refuted_edge_paths_;  ///< refuted by evidence
+  int passed_over_ = 0;                    ///< refuted paths rejected in the current search
 };
 
 }  // namespace

@@ -63,7 +63,6 @@ class Halton final : public Heuristic {
     return 0;
   }
   /// Averaged over the random shifts, each single sample is uniform.
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"halton"}; }
 

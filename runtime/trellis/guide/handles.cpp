@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
 
 namespace trellis {
@@ -267,7 +268,13 @@ double HandleLift::log_fibre_density(View q) const {
   return density;
 }
 
-void HandleLift::settle(MutableView q) const {
+Configurations HandleLift::lifted(const Configurations& path, View start, View goal) const {
+  Configurations result = position_->lifted(path, start, goal);
+  for (std::size_t i = 1; i + 1 < result.size(); ++i) set_likely_angles(result[i]);
+  return result;
+}
+
+void HandleLift::set_likely_angles(MutableView q) const {
   Chances chance;
   for (const Turn& turn : turns_) {
     chances(turn, q, chance);
@@ -346,7 +353,7 @@ void HandleLift::draw_near(MutableView q) const {
 }
 
 PointLift HandleLift::point_lift(const Instance& parent) const {
-  const double wander = natural_distance(parent);
+  const double wander = characteristic_length(parent);
   return [this, wander](int attempt, View s, View previous, View, Stream& stream, MutableView q) {
     constexpr int beside = 14;
     constexpr int most = 26;
@@ -356,7 +363,7 @@ PointLift HandleLift::point_lift(const Instance& parent) const {
     } else {
       std::copy(previous.begin(), previous.end(), q.begin());
       for (std::size_t k = 0; k < 2; ++k) q[position_axes_[k]] = s[k];
-      if (attempt > 0) settle(q);
+      if (attempt > 0) set_likely_angles(q);
     }
     if (attempt < beside) {
       draw_near(q);

@@ -43,9 +43,11 @@ class HandleLift final : public Projection {
   [[nodiscard]] bool closed_form() const override { return true; }
   [[nodiscard]] double log_fibre_density(View q) const override;
   [[nodiscard]] bool contracts() const override { return position_->contracts(); }
+  /// As of the position, with the most likely angles between start and goal.
+  [[nodiscard]] Configurations lifted(const Configurations& path, View start, View goal) const override;
 
   /// Sets the angles of q to the most likely ones, given its position.
-  void settle(MutableView q) const;
+  void set_likely_angles(MutableView q) const;
   /// Moves and rotates the robot at q by iterative closest points, until its handles come no nearer to the medial axis.
   void draw_near(MutableView q) const;
   /// The root mean square distance of the handles from the medial axis, metres.

@@ -42,45 +42,6 @@ const Settings<HolonomicSettings>& holonomic_settings() {
   return settings;
 }
 
-/// h over configurations; velocities are drawn from the fibre.
-class FibredHeuristic final : public ProjectedHeuristic {
- public:
-  FibredHeuristic(std::shared_ptr<const AxisProjection> projection, std::unique_ptr<Heuristic> h, Configuration start,
-                  Configuration goal)
-      : ProjectedHeuristic(projection, projection->space().dimension(), std::move(start), std::move(goal)),
-        axes_(std::move(projection)),
-        h_(std::move(h)) {}
-
-  [[nodiscard]] double density(View q) const override {
-    if (!axes_->parent().contains(q)) return 0.0;
-    Configuration s(dimension());
-    axes_->project(q, s);
-    return h_->density(s) * std::exp(-axes_->log_fibre_volume());
-  }
-  void record(DensityRecord& record, double share) const override {
-    record.add_lifted(*h_, share, [this](const std::shared_ptr<const Density>& density) { return fibred(density); });
-  }
-
- protected:
-  [[nodiscard]] Heuristic& inner() const override { return *h_; }
-
- private:
-  /// Returns the same object for equal densities, as long as it is among the last 64.
-  [[nodiscard]] std::shared_ptr<const Density> fibred(const std::shared_ptr<const Density>& density) const {
-    constexpr std::size_t few = 64;
-    for (const auto& [base, made] : made_) {
-      if (base == density) return made;
-    }
-    if (made_.size() == few) made_.clear();
-    made_.emplace_back(density, std::make_shared<LiftedDensity>(axes_, dimension(), density));
-    return made_.back().second;
-  }
-
-  std::shared_ptr<const AxisProjection> axes_;
-  std::unique_ptr<Heuristic> h_;
-  mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> made_;
-};
-
 class Holonomic final : public PathGuide {
  public:
   explicit Holonomic(const HolonomicSettings& settings)
@@ -130,8 +91,9 @@ class Holonomic final : public PathGuide {
       static_cast<void>(PathGuide::heuristic(*sub_, sub, found));
       return std::make_unique<UniformHeuristic>("holonomic (found nothing)", parent.space);
     }
-    return std::make_unique<FibredHeuristic>(drawn_, PathGuide::heuristic(*sub_, sub, found), parent.start,
-                                             parent.goal);
+    // Velocities are drawn from the fibre.
+    return std::make_unique<LiftedHeuristic>(drawn_, drawn_->space(), PathGuide::heuristic(*sub_, sub, found),
+                                             parent.start, parent.goal, LiftedHeuristic::Points::atoms);
   }
 
   void learn(const Outcome& outcome) override {

@@ -213,7 +213,6 @@ class Informed final : public Heuristic {
     set_->sample(stream, out);
     return 0;
   }
-  [[nodiscard]] double density(View q) const override { return set_ ? set_->at(q) : uniform_.density(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (set_) {

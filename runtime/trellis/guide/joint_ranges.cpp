@@ -155,6 +155,7 @@ void RangedProjection::lift(View s, Stream& stream, MutableView q) const {
   for (std::size_t stage = 0; stage < ranges_->size(); ++stage) {
     if (stream.uniform() >= uniform_share) ranges_->draw(stage, stream, q);
   }
+  if (counted_ != nullptr) counted_->validity += ranges_->take_checks();
 }
 
 double RangedProjection::log_fibre_density(View q) const {

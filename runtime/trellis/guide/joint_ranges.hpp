@@ -78,6 +78,9 @@ class RangedProjection final : public Projection {
  public:
   explicit RangedProjection(std::shared_ptr<JointRanges> ranges) : ranges_(std::move(ranges)) {}
 
+  /// Sets the counter for the checks of `lift`.
+  void count_in(Checks& checks) { counted_ = &checks; }
+
   void project(View q, MutableView s) const override { ranges_->kept().project(q, s); }
   void lift(View s, Stream& stream, MutableView q) const override;
   [[nodiscard]] bool closed_form() const override { return true; }
@@ -89,6 +92,7 @@ class RangedProjection final : public Projection {
 
  private:
   std::shared_ptr<JointRanges> ranges_;
+  Checks* counted_ = nullptr;
 };
 
 /// Validity in S that also requires a free range of the first dropped joint, in every slice that a motion crosses.

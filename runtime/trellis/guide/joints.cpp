@@ -15,6 +15,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/reduced_robot.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
 
@@ -79,39 +80,6 @@ std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& set
   return {kept.begin(), kept.end()};
 }
 
-/// h along a path in S: a tube about the path; the projection lifts the dropped axes.
-class JointsHeuristic final : public ProjectedHeuristic {
- public:
-  /// \param ranges  of the projection; nullptr: none
-  JointsHeuristic(const std::shared_ptr<const Projection>& projection, std::unique_ptr<PathHeuristic> below,
-                  Instance& parent, std::size_t dimension, std::shared_ptr<JointRanges> ranges)
-      : ProjectedHeuristic(projection, dimension, parent.start, parent.goal),
-        below_(std::move(below)),
-        parent_(parent),
-        ranges_(std::move(ranges)) {}
-
-  Source sample(Stream& stream, MutableView out) override {
-    const Source source = ProjectedHeuristic::sample(stream, out);
-    if (ranges_) parent_.checks.validity += ranges_->take_checks();
-    return source;
-  }
-
-  [[nodiscard]] double density(View q) const override {
-    return LiftedDensity(projection(), dimension(), below_->tube_density()).at(q);
-  }
-  void record(DensityRecord& record, double share) const override {
-    record.add(std::make_shared<LiftedDensity>(projection(), dimension(), below_->tube_density()), share);
-  }
-
- protected:
-  [[nodiscard]] Heuristic& inner() const override { return *below_; }
-
- private:
-  std::unique_ptr<PathHeuristic> below_;
-  Instance& parent_;
-  std::shared_ptr<JointRanges> ranges_;
-};
-
 class Joints final : public Guide {
  public:
   explicit Joints(JointsSettings settings) : settings_(std::move(settings)) {}
@@ -143,13 +111,14 @@ class Joints final : public Guide {
     instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
     ranges_ = nullptr;
     ranged_ = nullptr;
+    ranged_lift_ = nullptr;
     lifting_ = projection_;
     if (settings_.slices > 0 && axes.size() < parent.space.dimension()) {
       ranges_ = std::make_shared<JointRanges>(parent, projection_, static_cast<std::size_t>(settings_.slices));
       // Start and goal are valid even if the middles of their slices are not.
       ranges_->declare_free(parent.start);
       for (std::size_t i = 0; i < parent.goals(); ++i) ranges_->declare_free(parent.goal_at(i));
-      lifting_ = std::make_shared<RangedProjection>(ranges_);
+      lifting_ = ranged_lift_ = std::make_shared<RangedProjection>(ranges_);
       ranged_ = std::make_shared<RangedValidity>(instance->validity, ranges_);
       instance->validity = ranged_;
     }
@@ -190,21 +159,24 @@ class Joints final : public Guide {
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
-    const double step = parent.step > 0.0 ? parent.step : natural_distance(*sub);
+    if (ranged_lift_) ranged_lift_->count_in(parent.checks);
+    const double step = parent.step > 0.0 ? parent.step : characteristic_length(*sub);
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);
-    return std::make_unique<JointsHeuristic>(lifting_, std::move(below), parent, sub->space.dimension(), ranges_);
+    return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, parent.goal,
+                                             LiftedHeuristic::Points::atoms);
   }
 
  private:
   JointsSettings settings_;
   std::shared_ptr<const AxisProjection> projection_;
-  std::shared_ptr<const Projection> lifting_;  ///< lift of the samples of h
-  std::shared_ptr<JointRanges> ranges_;        ///< set if the option requests them
-  std::shared_ptr<RangedValidity> ranged_;     ///< of S, if there are ranges
-  std::optional<NearestIndex> reached_;        ///< the planner's nodes, in S
-  Configuration start_;                        ///< f of the start
+  std::shared_ptr<const Projection> lifting_;      ///< lift of the samples of h
+  std::shared_ptr<JointRanges> ranges_;            ///< set if the option requests them
+  std::shared_ptr<RangedProjection> ranged_lift_;  ///< `lifting_`, if there are ranges
+  std::shared_ptr<RangedValidity> ranged_;         ///< of S, if there are ranges
+  std::optional<NearestIndex> reached_;            ///< the planner's nodes, in S
+  Configuration start_;                            ///< f of the start
   Configuration added_;
 };
 

@@ -78,8 +78,6 @@ class TreeAndPath final : public PathFollower {
   [[nodiscard]] double progress() const override { return path_->progress(); }
   [[nodiscard]] double connected() const override { return path_->connected(); }
   [[nodiscard]] double edge_factor(View a, View b) const override { return path_->edge_factor(a, b); }
-  [[nodiscard]] double density(View q) const override { return (1.0 - share()) * path_->density(q); }
-  [[nodiscard]] double atom_mass() const override { return share() + (1.0 - share()) * path_->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + path_->epoch(); }
   void record(DensityRecord& record, double of) const override;
   void observe(const Outcome& outcome, bool mine) override;

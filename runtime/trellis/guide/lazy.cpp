@@ -8,6 +8,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/edge_evaluator.hpp>
 #include <trellis/planner/loop.hpp>
 
@@ -159,7 +160,7 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
     // In a changed world, configurations that were invalid may be valid.
     validity_ = std::make_shared<PresumedValidity>(parent.space, margin(parent), settings_.lambda, evaluated_);
     found_invalid_ = Configurations(parent.space.dimension());
-    left_.emplace(parent.space, parent.position_axes, 0.5 * natural_distance(parent));
+    left_.emplace(parent.space, parent.position_axes, 0.5 * characteristic_length(parent));
     checked_ = parent.validity;
     margin_ = margin(parent);
     instance->validity = validity_;

@@ -86,7 +86,6 @@ class LearnedHeuristic final : public Heuristic {
     cells_->sample(stream, out);
     return 0;
   }
-  [[nodiscard]] double density(View q) const override { return cells_->at(q); }
   void record(DensityRecord& record, double share) const override { record.add(cells_, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"learned"}; }
 

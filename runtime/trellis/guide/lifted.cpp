@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace trellis {
 
@@ -52,78 +51,66 @@ std::shared_ptr<const Density> LiftedDensity::sum(const std::vector<Term>& terms
   return std::make_shared<LiftedDensity>(projection_, dimension_, density_->sum(inner));
 }
 
-ProjectedHeuristic::ProjectedHeuristic(std::shared_ptr<const Projection> projection, std::size_t dimension,
-                                       Configuration start, Configuration goal)
+LiftedHeuristic::LiftedHeuristic(std::shared_ptr<const Projection> projection, const Space& s,
+                                 std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal,
+                                 Points points, std::string source)
     : projection_(std::move(projection)),
+      inner_(std::move(inner)),
       start_(std::move(start)),
       goal_(std::move(goal)),
-      proposal_(dimension),
-      near_(dimension),
-      added_(dimension),
-      blocked_(dimension) {}
+      points_(points),
+      source_(std::move(source)),
+      uniform_(std::make_shared<LiftedDensity>(projection_, s.dimension(),
+                                               std::make_shared<ConstantDensity>(std::exp(-s.log_volume())))),
+      proposal_(s.dimension()),
+      near_(s.dimension()),
+      added_(s.dimension()),
+      blocked_(s.dimension()) {}
 
-Guidance::Source ProjectedHeuristic::sample(Stream& stream, MutableView out) {
-  const Source source = inner().sample(stream, proposal_);
+Guidance::Source LiftedHeuristic::sample(Stream& stream, MutableView out) {
+  const Source source = inner_->sample(stream, proposal_);
   projection_->lift(proposal_, stream, out);
-  return source;
+  return source_.empty() ? source : Source{0};
 }
 
-bool ProjectedHeuristic::worth_connecting(View from, View to) const {
-  return inner().worth_connecting(projected(*projection_, from, proposal_), projected(*projection_, to, near_));
+bool LiftedHeuristic::worth_connecting(View from, View to) const {
+  return inner_->worth_connecting(projected(*projection_, from, proposal_), projected(*projection_, to, near_));
 }
 
-double ProjectedHeuristic::edge_factor(View a, View b) const {
-  return inner().edge_factor(projected(*projection_, a, proposal_), projected(*projection_, b, near_));
+double LiftedHeuristic::edge_factor(View a, View b) const {
+  return inner_->edge_factor(projected(*projection_, a, proposal_), projected(*projection_, b, near_));
 }
 
-void ProjectedHeuristic::observe(const Outcome& outcome, bool mine) {
+void LiftedHeuristic::observe(const Outcome& outcome, bool mine) {
   // Fates, rows and tree sides remain those of the planner.
   Outcome in_s = outcome;
   in_s.proposal = projected(*projection_, outcome.proposal, proposal_);
   in_s.near = projected(*projection_, outcome.near, near_);
   in_s.added = projected(*projection_, outcome.added, added_);
   in_s.blocked_at = projected(*projection_, outcome.blocked_at, blocked_);
-  inner().observe(in_s, mine);
-}
-
-LiftedHeuristic::LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
-                                 std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal)
-    : ProjectedHeuristic(std::move(projection), s.dimension(), std::move(start), std::move(goal)),
-      source_(std::move(source)),
-      inner_(std::move(inner)),
-      uniform_(std::make_shared<LiftedDensity>(this->projection(), s.dimension(),
-                                               std::make_shared<ConstantDensity>(std::exp(-s.log_volume())))),
-      s_(s.dimension()) {}
-
-double LiftedHeuristic::density(View q) const {
-  if (!projection()->closed_form()) return std::numeric_limits<double>::quiet_NaN();
-  projection()->project(q, s_);
-  const double p = projection()->folded(s_, [&](View at) { return inner_->density(at); });
-  return p > 0.0 ? p * std::exp(projection()->log_fibre_density(q)) : p;
+  inner_->observe(in_s, mine);
 }
 
 void LiftedHeuristic::record(DensityRecord& record, double share) const {
   DensityRecord now;
   now.served(*inner_);
-  // A single point of S is not a single point of C: if S lacks an axis, its lift is a fibre without a density over C.
-  if (!projection()->closed_form() || now.atoms() > 0.0 || !now.exact()) {
+  if (!projection_->closed_form() || !now.exact() || (points_ == Points::unknown && now.atoms() > 0.0)) {
     record.add_unknown(share);
     return;
   }
-  decltype(lifted_) lifted;
-  const auto terms = now.now();
-  lifted.reserve(terms.size());
-  for (const auto& [density, weight] : terms) {
-    // Lifts each density once, so that records recognise the result.
-    const auto known =
-        std::find_if(lifted_.begin(), lifted_.end(), [&of = density](const auto& pair) { return pair.first == of; });
-    lifted.emplace_back(density, known != lifted_.end()
-                                     ? known->second
-                                     : std::make_shared<LiftedDensity>(projection(), s_.size(), density));
-    record.add(lifted.back().second, share * weight);
-  }
+  for (const auto& [density, weight] : now.now()) record.add(lifted(density), share * weight);
   record.add(uniform_, share * now.uniform());
-  lifted_ = std::move(lifted);
+  record.add_atoms(share * now.atoms());
+}
+
+std::shared_ptr<const Density> LiftedHeuristic::lifted(const std::shared_ptr<const Density>& density) const {
+  constexpr std::size_t many = 64;
+  const auto known =
+      std::find_if(lifted_.begin(), lifted_.end(), [&](const auto& pair) { return pair.first == density; });
+  if (known != lifted_.end()) return known->second;
+  if (lifted_.size() == many) lifted_.clear();
+  lifted_.emplace_back(density, std::make_shared<LiftedDensity>(projection_, proposal_.size(), density));
+  return lifted_.back().second;
 }
 
 }  // namespace trellis

@@ -61,79 +61,60 @@ class LiftedDensity final : public Density {
   std::shared_ptr<const Density> density_;
 };
 
-/// A heuristic over S that guides a planner in C: samples are lifted, and the planner's outcomes and queries are
-/// projected to S. Nodes keep their rows in the planner's Search.
-class ProjectedHeuristic : public Heuristic {
+/// A heuristic over S that guides a planner in C: samples and densities are lifted, and the planner's outcomes and
+/// queries are projected to S. Nodes keep their rows in the planner's Search.
+class LiftedHeuristic final : public Heuristic {
  public:
-  /// \param dimension  of S
-  /// \param start,  goal  in C: the ends of the guiding path
-  ProjectedHeuristic(std::shared_ptr<const Projection> projection, std::size_t dimension, Configuration start,
-                     Configuration goal);
+  /// What the single points of S are to which h gives probability: without a density over C, so that h has none; or
+  /// atoms of C.
+  enum class Points : std::uint8_t { unknown, atoms };
 
-  void select_tree(TreeSide side) override { inner().select_tree(side); }
+  /// \param start,  goal  in C: the ends of the guiding path
+  /// \param source  name of the only source of samples; empty: the sources of h over S
+  LiftedHeuristic(std::shared_ptr<const Projection> projection, const Space& s, std::unique_ptr<Heuristic> inner,
+                  Configuration start, Configuration goal, Points points, std::string source = {});
+
+  void select_tree(TreeSide side) override { inner_->select_tree(side); }
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] std::uint32_t vertex() const override { return inner().vertex(); }
+  [[nodiscard]] std::uint32_t vertex() const override { return inner_->vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override;
   /// 0 if f does not contract: lengths in S then do not bound those in C.
-  [[nodiscard]] double progress() const override { return projection_->contracts() ? inner().progress() : 0.0; }
-  [[nodiscard]] double connected() const override { return projection_->contracts() ? inner().connected() : 0.0; }
+  [[nodiscard]] double progress() const override { return projection_->contracts() ? inner_->progress() : 0.0; }
+  [[nodiscard]] double connected() const override { return projection_->contracts() ? inner_->connected() : 0.0; }
   [[nodiscard]] double edge_factor(View a, View b) const override;
-  void restart() override { inner().restart(); }
+  void restart() override { inner_->restart(); }
   /// If f contracts, a path of C is at most as long in S. Otherwise its length has no meaning in S.
   void found(double length) override {
-    if (projection_->contracts()) inner().found(length);
+    if (projection_->contracts()) inner_->found(length);
   }
-  [[nodiscard]] double atom_mass() const override { return inner().atom_mass(); }
-  [[nodiscard]] std::uint64_t epoch() const override { return inner().epoch(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return inner_->epoch(); }
+  void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;
-  [[nodiscard]] std::vector<std::string> sources() const override { return inner().sources(); }
-  [[nodiscard]] bool stale() const override { return inner().stale(); }
-  [[nodiscard]] Configurations lifted_path() const override {
-    return projection_->lifted(inner().lifted_path(), start_, goal_);
+  [[nodiscard]] std::vector<std::string> sources() const override {
+    return source_.empty() ? inner_->sources() : std::vector{source_};
   }
-
- protected:
-  /// The heuristic over S.
-  [[nodiscard]] virtual Heuristic& inner() const = 0;
-  [[nodiscard]] std::size_t dimension() const { return proposal_.size(); }
-  [[nodiscard]] const std::shared_ptr<const Projection>& projection() const { return projection_; }
+  [[nodiscard]] bool stale() const override { return inner_->stale(); }
+  [[nodiscard]] Configurations lifted_path() const override {
+    return projection_->lifted(inner_->lifted_path(), start_, goal_);
+  }
 
  private:
+  /// The lift of a density; the same object for the same density, as long as it is among the last of many.
+  [[nodiscard]] std::shared_ptr<const Density> lifted(const std::shared_ptr<const Density>& density) const;
+
   std::shared_ptr<const Projection> projection_;
+  std::unique_ptr<Heuristic> inner_;  ///< over S
   Configuration start_;
   Configuration goal_;
+  Points points_;
+  std::string source_;
+  std::shared_ptr<const Density> uniform_;  ///< uniform on S, lifted
+  mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> lifted_;
   // Projected views; members, to avoid allocation in `sample` and `observe`.
   mutable Configuration proposal_;
   mutable Configuration near_;
   Configuration added_;
   Configuration blocked_;
-};
-
-/// A heuristic over S whose samples are lifted to C.
-class LiftedHeuristic final : public ProjectedHeuristic {
- public:
-  /// \param start,  goal  in C: the ends of the guiding path
-  LiftedHeuristic(std::string source, std::shared_ptr<const Projection> projection, const Space& s,
-                  std::unique_ptr<Heuristic> inner, Configuration start, Configuration goal);
-
-  Source sample(Stream& stream, MutableView out) override {
-    ProjectedHeuristic::sample(stream, out);
-    return 0;
-  }
-  [[nodiscard]] double density(View q) const override;
-  void record(DensityRecord& record, double share) const override;
-  [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
-
- protected:
-  [[nodiscard]] Heuristic& inner() const override { return *inner_; }
-
- private:
-  std::string source_;
-  std::unique_ptr<Heuristic> inner_;
-  std::shared_ptr<const Density> uniform_;  ///< uniform on S, lifted
-  mutable Configuration s_;                 ///< scratch
-  /// Densities of inner_ at the last `record`, each with its lift.
-  mutable std::vector<std::pair<std::shared_ptr<const Density>, std::shared_ptr<const Density>>> lifted_;
 };
 
 }  // namespace trellis

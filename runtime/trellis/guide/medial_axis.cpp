@@ -61,7 +61,6 @@ class MedialAxis final : public Heuristic {
     parent_.space.sample_uniform(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"medial_axis", "medial_axis: uniform"}; }
 
  private:

@@ -41,7 +41,6 @@ class ObstacleBased final : public Heuristic {
     parent_.space.sample_uniform(stream, out);
     return 1;
   }
-  [[nodiscard]] double density(View) const override { return std::numeric_limits<double>::quiet_NaN(); }
   [[nodiscard]] std::vector<std::string> sources() const override {
     return {"obstacle_based", "obstacle_based: uniform"};
   }

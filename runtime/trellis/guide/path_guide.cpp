@@ -11,6 +11,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/kept_tree.hpp>
 #include <trellis/guide/path_steps.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
 
@@ -20,9 +21,6 @@ constexpr std::size_t most_bins = 256;
 
 /// Maximum number of attempts to lift a point of a path in S to a valid configuration of C.
 constexpr int lift_attempts = 24;
-
-/// The planner's step; for a planner without one, a distance by the size of the instance.
-double step_of(const Instance& instance) { return instance.step > 0.0 ? instance.step : natural_distance(instance); }
 
 }  // namespace
 
@@ -46,19 +44,13 @@ GuideClaims path_claims(GuideClaims::Category category, std::string f, std::stri
       .example = std::move(example)};
 }
 
-double natural_distance(const Instance& instance) {
-  const Robot& robot = instance.scene->robot;
-  if (!robot.translates()) return 0.1 * instance.space.diameter();
-  return robot.bounding_radius() > 0.0 ? robot.bounding_radius() : 0.02 * instance.space.diameter();
-}
-
 double sparse_spacing(const Instance& instance) {
   constexpr double share_of_step = 0.8;
-  return std::max(natural_distance(instance), share_of_step * instance.step);
+  return std::max(characteristic_length(instance), share_of_step * instance.step);
 }
 
 double tube_radius(const PathGuideSettings& settings, const Instance& instance) {
-  return settings.radius > 0.0 ? settings.radius : 0.5 * natural_distance(instance);
+  return settings.radius > 0.0 ? settings.radius : 0.5 * characteristic_length(instance);
 }
 
 PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
@@ -156,8 +148,8 @@ WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Confi
   const auto& points = tube_.path();
   // If the path ends at the goal and has a verified motion, only its other motions need repair.
   const bool whole = parent.to_goal(points.back()) <= parent.goal_tolerance;
-  const std::size_t looked_at = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
-  for (std::size_t i = 1; i < looked_at && !exact_; ++i) {
+  const std::size_t examined = whole ? points.size() : std::min<std::size_t>(points.size(), 2);
+  for (std::size_t i = 1; i < examined && !exact_; ++i) {
     exact_ = parent.is_verified(points[i - 1], points[i]);
   }
   back_ = points.size() - 1;
@@ -180,7 +172,7 @@ Guidance::Source WaypointHeuristic::sample(Stream& stream, MutableView out) {
   return 0;
 }
 
-double WaypointHeuristic::atom_mass() const {
+double WaypointHeuristic::share_of_waypoint() const {
   switch (draw_) {
     case Draw::itself: return 1.0;
     case Draw::both: return 0.5;
@@ -190,7 +182,7 @@ double WaypointHeuristic::atom_mass() const {
 }
 
 void WaypointHeuristic::record(DensityRecord& record, double share) const {
-  const double atom = atom_mass();
+  const double atom = share_of_waypoint();
   record.add_atoms(share * atom);
   record.add(tube_.density(), share * (1.0 - atom));
 }
@@ -253,18 +245,6 @@ Guidance::Source SeveralPaths::sample(Stream& stream, MutableView out) {
   return parts_[drawn_]->sample(stream, out);
 }
 
-double SeveralPaths::density(View q) const {
-  double sum = 0.0;
-  for (const std::size_t i : live_) sum += parts_[i]->density(q);
-  return sum / static_cast<double>(live_.size());
-}
-
-double SeveralPaths::atom_mass() const {
-  double sum = 0.0;
-  for (const std::size_t i : live_) sum += parts_[i]->atom_mass();
-  return sum / static_cast<double>(live_.size());
-}
-
 std::uint64_t SeveralPaths::epoch() const {
   std::uint64_t sum = epoch_;
   for (const auto& part : parts_) sum += part->epoch();
@@ -323,10 +303,10 @@ std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathG
     return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.evidence, *reached[0]);
   }
   if (settings.follow == "tube") {
-    const double window = settings.window > 0.0 ? settings.window : 2.0 * step_of(parent);
+    const double window = settings.window > 0.0 ? settings.window : 2.0 * step_length(parent);
     return std::make_unique<PathHeuristic>(source, parent.space, path, radius, window, settings.evidence, reached[0]);
   }
-  const StepHeuristic::Settings steps = {.radius = radius, .step = step_of(parent), .evidence = settings.evidence};
+  const StepHeuristic::Settings steps = {.radius = radius, .step = step_length(parent), .evidence = settings.evidence};
   return std::make_unique<StepHeuristic>(source, parent.space, path, steps, reached);
 }
 
@@ -388,8 +368,8 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal);
   if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
   if (path_settings_.paths > 1 || excludes()) {
-    const double place_radius = 0.5 * natural_distance(parent);
-    const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : natural_distance(parent);
+    const double place_radius = 0.5 * characteristic_length(parent);
+    const double distinct = path_settings_.distinct > 0.0 ? path_settings_.distinct : characteristic_length(parent);
     auto excluding = std::make_shared<ExcludingValidity>(instance->validity, instance->space, distinct,
                                                          instance->position_axes, place_radius);
     if (excluding_) excluding->replace(*excluding_);
@@ -453,7 +433,7 @@ PointLift PathGuide::near_point(const Instance& parent) {
     const bool moves = std::find(positions.begin(), positions.end(), j) != positions.end();
     if (!moves && parent.space.axes()[j].periodic) headings.push_back(j);
   }
-  const double reach = natural_distance(parent);
+  const double reach = characteristic_length(parent);
   // The attempts, in order: the point itself; with the non-position coordinates of the previous waypoint; with the
   // heading along the path, in either direction; then at increasing distance: near the point, along the path near its
   // position, any configuration at its position.
@@ -559,7 +539,7 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
   }
   const PointLift lift = near_point(parent);
   const StepHeuristic::Settings steps = {
-      .radius = tube_radius(settings, parent), .step = step_of(parent), .evidence = settings.evidence};
+      .radius = tube_radius(settings, parent), .step = step_length(parent), .evidence = settings.evidence};
   const VerifiedStretches verified(parent, chosen);
   if (verified.all()) {
     return std::make_unique<StepHeuristic>(name_, parent.space, chosen, steps, reached_.both(), verified.edges());

@@ -115,12 +115,8 @@ Settings<S> with_several_paths(Settings<S> settings) {
 /// The claims shared by guides of this kind: h, its density and feedback, and the fallback without a path.
 GuideClaims path_claims(GuideClaims::Category category, std::string f, std::string invalid_ends, std::string example);
 
-/// A distance in metres in the metric, by the size of an instance: the robot's bounding radius; 2 % of the space's
-/// diameter for a point; 10 % for a robot that is fixed to its base, because its radius does not relate to its angles.
-double natural_distance(const Instance& instance);
-
-/// Default distance between the points of a path that an instance validates, in metres in the metric: the natural
-/// distance, or 0.8 of the planner's step if that is larger.
+/// Default distance between the points of a path that an instance validates, in metres in the metric: the
+/// characteristic length, or 0.8 of the planner's step if that is larger.
 double sparse_spacing(const Instance& instance);
 
 /// The tube's radius in an instance, in metres in the metric: the option `radius` or its default.
@@ -151,7 +147,6 @@ class PathHeuristic final : public PathFollower {
                 std::int64_t evidence, const NearestIndex* reached);
 
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override { return tube_.density(q); }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override { record.add(tube_.density(), share); }
   void observe(const Outcome& outcome, bool mine) override;
@@ -159,8 +154,6 @@ class PathHeuristic final : public PathFollower {
   [[nodiscard]] Configurations lifted_path() const override { return tube_.path(); }
   [[nodiscard]] double radius() const override { return tube_.radius(); }
   [[nodiscard]] double progress() const override { return progress_; }
-  /// The density of the next sample.
-  [[nodiscard]] const std::shared_ptr<const Density>& tube_density() const { return tube_.density(); }
 
  private:
   void choose_stretches();
@@ -192,8 +185,6 @@ class WaypointHeuristic final : public PathFollower {
                     const NearestIndex& reached);
 
   Source sample(Stream& stream, MutableView out) override;
-  [[nodiscard]] double density(View q) const override { return (1.0 - atom_mass()) * tube_.density(q); }
-  [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;
@@ -221,6 +212,8 @@ class WaypointHeuristic final : public PathFollower {
  private:
   enum class Draw : std::uint8_t { itself, both, near };
 
+  /// The probability of the waypoint itself among the proposals.
+  [[nodiscard]] double share_of_waypoint() const;
   /// Advances past the waypoints that are reached, and checks the next one.
   void go_on();
 
@@ -268,8 +261,6 @@ class SeveralPaths final : public PathFollower {
     for (auto& part : parts_) part->found(length);
   }
   [[nodiscard]] std::optional<Configuration> refuted_place() const override;
-  [[nodiscard]] double density(View q) const override;
-  [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override;
   void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;
@@ -296,7 +287,6 @@ class UniformHeuristic final : public Heuristic {
  public:
   UniformHeuristic(std::string source, const Space& space) : source_(std::move(source)), uniform_(space) {}
   Source sample(Stream& stream, MutableView out) override { return uniform_.sample(stream, out); }
-  [[nodiscard]] double density(View q) const override { return uniform_.density(q); }
   void record(DensityRecord& record, double share) const override { uniform_.record(record, share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {source_}; }
 

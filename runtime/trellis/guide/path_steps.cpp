@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/guide/path_steps.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include <trellis/base/error.hpp>
 
 namespace trellis {
 
@@ -57,7 +61,13 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   const std::size_t dimension = parent.space.dimension();
   if (waypoints_.dimension() != dimension) waypoints_ = Configurations(dimension);
   const std::vector<double> lengths = arc_lengths(s_, path);
-  const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(lengths.back() / spacing_)));
+  const double wanted = std::max(1.0, std::ceil(lengths.back() / spacing_));
+  constexpr double most_points = 1e6;
+  if (wanted > most_points) {
+    throw Error(fmt::format("option 'spacing' is {} m, which makes {:g} points of a path of {:g} m; at most {:g}",
+                            spacing_, wanted, lengths.back(), most_points));
+  }
+  const auto pieces = static_cast<std::size_t>(wanted);
   const double piece = lengths.back() / static_cast<double>(pieces);
   // Points 0 and `pieces` are the start and, for a whole path, the goal.
   std::array<Configurations, 2> chains = {Configurations(dimension), Configurations(dimension)};

@@ -112,8 +112,6 @@ class StepHeuristic final : public PathFollower {
   /// An edge away from the path costs five times its length. A shortcut between two parts of the path costs as much as
   /// the path between them, at most five times its own length.
   [[nodiscard]] double edge_factor(View a, View b) const override;
-  [[nodiscard]] double density(View q) const override { return target() ? 0.0 : current().density(q); }
-  [[nodiscard]] double atom_mass() const override { return target() ? 1.0 : 0.0; }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (target()) {

@@ -99,7 +99,6 @@ class BallHeuristic final : public Heuristic {
     tube_.sample(stream, out);
     return 0;
   }
-  [[nodiscard]] double density(View q) const override { return tube_.density(q); }
   void record(DensityRecord& record, double share) const override { record.add(tube_.density(), share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"ball"}; }
 
@@ -191,18 +190,6 @@ void SumHeuristic::restart() {
 
 void SumHeuristic::found(double length) {
   for (Part& part : parts_) part.heuristic->found(length);
-}
-
-double SumHeuristic::density(View q) const {
-  double sum = 0.0;
-  for (const Part& part : parts_) sum += part.weight * part.heuristic->density(q);
-  return sum;
-}
-
-double SumHeuristic::atom_mass() const {
-  double sum = 0.0;
-  for (const Part& part : parts_) sum += part.weight * part.heuristic->atom_mass();
-  return sum;
 }
 
 std::uint64_t SumHeuristic::epoch() const {

@@ -56,8 +56,6 @@ class SumHeuristic final : public Heuristic {
   [[nodiscard]] double edge_factor(View a, View b) const override;
   void restart() override;
   void found(double length) override;
-  [[nodiscard]] double density(View q) const override;
-  [[nodiscard]] double atom_mass() const override;
   [[nodiscard]] std::uint64_t epoch() const override;
   void record(DensityRecord& record, double share) const override;
   void observe(const Outcome& outcome, bool mine) override;

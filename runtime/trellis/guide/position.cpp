@@ -15,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/claims.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 
 namespace trellis {
 
@@ -49,7 +50,7 @@ PointLift lift_of_reference_point(const PositionProjection& projection, const In
         std::find(parent.position_axes.begin(), parent.position_axes.end(), j) != parent.position_axes.end();
     if (!kept && parent.space.axes()[j].periodic) headings.push_back(j);
   }
-  const double wander = natural_distance(parent);
+  const double wander = characteristic_length(parent);
   return [&projection, &parent, headings, wander](int attempt, View s, View previous, View ahead, Stream& stream,
                                                   MutableView q) {
     constexpr int here = 14;
@@ -108,10 +109,6 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
 
 }  // namespace
 
-bool has_position(const Instance& instance) {
-  return instance.position_axes.size() == 2 || std::holds_alternative<ArmChain>(arm_chain(instance));
-}
-
 PositionProjection::PositionProjection(const std::string& guide, const Instance& parent) {
   if (parent.position_axes.size() == 2) {
     axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
@@ -134,7 +131,7 @@ PointLift PositionProjection::point_lift(const Instance& parent, int variation) 
 
 double PositionProjection::spacing(const Instance& parent, const Instance& point) const {
   // The planner's step is a distance in C, not a distance of the tip.
-  return arm_ ? natural_distance(point) : sparse_spacing(parent);
+  return arm_ ? characteristic_length(point) : sparse_spacing(parent);
 }
 
 std::unique_ptr<Instance> PositionProjection::point_instance(const Instance& parent) const {

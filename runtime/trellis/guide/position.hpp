@@ -61,7 +61,4 @@ class PositionProjection final : public Projection {
   std::shared_ptr<const ArmProjection> arm_;
 };
 
-/// Whether a guide that uses the robot's position applies to an instance.
-bool has_position(const Instance& instance);
-
 }  // namespace trellis

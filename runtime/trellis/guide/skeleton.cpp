@@ -18,6 +18,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/skeleton.hpp>
 
@@ -200,12 +201,12 @@ class GraphBuilder {
 
   /// Adds the edge from a vertex to a point of an edge if the motion between them is valid.
   bool connect(std::uint32_t vertex, const Sight& sight) {
-    Configurations way(2);
-    way.push(std::as_const(graph_.vertices)[vertex]);
-    way.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
-    if (sight.distance > 0.0 && !instance_.motion(way.front(), way.back()).valid) return false;
+    Configurations motion(2);
+    motion.push(std::as_const(graph_.vertices)[vertex]);
+    motion.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
+    if (sight.distance > 0.0 && !instance_.motion(motion.front(), motion.back()).valid) return false;
     const std::uint32_t foot = split(sight.edge, sight.point);
-    add_edge(vertex, foot, std::move(way), {0.0, 0.0});
+    add_edge(vertex, foot, std::move(motion), {0.0, 0.0});
     return true;
   }
 
@@ -436,13 +437,6 @@ class DynamicRegions final : public Heuristic {
     return 0;
   }
 
-  [[nodiscard]] double density(View q) const override {
-    if (!regions_.empty() && !projection_->closed_form()) return std::numeric_limits<double>::quiet_NaN();
-    double sum = whole_share() * uniform_density_;
-    const double total = total_weight();
-    for (const auto& region : regions_) sum += share(region, total) * region.density->at(q);
-    return sum;
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double weight) const override {
     record.add_uniform(weight * whole_share(), uniform_density_);
@@ -679,7 +673,7 @@ class SkeletonGuide final : public Guide {
       nodes_.begin(parent.space, parent.start, parent.goal);
       start_ = parent.start;
       position_axes_ = parent.position_axes;
-      place_radius_ = 0.5 * natural_distance(parent);
+      place_radius_ = 0.5 * characteristic_length(parent);
       found_invalid_.emplace(parent.space, parent.position_axes, place_radius_);
     }
     spacing_ = settings_.spacing > 0.0 ? settings_.spacing : projection_->spacing(parent, *instance);
@@ -803,10 +797,9 @@ class SkeletonGuide final : public Guide {
     const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
-    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
-    const StepHeuristic::Settings steps = {.radius = radius,
-                                           .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
-                                           .evidence = settings_.evidence};
+    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
+    const StepHeuristic::Settings steps = {
+        .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
     std::vector<char> known = known_edges(parent, sparse.waypoints);
     auto h = std::make_unique<StepHeuristic>("skeleton", parent.space, std::move(sparse.waypoints), steps,
                                              nodes_.both(), std::move(known));

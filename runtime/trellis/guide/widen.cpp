@@ -12,6 +12,7 @@
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/scene/polygon.hpp>
 
 namespace trellis {
@@ -100,9 +101,8 @@ class Widen final : public PathGuide {
  private:
   [[nodiscard]] double erosion(const Instance& parent) const {
     if (distance_ > 0.0) return distance_;
-    const World& world = parent.scene->world;
-    const double robot = parent.scene->robot.bounding_radius();
-    return robot > 0.0 ? 0.25 * robot : 0.005 * norm(world.bounds().hi - world.bounds().lo);
+    const Box2& bounds = parent.scene->world.bounds();
+    return 0.25 * size_or(parent.scene->robot, 0.02 * norm(bounds.hi - bounds.lo));
   }
 
   /// Moves a point that is invalid in C to a valid configuration: samples shells about it, beyond the region known to

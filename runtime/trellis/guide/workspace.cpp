@@ -14,6 +14,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/grid_graph.hpp>
 
 namespace trellis {
@@ -93,45 +94,6 @@ std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   return std::make_shared<Graph>(grid_graph(instance, cell));
 }
 
-/// h: positions near the path found for the point; the projection lifts the other coordinates.
-class LiftedPath final : public ProjectedHeuristic {
- public:
-  LiftedPath(std::shared_ptr<const Projection> projection, std::unique_ptr<PathHeuristic> positions,
-             const Instance& parent, Configurations lifted)
-      : ProjectedHeuristic(std::move(projection), 2, parent.start, parent.goal),
-        positions_(std::move(positions)),
-        lifted_(std::move(lifted)) {
-    renew();
-  }
-
-  [[nodiscard]] double density(View q) const override {
-    return projection()->closed_form() ? density_->at(q) : std::numeric_limits<double>::quiet_NaN();
-  }
-  void record(DensityRecord& record, double share) const override {
-    if (projection()->closed_form()) {
-      record.add(density_, share);
-    } else {
-      record.add_unknown(share);
-    }
-  }
-  void observe(const Outcome& outcome, bool mine) override {
-    const std::uint64_t before = positions_->epoch();
-    ProjectedHeuristic::observe(outcome, mine);
-    if (positions_->epoch() != before) renew();
-  }
-  [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
-
- protected:
-  [[nodiscard]] Heuristic& inner() const override { return *positions_; }
-
- private:
-  void renew() { density_ = std::make_shared<LiftedDensity>(projection(), 2, positions_->tube_density()); }
-
-  std::unique_ptr<PathHeuristic> positions_;
-  std::shared_ptr<const Density> density_;  ///< over the planner's space
-  Configurations lifted_;
-};
-
 class Workspace final : public Guide {
  public:
   explicit Workspace(const WorkspaceSettings& settings) : settings_(settings) {}
@@ -194,24 +156,16 @@ class Workspace final : public Guide {
     steps_ = nullptr;
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
     if (along_path_ && found->solved()) return along(parent);
-    const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
-    const double plain =
-        robot > 0.0 ? robot : 0.01 * (projection_->arm() ? projection_->space() : parent.space).diameter();
+    const double plain = projection_->arm() ? 0.01 * projection_->space().diameter()
+                                            : size_or(parent.scene->robot, 0.01 * parent.space.diameter());
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
-    const double step = parent.step > 0.0 ? parent.step : natural_distance(parent);
-    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
-    const auto positions = [&](const Configurations& path) {
-      return std::make_unique<PathHeuristic>("workspace", projection_->space(), path, radius_, window,
-                                             settings_.evidence, &*reached_);
-    };
-    if (!handles_) {
-      return std::make_unique<LiftedPath>(projection_, positions(path_), parent,
-                                          projection_->lifted(path_, parent.start, parent.goal));
-    }
-    const Configurations moved = handles_->on_axis(path_, *point_);
-    Configurations lifted = projection_->lifted(moved, parent.start, parent.goal);
-    for (std::size_t i = 1; i + 1 < lifted.size(); ++i) handles_->settle(lifted[i]);
-    return std::make_unique<LiftedPath>(handles_, positions(moved), parent, std::move(lifted));
+    const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step_length(parent);
+    auto positions = std::make_unique<PathHeuristic>("workspace", projection_->space(),
+                                                     handles_ ? handles_->on_axis(path_, *point_) : path_, radius_,
+                                                     window, settings_.evidence, &*reached_);
+    const std::shared_ptr<const Projection> lift = handles_ ? std::shared_ptr<const Projection>(handles_) : projection_;
+    return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start,
+                                             parent.goal, LiftedHeuristic::Points::atoms);
   }
 
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
@@ -252,10 +206,9 @@ class Workspace final : public Guide {
   std::unique_ptr<Heuristic> along(Instance& parent) {
     const PointLift lift = handles_ ? handles_->point_lift(parent) : projection_->point_lift(parent, variation_);
     SparsePath sparse = sparse_->validate(parent, path_, true, lift);
-    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * natural_distance(parent);
-    const StepHeuristic::Settings steps = {.radius = radius,
-                                           .step = parent.step > 0.0 ? parent.step : natural_distance(parent),
-                                           .evidence = settings_.evidence};
+    const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
+    const StepHeuristic::Settings steps = {
+        .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
     std::vector<char> known = known_edges(parent, sparse.waypoints);
     auto h = std::make_unique<StepHeuristic>("workspace", parent.space, std::move(sparse.waypoints), steps,
                                              nodes_.both(), std::move(known));

@@ -20,10 +20,10 @@ bool InverseKinematics::bring(MutableView q, Vec2 target, double near) {
   constexpr double longest = 1.0;
   for (int i = 0; i < most_steps; ++i) {
     const Vec2 at = point_at(q);
-    Vec2 way = target - at;
-    const double distance = norm(way);
+    Vec2 displacement = target - at;
+    const double distance = norm(displacement);
     if (distance <= near) return true;
-    if (distance > longest) way = longest / distance * way;
+    if (distance > longest) displacement = longest / distance * displacement;
     double xx = 0.0;
     double xy = 0.0;
     double yy = 0.0;
@@ -42,7 +42,8 @@ bool InverseKinematics::bring(MutableView q, Vec2 target, double near) {
     yy += damping;
     const double determinant = xx * yy - xy * xy;
     if (!(determinant > 0.0)) return false;
-    const Vec2 force{(yy * way.x - xy * way.y) / determinant, (xx * way.y - xy * way.x) / determinant};
+    const Vec2 force{(yy * displacement.x - xy * displacement.y) / determinant,
+                     (xx * displacement.y - xy * displacement.x) / determinant};
     for (std::size_t j = 0; j < columns_.size(); ++j) {
       const Axis& axis = space_.axes()[j];
       q[j] += dot(columns_[j], force) / axis.weight;

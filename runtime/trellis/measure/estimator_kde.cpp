@@ -82,7 +82,7 @@ struct AxisKernel {
 /// The caller passes |u|.
 /// \param limit  the exponent beyond which an image is negligible
 TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* points, double lo, double hi,
-                              const Block& way, double limit, Block& factor) {
+                              const Block& offset, double limit, Block& factor) {
   Block images{};
   bool any = false;
   const double period = axis.period;
@@ -99,10 +99,10 @@ TRELLIS_ALONG void add_images(const AxisKernel& axis, double y, const double* po
       const double away = turn * period;
       if (!counts(away * (away - 2.0 * widest))) break;
       Block exponent;
-      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away - 2.0 * way[i]);
+      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away - 2.0 * offset[i]);
       add(exponent);
       if (!counts(away * away)) continue;
-      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away + 2.0 * way[i]);
+      for (std::size_t i = 0; i < block; ++i) exponent[i] = away * (away + 2.0 * offset[i]);
       add(exponent);
     }
   } else {
@@ -150,15 +150,15 @@ TRELLIS_CLONES double sum_of(const std::vector<AxisKernel>& axes, const std::vec
       const double* points = leaf.points + j * block;
       const double at = y[j];
       const double wrap = axis.periodic ? axis.period : std::numeric_limits<double>::infinity();
-      Block way;
+      Block offset;
       for (std::size_t i = 0; i < block; ++i) {
         const double u = std::abs(points[i] - at);
         const double v = wrap - u;
         const double w = v < u ? v : u;
-        way[i] = w;
+        offset[i] = w;
         exponent[i] -= w * w * axis.inverse;
       }
-      add_images(axis, at, points, leaf.box[2 * j], leaf.box[2 * j + 1], way, limits[l], factor);
+      add_images(axis, at, points, leaf.box[2 * j], leaf.box[2 * j + 1], offset, limits[l], factor);
     }
     if (l == out.leaf) exponent[out.place] = -faintest;
     exp_block(exponent);

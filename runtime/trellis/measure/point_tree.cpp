@@ -247,10 +247,4 @@ void PointTree::leaves_within(View y, double squared, std::vector<Leaf>& leaves)
   }
 }
 
-bool PointTree::any_within(View y, double squared) const {
-  double nearest_one = infinity;
-  nearest(y, {&nearest_one, 1});
-  return nearest_one <= squared;
-}
-
 }  // namespace trellis::measure

@@ -26,8 +26,6 @@ class PointTree {
   void nearest(View y, std::span<double> squared) const;
   /// Returns the number of points at a squared distance of at most `squared`.
   [[nodiscard]] std::size_t count_within(View y, double squared) const;
-  /// Whether there is a point at a squared distance of at most `squared`.
-  [[nodiscard]] bool any_within(View y, double squared) const;
 
   static constexpr std::size_t block = 16;  ///< the capacity of a leaf
   /// Neighbouring points: the block of coordinates of the first axis, then of the next. Unused entries are so far away

@@ -122,7 +122,7 @@ std::optional<std::size_t> WorldGrid::free_near(Vec2 point) const {
   return best;
 }
 
-std::vector<double> ways_to(const WorldGrid& grid, std::size_t to) {
+std::vector<double> path_lengths_to(const WorldGrid& grid, std::size_t to) {
   if (!grid.free(to)) {
     std::vector<double> none(grid.size(), nowhere);
     return none;
@@ -143,8 +143,8 @@ class Looker {
       : grid_(grid),
         start_(start),
         goal_(goal),
-        way_(std::max(norm(goal - start), std::hypot(grid.width(), grid.height()))),
-        along_((1.0 / way_) * (goal - start)),
+        reference_length_(std::max(norm(goal - start), std::hypot(grid.width(), grid.height()))),
+        along_((1.0 / reference_length_) * (goal - start)),
         diagonal_(std::hypot(static_cast<double>(grid.columns()) * grid.width(),
                              static_cast<double>(grid.rows()) * grid.height())) {
     // Sums over all cells to the lower left, to count the blocked cells in a window.
@@ -161,11 +161,11 @@ class Looker {
     const Vec2 p = grid_.centre(cell);
     const double from_start = norm(p - start_);
     const double to_goal = norm(goal_ - p);
-    *out++ = from_start / way_;
-    *out++ = to_goal / way_;
-    *out++ = (from_start + to_goal) / way_ - 1.0;
-    *out++ = dot(p - start_, along_) / way_;
-    *out++ = cross(along_, p - start_) / way_;
+    *out++ = from_start / reference_length_;
+    *out++ = to_goal / reference_length_;
+    *out++ = (from_start + to_goal) / reference_length_ - 1.0;
+    *out++ = dot(p - start_, along_) / reference_length_;
+    *out++ = cross(along_, p - start_) / reference_length_;
     *out++ = (p.x - grid_.corner(0).x) / diagonal_;
     *out++ = (p.y - grid_.corner(0).y) / diagonal_;
     *out++ = grid_.clearance()[cell] / diagonal_;
@@ -222,7 +222,7 @@ class Looker {
   const WorldGrid& grid_;
   Vec2 start_;
   Vec2 goal_;
-  double way_;
+  double reference_length_;
   Vec2 along_;
   double diagonal_;
   std::vector<double> sums_;

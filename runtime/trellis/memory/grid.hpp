@@ -44,7 +44,7 @@ class WorldGrid {
 
 /// The oracle: returns the length of the shortest path from each free cell to `to` by steps to the eight neighbours,
 /// metres; infinity where there is none. A diagonal step requires that both cells beside it are free.
-std::vector<double> ways_to(const WorldGrid& grid, std::size_t to);
+std::vector<double> path_lengths_to(const WorldGrid& grid, std::size_t to);
 
 /// Features of a free cell that need no search, for a learner: its position relative to start and goal, and the
 /// obstacles around it and between it and the goal. Lengths are shares of the distance from start to goal or of the

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -48,17 +49,17 @@ std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
 /// Returns the mean distance of the pairs of points in the cheapest warping.
 double warped(const Space& space, const Configurations& a, const Configurations& b, bool backwards) {
-  struct Way {
+  struct Warping {
     double sum = std::numeric_limits<double>::infinity();
     double steps = 0.0;
   };
   const std::size_t n = a.size();
   const std::size_t m = b.size();
-  std::vector<Way> row(m);
-  std::vector<Way> last(m);
+  std::vector<Warping> row(m);
+  std::vector<Warping> last(m);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < m; ++j) {
-      Way best = {0.0, 0.0};
+      Warping best = {0.0, 0.0};
       if (i > 0 || j > 0) {
         best = {};
         if (i > 0) best = last[j];
@@ -97,15 +98,6 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   return stored;
 }
 
-double path_distance(const Space& space, const Configurations& a, const Configurations& b) {
-  return distance_of_spread(space, evenly_spread(space, a, warped_points), evenly_spread(space, b, warped_points));
-}
-
-double default_novelty(const Space& space, const Robot& robot) {
-  const double radius = robot.bounding_radius();
-  return radius > 0.0 ? radius : 0.02 * space.diameter();
-}
-
 /// The database connection and the queries.
 class Library::Database {
  public:
@@ -117,6 +109,7 @@ class Library::Database {
       throw Error(
           fmt::format("{}: there is no such library of paths; trellis run SCRIPT --learn {} makes one", path_, path_));
     }
+    check_header();
     // A read-only user may also have to write: to roll back the transaction of a process that was killed.
     int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX;
     if (mode == Mode::write) flags |= SQLITE_OPEN_CREATE;
@@ -254,6 +247,22 @@ class Library::Database {
         throw Error(fmt::format("{}: the library {}: {}", path_, what,
                                 handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory"));
     }
+  }
+
+  /// SQLite takes a file of one byte for an empty database, and would overwrite it.
+  void check_header() const {
+    constexpr std::string_view magic("SQLite format 3\0", 16);
+    constexpr std::size_t header = 100;
+    std::ifstream file(path_, std::ios::binary);
+    if (!file || !std::filesystem::is_regular_file(path_)) return;
+    std::string begin(header, '\0');
+    file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    begin.resize(static_cast<std::size_t>(file.gcount()));
+    if (begin.empty()) return;  // of a process that ended before its first path
+    if (!std::string_view(begin).starts_with(magic.substr(0, begin.size()))) {
+      throw Error(fmt::format("{}: is no library of paths; it is left as it is", path_));
+    }
+    if (begin.size() < header) throw Error(fmt::format("{}: the library is damaged; it is left as it is", path_));
   }
 
   /// Creates the tables of a new library, and checks the version of an existing one.

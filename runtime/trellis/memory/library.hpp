@@ -27,10 +27,6 @@ struct StoredPath {
 /// Returns the record of a solved problem.
 StoredPath stored_path(const Problem& problem, const Configurations& path);
 
-/// Returns the distance between two paths of a space, in metres: dynamic time warping pairs points evenly spaced along
-/// them; the result is the mean distance of the pairs, for the direction of the second path that gives the smaller one.
-double path_distance(const Space& space, const Configurations& a, const Configurations& b);
-
 /// A library of solved problems in a file (an SQLite database). A path is durable once `add` has returned; until then
 /// it is stored completely or not at all. Several processes may open one library.
 class Library {
@@ -50,7 +46,9 @@ class Library {
   /// Returns all paths, in the order of their ids: one consistent state, even if other processes write.
   /// \throws Error where the file is damaged.
   [[nodiscard]] std::vector<StoredPath> paths() const;
-  /// Adds a path that is farther than `novelty` metres (path_distance) from every path of the same space and robot.
+  /// Adds a path that is farther than `novelty` metres from every path of the same space and robot. The distance of two
+  /// paths is by dynamic time warping, which pairs points evenly spaced along them: the mean distance of the pairs, for
+  /// the direction of the second path that gives the smaller one.
   /// Reads and writes the library in one transaction, so that two processes do not add the same path. `space` is that
   /// of the path. \return whether it added the path
   bool add(const StoredPath& stored, const Space& space, double novelty);
@@ -64,9 +62,5 @@ class Library {
 /// paths. Empty where there is no such file.
 /// \throws Error as a Library does.
 std::shared_ptr<const std::vector<StoredPath>> known_paths(const std::string& file);
-
-/// Returns the default distance within which two paths count as one: the robot's bounding radius, or 2 % of the space's
-/// diameter for a point.
-double default_novelty(const Space& space, const Robot& robot);
 
 }  // namespace trellis

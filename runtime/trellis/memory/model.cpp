@@ -26,10 +26,10 @@ std::vector<double> normalised(std::vector<double> weights) {
 
 /// Computes KL(T || q), with T uniform over the near-optimal cells.
 double divergence(const Oracle& oracle, const std::vector<double>& q) {
-  const auto count = static_cast<double>(std::count(oracle.on_way.begin(), oracle.on_way.end(), 1));
+  const auto count = static_cast<double>(std::count(oracle.on_path.begin(), oracle.on_path.end(), 1));
   double sum = 0.0;
   for (std::size_t i = 0; i < q.size(); ++i) {
-    if (oracle.on_way[i] != 0) sum += std::log(1.0 / count) - std::log(q[i]);
+    if (oracle.on_path[i] != 0) sum += std::log(1.0 / count) - std::log(q[i]);
   }
   return sum / count;
 }
@@ -40,12 +40,12 @@ std::optional<Oracle> ask_oracle(const WorldGrid& grid, Vec2 start, Vec2 goal, d
   const auto from = grid.free_near(start);
   const auto to = grid.free_near(goal);
   if (!from || !to) return {};
-  const auto behind = ways_to(grid, *from);
-  const auto ahead = ways_to(grid, *to);
+  const auto behind = path_lengths_to(grid, *from);
+  const auto ahead = path_lengths_to(grid, *to);
   if (!std::isfinite(ahead[*from])) return {};
   Oracle oracle{ahead[*from], std::vector<char>(grid.size(), 0)};
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    oracle.on_way[i] = behind[i] + ahead[i] <= (1.0 + tolerance) * oracle.shortest ? 1 : 0;
+    oracle.on_path[i] = behind[i] + ahead[i] <= (1.0 + tolerance) * oracle.shortest ? 1 : 0;
   }
   return oracle;
 }
@@ -54,7 +54,7 @@ Model::Model(Forest forest, std::size_t cells, std::string description)
     : forest_(std::move(forest)), cells_(cells), description_(std::move(description)) {}
 
 Model Model::train(const std::vector<LearningTask>& tasks, const TrainingSettings& settings, std::string description,
-                   const std::function<void(std::size_t, std::size_t)>& looked_at) {
+                   const std::function<void(std::size_t, std::size_t)>& progress) {
   const auto cells = static_cast<std::size_t>(settings.cells);
   std::vector<double> rows;
   std::vector<double> values;
@@ -72,10 +72,10 @@ Model Model::train(const std::vector<LearningTask>& tasks, const TrainingSetting
         const std::size_t cell = free[stream.below(free.size())];
         const auto row = all.begin() + static_cast<std::ptrdiff_t>(cell * cell_features);
         rows.insert(rows.end(), row, row + cell_features);
-        values.push_back(oracle->on_way[cell] != 0 ? 1.0 : 0.0);
+        values.push_back(oracle->on_path[cell] != 0 ? 1.0 : 0.0);
       }
     }
-    if (looked_at) looked_at(t + 1, tasks.size());
+    if (progress) progress(t + 1, tasks.size());
   }
   if (values.empty()) throw Error("there is nothing to learn from: no world has a path from start to goal");
   return {Forest::train(rows, cell_features, values, settings.forest), cells, std::move(description)};

@@ -25,8 +25,8 @@ struct TrainingSettings {
 
 /// The cells of near-optimal paths, which the oracle finds by exact search of the grid.
 struct Oracle {
-  double shortest = 0.0;     ///< metres
-  std::vector<char> on_way;  ///< of each cell whether a near-optimal path leads through it
+  double shortest = 0.0;      ///< metres
+  std::vector<char> on_path;  ///< of each cell whether a near-optimal path leads through it
 };
 /// Returns none where the oracle finds no path.
 std::optional<Oracle> ask_oracle(const WorldGrid& grid, Vec2 start, Vec2 goal, double tolerance);
@@ -35,11 +35,11 @@ std::optional<Oracle> ask_oracle(const WorldGrid& grid, Vec2 start, Vec2 goal, d
 /// need no search. Static: it uses no state of a search. Its file is the same on every machine.
 class Model {
  public:
-  /// \param looked_at  called after each task with the numbers of finished and of all tasks; an exception from it ends
+  /// \param progress  called after each task with the numbers of finished and of all tasks; an exception from it ends
   ///     the training
   /// \throws Error where no task has a path from start to goal.
   static Model train(const std::vector<LearningTask>& tasks, const TrainingSettings& settings, std::string description,
-                     const std::function<void(std::size_t, std::size_t)>& looked_at = {});
+                     const std::function<void(std::size_t, std::size_t)>& progress = {});
   /// \throws Error for a file that is missing, no model, damaged, or of another version.
   static Model load(const std::string& file);
 

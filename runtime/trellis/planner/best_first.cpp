@@ -71,7 +71,7 @@ class BestFirst final : public Planner {
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
     }
     if (!graph.verified) {
-      if (auto found = invalid_ends(context_.instance)) return *found;
+      if (auto found = keep_valid_ends(context_.instance)) return *found;
       evaluated_.renew();
     }
     BudgetMonitor drawing(context_, budget);

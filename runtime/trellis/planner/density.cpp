@@ -15,27 +15,15 @@ std::shared_ptr<const Density> Density::sum(const std::vector<Term>&) const {
 }
 
 void DensityRecord::add_uniform(double share, double density) {
-  if (lift_ != nullptr) throw Fault("a uniform density over another space was entered into a record");
   now_.uniform += share;
   uniform_density_ = density;
 }
 
 void DensityRecord::add(const std::shared_ptr<const Density>& density, double share) {
   if (share <= 0.0) return;
-  if (const Lift* lift = std::exchange(lift_, nullptr)) {
-    add((*lift)(density), share);
-    lift_ = lift;
-    return;
-  }
   const auto [it, fresh] = places_.try_emplace(density.get(), static_cast<std::uint32_t>(terms_.size()));
   if (fresh) terms_.push_back({density, 0.0});
   now_terms_.emplace_back(it->second, share);
-}
-
-void DensityRecord::add_lifted(const Guidance& h, double share, const Lift& lift) {
-  lift_ = &lift;
-  h.record(*this, share);
-  lift_ = nullptr;
 }
 
 std::vector<Density::Term> DensityRecord::now() const {
@@ -45,7 +33,7 @@ std::vector<Density::Term> DensityRecord::now() const {
   return terms;
 }
 
-void DensityRecord::settle() {
+void DensityRecord::flush() {
   past_.total += served_;
   past_.uniform += served_ * now_.uniform;
   past_.atoms += served_ * now_.atoms;
@@ -55,9 +43,9 @@ void DensityRecord::settle() {
 }
 
 void DensityRecord::append(const DensityRecord& other) {
-  settle();
+  flush();
   DensityRecord record = other;
-  record.settle();
+  record.flush();
   past_.total += record.past_.total;
   past_.uniform += record.past_.uniform;
   past_.atoms += record.past_.atoms;
@@ -70,7 +58,7 @@ void DensityRecord::append(const DensityRecord& other) {
 }
 
 void DensityRecord::renew(const Guidance& h) {
-  settle();
+  flush();
   if (terms_.size() > most_terms_) {
     compact();
     most_terms_ = std::max(most_terms_, 2 * terms_.size());
@@ -82,7 +70,7 @@ void DensityRecord::renew(const Guidance& h) {
 }
 
 void DensityRecord::compact() {
-  settle();
+  flush();
   std::vector<std::vector<Density::Term>> families;
   for (auto& term : terms_) {
     if (term.weight <= 0.0) continue;

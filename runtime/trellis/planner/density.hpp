@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <unordered_map>
@@ -56,10 +55,6 @@ class DensityRecord {
   /// Adds a share without closed form.
   void add_unknown(double share) { now_.unknown += share; }
   void add(const std::shared_ptr<const Density>& density, double share);
-  /// Adds h, a distribution over another space, as its lift to this space. h has no uniform part.
-  /// \param lift  lifts a density to this space; returns the same object for the same density
-  using Lift = std::function<std::shared_ptr<const Density>(const std::shared_ptr<const Density>&)>;
-  void add_lifted(const Guidance& h, double share, const Lift& lift);
 
   /// The number of proposals counted.
   [[nodiscard]] double total() const { return past_.total + served_; }
@@ -89,12 +84,11 @@ class DensityRecord {
   };
 
   /// Adds the proposals counted since the last change of the distribution to `past_`.
-  void settle();
+  void flush();
   void renew(const Guidance& h);
 
   double served_ = 0.0;          ///< proposals drawn from the current distribution
   std::uint64_t epoch_ = never;  ///< of the current distribution
-  const Lift* lift_ = nullptr;   ///< set while `add_lifted` adds densities of another space
   Weights now_;                  ///< of one proposal
   std::vector<std::pair<std::uint32_t, double>> now_terms_;
   Weights past_;

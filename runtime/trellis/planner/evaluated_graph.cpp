@@ -89,7 +89,7 @@ EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonit
     outcome.added = outcome.near;
     outcome.fate = Fate::advanced;
     outcome.connected = connected[near.id] != 0;
-    settle(context_, outcome);
+    record_outcome(context_, outcome);
   }
   return proposals;
 }

@@ -55,7 +55,7 @@ class GraphSearch final : public Planner {
     if (graph.verified) {
       dijkstra(graph, cost, adjacency, parent, done);
     } else {
-      if (auto found = invalid_ends(context_.instance)) return *found;
+      if (auto found = keep_valid_ends(context_.instance)) return *found;
       // The search draws no more proposals, so the limit of proposals must not end it.
       Budget looks = budget;
       looks.proposals = Budget::unlimited;

@@ -61,12 +61,6 @@ class Guidance {
   virtual void select_tree(TreeSide side) { static_cast<void>(side); }
   /// Draws a proposal into `out`, inside the space.
   virtual Source sample(Stream& stream, MutableView out) = 0;
-  /// The density of the next sample at q with respect to volume in metric coordinates, absolutely continuous part only.
-  /// NaN if h has no closed form. A sequence of guides changes its active guide when it draws: its density is that of
-  /// the last sample.
-  [[nodiscard]] virtual double density(View q) const = 0;
-  /// The probability that the next sample is one of finitely many points (as the goal of a goal bias).
-  [[nodiscard]] virtual double atom_mass() const { return 0.0; }
   /// Receives the result of a sample.
   /// \param mine  whether this guidance drew the sample. A part of a mixture also receives the results of the other
   ///     parts, because each of them can use a configuration found invalid.
@@ -100,10 +94,11 @@ class Guidance {
   /// Called when the planner finds a first or a shorter path from start to goal.
   /// \param length  of the path, in metres in the metric
   virtual void found(double length) { static_cast<void>(length); }
-  /// A counter that increases when `sample` or `observe` may have changed the density.
-  [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
-  /// Adds the current distribution to the record, with weight `share`. By default, as a part without closed form.
+  /// Adds the distribution of the next sample to the record, with weight `share`. By default, as a part without closed
+  /// form. A sequence of guides changes its active guide when it draws: it adds the distribution of the last sample.
   virtual void record(DensityRecord& record, double share) const { record.add_unknown(share); }
+  /// A counter that increases when `sample` or `observe` may have changed what `record` adds.
+  [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
   /// The names of the parts that draw samples.
   [[nodiscard]] virtual std::vector<std::string> sources() const = 0;
 };
@@ -116,7 +111,6 @@ class UniformGuidance final : public Guidance {
     space_.sample_uniform(stream, out);
     return 0;
   }
-  [[nodiscard]] double density(View) const override { return density_; }
   void record(DensityRecord& record, double share) const override { record.add_uniform(share, density_); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"uniform"}; }
 
@@ -136,8 +130,6 @@ class GoalGuidance final : public Guidance {
     std::copy(goal.begin(), goal.end(), out.begin());
     return 0;
   }
-  [[nodiscard]] double density(View) const override { return 0.0; }
-  [[nodiscard]] double atom_mass() const override { return 1.0; }
   void record(DensityRecord& record, double share) const override { record.add_atoms(share); }
   [[nodiscard]] std::vector<std::string> sources() const override { return {"goal"}; }
 

@@ -11,7 +11,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/motion/steering.hpp>
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/tree.hpp>
+#include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {
 
@@ -46,41 +46,75 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
   return settings;
 }
 
-class KinodynamicRrt final : public Planner {
+class KinodynamicRrt final : public StartTreePlanner {
  public:
   KinodynamicRrt(const KinodynamicRrtSettings& settings, PlannerContext context)
-      : settings_(settings),
-        context_(std::move(context)),
+      : StartTreePlanner(std::move(context)),
+        settings_(settings),
+        curves_(settings.extend == "curves"),
         model_holder_(context_.instance.motion_model),
         model_(*model_holder_),
         most_steps_(steps_of(settings.longest, model_.dt())),
-        sample_(dimension()),
         state_(dimension()),
         control_(model_.controls().size()),
         best_control_(model_.controls().size()) {}
 
-  Solution solve(const Budget& budget) override {
-    auto& instance = context_.instance;
-    BudgetMonitor monitor(context_, budget);
-    if (!ends_checked_ || epoch_ != instance.epoch()) {
-      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
-      ends_checked_ = true;
-      epoch_ = instance.epoch();
-      if (tree_) begin_repair();
-    }
-    if (tree_ && repair_ && !solved_) {
-      if (const auto reason = repair(monitor))
-        return {*reason, path_of_start(instance), {Configurations(model_.controls().size()), {}, model_.dt()}};
-    } else if (!tree_ || solved_) {
-      // A tree that reached the goal is replaced by a new one, to find another path. Another tree continues to grow.
-      plant();
-    }
-    while (!solved_) {
-      if (const auto reason = monitor.spent()) return finish(*reason);
-      iterate();
-    }
-    return finish(Status::solved);
+ protected:
+  void plant() override {
+    edges_.assign(1, {});
+    controls_ = Configurations(model_.controls().size());
+    StartTreePlanner::plant();
   }
+
+  void pruned(const std::vector<std::uint32_t>& ids) override {
+    std::vector<Edge> kept(tree_->size());
+    for (std::uint32_t id = 0; id < ids.size(); ++id) {
+      if (ids[id] != no_node) kept[ids[id]] = edges_[id];
+    }
+    edges_ = std::move(kept);
+  }
+
+  /// Checks each step of the motion.
+  bool edge_still_valid(std::uint32_t id) override {
+    const Edge& edge = edges_[id];
+    const View from = (*tree_)[tree_->parent(id)];
+    std::copy(from.begin(), from.end(), state_.begin());
+    Configuration next(dimension());
+    for (std::uint32_t k = 0; k < edge.steps; ++k) {
+      model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
+      if (!motion_still_valid(context_, state_, next)) return false;
+      std::swap(state_, next);
+    }
+    return true;
+  }
+
+  void iterate() override {
+    auto& instance = context_.instance;
+    const auto& space = instance.space;
+    propose(context_, sample_);
+    const auto near = tree_->to_extend(sample_);
+    const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
+    const Trajectory trajectory = trajectory_from(from);
+    const Driven driven = drive(from, trajectory, most_steps_);
+    Outcome outcome;
+    outcome.proposal = sample_;
+    outcome.near = from;
+    outcome.blocked_at = driven.blocked;
+    if (driven.ends.empty()) {
+      record_outcome(context_, outcome, tree_->row(near.id));
+      return;
+    }
+    const std::uint32_t id = add(near.id, driven, trajectory);
+    const View added = std::as_const(driven.states)[driven.ends.back() - 1];
+    outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
+    outcome.added = added;
+    record_outcome(context_, outcome, tree_->row(near.id), tree_->row(id));
+    report_pieces(driven, id, driven.ends.size() - 1, sample_);
+    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
+  }
+
+  [[nodiscard]] Solution finish(Status status) const override { return to_node(status, best_); }
+  [[nodiscard]] Solution unrepaired(Status status) const override { return to_node(status, 0); }
 
  private:
   /// Returns the number of integration steps of the longest motion.
@@ -98,88 +132,9 @@ class KinodynamicRrt final : public Planner {
 
   /// The motion to a node from its parent.
   struct Edge {
-    std::uint32_t parent = 0;
     std::uint32_t control = 0;  ///< row of `controls_`
     std::uint32_t steps = 0;
   };
-
-  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
-
-  /// Called when the instance changed, so that validity of the tree is unknown. If the goal may still be reachable,
-  /// checks the branch to it first; the search ends if that branch is valid.
-  void begin_repair() {
-    if (!std::equal(context_.instance.start.begin(), context_.instance.start.end(), (*tree_)[0].begin())) {
-      tree_.reset();
-      return;
-    }
-    repair_.emplace(*tree_);
-    find_best();
-  }
-
-  /// Solves the instance if the branch to the goal is still valid; else removes all invalid branches. Returns the
-  /// reason if it stops early, else none.
-  std::optional<Status> repair(BudgetMonitor& monitor) {
-    const auto edge_valid = [&](std::uint32_t id) { return edge_still_valid(id); };
-    if (best_distance_ <= context_.instance.goal_tolerance && repair_->branch_valid(*tree_, best_, edge_valid)) {
-      solved_ = true;
-      return std::nullopt;
-    }
-    if (const auto reason = repair_->check_all(*tree_, monitor, edge_valid)) return reason;
-    const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
-    context_.guidance.restart();
-    report_nodes(context_, *tree_, false);
-    std::vector<Edge> kept(tree_->size());
-    for (std::uint32_t id = 0; id < ids.size(); ++id) {
-      if (ids[id] == no_node) continue;
-      kept[ids[id]] = edges_[id];
-      kept[ids[id]].parent = ids[edges_[id].parent];
-    }
-    edges_ = std::move(kept);
-    repair_.reset();
-    find_best();
-    solved_ = best_distance_ <= context_.instance.goal_tolerance;
-    return std::nullopt;
-  }
-
-  /// Whether the motion to a node from its parent is still valid; checks each of its steps.
-  bool edge_still_valid(std::uint32_t id) {
-    const Edge& edge = edges_[id];
-    const View from = (*tree_)[edge.parent];
-    std::copy(from.begin(), from.end(), state_.begin());
-    Configuration next(dimension());
-    for (std::uint32_t k = 0; k < edge.steps; ++k) {
-      model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
-      if (!motion_still_valid(context_, state_, next)) return false;
-      std::swap(state_, next);
-    }
-    return true;
-  }
-
-  /// Finds the node nearest to the goal.
-  void find_best() {
-    solved_ = false;
-    best_ = 0;
-    best_distance_ = context_.instance.to_goal((*tree_)[0]);
-    for (std::uint32_t id = 1; id < tree_->size(); ++id) {
-      const double distance = context_.instance.to_goal((*tree_)[id]);
-      if (distance >= best_distance_) continue;
-      best_distance_ = distance;
-      best_ = id;
-    }
-  }
-
-  void plant() {
-    tree_.emplace(context_);
-    context_.guidance.restart();
-    edges_.clear();
-    controls_ = Configurations(model_.controls().size());
-    repair_.reset();
-    solved_ = false;
-    best_ = tree_->add(context_.instance.start, 0);
-    edges_.push_back({});
-    best_distance_ = context_.instance.to_goal(context_.instance.start);
-    solved_ = best_distance_ <= context_.instance.goal_tolerance;
-  }
 
   /// Samples controls and durations, and returns the control whose end state is nearest to the proposal. Makes no
   /// validity check.
@@ -210,14 +165,14 @@ class KinodynamicRrt final : public Planner {
   };
 
   /// Drives a trajectory until it is invalid, reaches the goal, or has taken `most` steps.
-  Driven drive(View from, const Trajectory& way, std::size_t most) {
+  Driven drive(View from, const Trajectory& trajectory, std::size_t most) {
     auto& instance = context_.instance;
     Driven driven{Configurations(dimension()), {}, false, {}};
     Configuration at(from.begin(), from.end());
-    for (std::size_t i = 0; i < way.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
+    for (std::size_t i = 0; i < trajectory.steps.size() && !driven.arrived && driven.states.size() < most; ++i) {
       const std::size_t before = driven.states.size();
-      const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(way.steps[i], most - before));
-      const auto done = instance.drive(at, way.controls[i], wanted, driven.states, &driven.blocked);
+      const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(trajectory.steps[i], most - before));
+      const auto done = instance.drive(at, trajectory.controls[i], wanted, driven.states, &driven.blocked);
       std::size_t end = before;
       while (end < before + done && !driven.arrived) {
         const View state = std::as_const(driven.states)[end++];
@@ -233,11 +188,11 @@ class KinodynamicRrt final : public Planner {
   }
 
   /// Adds the end states of the pieces to the tree as descendants of a node; returns the last one.
-  std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& way) {
+  std::uint32_t add(std::uint32_t parent, const Driven& driven, const Trajectory& trajectory) {
     std::uint32_t before = 0;
     for (std::size_t i = 0; i < driven.ends.size(); ++i) {
       const std::uint32_t node = tree_->add(driven.states[driven.ends[i] - 1], parent);
-      edges_.push_back({parent, controls_.push(way.controls[i]), driven.ends[i] - before});
+      edges_.push_back({controls_.push(trajectory.controls[i]), driven.ends[i] - before});
       note(node);
       before = driven.ends[i];
       parent = node;
@@ -246,39 +201,14 @@ class KinodynamicRrt final : public Planner {
   }
 
   /// The trajectory from a node towards the proposal.
-  Trajectory way_from(View from) {
-    if (settings_.extend == "curves") {
+  Trajectory trajectory_from(View from) {
+    if (curves_) {
       auto curve = steer_at(model_, from, sample_, context_.proposals.uniform());
       if (curve && !curve->steps.empty()) return std::move(*curve);
     }
-    Trajectory way{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
-    way.controls.push(best_control_);
-    return way;
-  }
-
-  void iterate() {
-    auto& instance = context_.instance;
-    const auto& space = instance.space;
-    propose(context_, sample_);
-    const auto near = tree_->to_extend(sample_);
-    const Configuration from((*tree_)[near.id].begin(), (*tree_)[near.id].end());
-    const Trajectory way = way_from(from);
-    const Driven driven = drive(from, way, most_steps_);
-    Outcome outcome;
-    outcome.proposal = sample_;
-    outcome.near = from;
-    outcome.blocked_at = driven.blocked;
-    if (driven.ends.empty()) {
-      settle(context_, outcome, tree_->row(near.id));
-      return;
-    }
-    const std::uint32_t id = add(near.id, driven, way);
-    const View added = std::as_const(driven.states)[driven.ends.back() - 1];
-    outcome.fate = space.distance(added, sample_) == 0.0 ? Fate::reached : Fate::advanced;
-    outcome.added = added;
-    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
-    report_pieces(driven, id, driven.ends.size() - 1, sample_);
-    if (!solved_ && instance.to_goal(added) <= settings_.connect) connect(id, added);
+    Trajectory trajectory{Configurations(model_.controls().size()), {choose_control(from)}, model_.dt()};
+    trajectory.controls.push(best_control_);
+    return trajectory;
   }
 
   /// Reports the nodes of the first pieces of a motion, without a proposal.
@@ -290,7 +220,7 @@ class KinodynamicRrt final : public Planner {
       outcome.proposal = towards;
       outcome.added = std::as_const(driven.states)[driven.ends[i] - 1];
       const auto id = last - static_cast<std::uint32_t>(driven.ends.size() - 1 - i);
-      outcome.near = (*tree_)[edges_[id].parent];
+      outcome.near = (*tree_)[tree_->parent(id)];
       outcome.added_row = tree_->row(id);
       context_.guidance.observe(outcome, false);
     }
@@ -300,11 +230,11 @@ class KinodynamicRrt final : public Planner {
   void connect(std::uint32_t id, View from) {
     const View goal = context_.instance.goal_at(context_.instance.nearest_goal(from).goal);
     if (!context_.guidance.worth_connecting(from, goal)) return;
-    const auto arrives = [&](const std::optional<Trajectory>& way) {
-      if (!way) return false;
-      const Driven driven = drive(from, *way, std::numeric_limits<std::size_t>::max());
+    const auto arrives = [&](const std::optional<Trajectory>& trajectory) {
+      if (!trajectory) return false;
+      const Driven driven = drive(from, *trajectory, std::numeric_limits<std::size_t>::max());
       if (driven.arrived) {
-        report_pieces(driven, add(id, driven, *way), driven.ends.size(), goal);
+        report_pieces(driven, add(id, driven, *trajectory), driven.ends.size(), goal);
       } else if (!driven.blocked.empty()) {
         Outcome outcome;
         outcome.proposal = goal;
@@ -314,27 +244,18 @@ class KinodynamicRrt final : public Planner {
       }
       return driven.arrived;
     };
-    if (!arrives(steer(model_, from, goal)) && settings_.extend == "curves") {
+    if (!arrives(steer(model_, from, goal)) && curves_) {
       arrives(steer_at(model_, from, goal, context_.proposals.uniform()));
     }
   }
 
-  /// Updates the node nearest to the goal.
-  void note(std::uint32_t id) {
-    const double distance = context_.instance.to_goal((*tree_)[id]);
-    if (distance < best_distance_) {
-      best_distance_ = distance;
-      best_ = id;
-    }
-    if (distance <= context_.instance.goal_tolerance) solved_ = true;
-  }
-
-  [[nodiscard]] Solution finish(Status status) const {
-    std::vector<std::uint32_t> way;
-    for (std::uint32_t at = best_; at != 0; at = edges_[at].parent) way.push_back(at);
+  /// The solution that ends at a node.
+  [[nodiscard]] Solution to_node(Status status, std::uint32_t end) const {
+    std::vector<std::uint32_t> nodes;
+    for (std::uint32_t at = end; at != 0; at = tree_->parent(at)) nodes.push_back(at);
     Solution solution{status, {}, {Configurations(controls_.dimension()), {}, model_.dt()}};
-    solution.trajectory.steps.reserve(way.size());
-    for (auto it = way.rbegin(); it != way.rend(); ++it) {
+    solution.trajectory.steps.reserve(nodes.size());
+    for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) {
       solution.trajectory.controls.push(controls_[edges_[*it].control]);
       solution.trajectory.steps.push_back(edges_[*it].steps);
     }
@@ -344,23 +265,15 @@ class KinodynamicRrt final : public Planner {
   }
 
   KinodynamicRrtSettings settings_;
-  PlannerContext context_;
+  bool curves_;                                      ///< a node is driven along curves, where the model has them
   std::shared_ptr<const MotionModel> model_holder_;  ///< outlives a replaced instance
   const MotionModel& model_;
-  std::size_t most_steps_;  ///< longest duration of a control, in steps
-  std::optional<Tree> tree_;
-  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
-  std::vector<Edge> edges_;           ///< of each node; unused for the root
+  std::size_t most_steps_;   ///< longest duration of a control, in steps
+  std::vector<Edge> edges_;  ///< of each node; unused for the root
   Configurations controls_;
-  Configuration sample_;
   Configuration state_;
   Configuration control_;
   Configuration best_control_;
-  std::uint32_t best_ = 0;
-  double best_distance_ = std::numeric_limits<double>::infinity();
-  std::uint64_t epoch_ = 0;
-  bool solved_ = false;
-  bool ends_checked_ = false;
 };
 
 }  // namespace

@@ -52,7 +52,8 @@ Settings<S> with_common(Settings<S> settings) {
                   "work (validity checks and proposals) of guided proposals and of the levels below, per work of "
                   "unguided proposals, beyond what a path costs to check and what progress along a guiding path earns; "
                   "0: without bound; the report prints the validity checks of either side");
-  settings.number("proposals", &S::proposals, "proposals", Range::at_least(1),
+  // Nodes have 32-bit numbers.
+  settings.number("proposals", &S::proposals, "proposals", Range{.lo = 1, .hi = 1e9},
                   "budget: proposals of this level, over all its solves");
   settings.number("checks", &S::checks, "validity checks", Range::at_least(1),
                   "budget: validity checks of this level, over all its solves");
@@ -105,8 +106,8 @@ inline void propose(PlannerContext& context, MutableView q) {
 /// Records the result of the last proposal and reports it to the guidance.
 /// \param near  row of the node that was extended
 /// \param added  row of the node that was added
-inline void settle(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
-                   std::uint32_t added = no_node) {
+inline void record_outcome(PlannerContext& context, Outcome outcome, std::uint32_t near = no_node,
+                           std::uint32_t added = no_node) {
   context.search.fates.push_back(outcome.fate);
   context.search.near.push_back(near);
   context.search.added.push_back(added);
@@ -167,7 +168,7 @@ inline bool steer(const Space& space, View from, View q, double distance, double
 
 /// Checks start and goals of the instance, and removes invalid goals.
 /// \return none if the search can begin; else the solution with the reason
-inline std::optional<Solution> invalid_ends(Instance& instance) {
+inline std::optional<Solution> keep_valid_ends(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
   solution.status = Status::invalid_goal;

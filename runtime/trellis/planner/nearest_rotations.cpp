@@ -80,7 +80,7 @@ class RotationIndex final : public NearestIndex::Implementation {
 
  private:
   struct Node {
-    std::uint32_t left = 0;  ///< 0 for a leaf: the root is nobody's child
+    std::uint32_t left = 0;  ///< 0 for a leaf: the root is no node's child
     std::uint32_t right = 0;
     std::size_t column = 0;
     double split = 0.0;

@@ -49,7 +49,7 @@ struct Search {
   DensityRecord density;                           ///< distribution of h over all proposals
   /// For each node, whether its validity was checked; empty if all nodes were checked. Unchecked nodes of a lazy
   /// roadmap cost no checks, so the measure leaves them out.
-  std::vector<std::uint8_t> looked_at;
+  std::vector<std::uint8_t> validated;
   /// Whether the proposals expand a tree or roadmap. An unguided lazy roadmap draws its proposals before it checks any,
   /// so the measure leaves them out.
   bool expands = true;
@@ -60,11 +60,11 @@ struct Search {
 
   /// The samples of the tree: of `rows`, one per node, those whose node was checked.
   [[nodiscard]] Configurations tree_samples(const Configurations& rows) const {
-    if (looked_at.empty()) return rows;
+    if (validated.empty()) return rows;
     Configurations chosen(rows.dimension());
     chosen.reserve(rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (looked_at[i] != 0) chosen.push(rows[i]);
+      if (validated[i] != 0) chosen.push(rows[i]);
     }
     return chosen;
   }

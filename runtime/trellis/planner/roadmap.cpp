@@ -217,7 +217,7 @@ void LifelongSearch::begin_search() {
   meeting_ = {infinity, none, none};
 }
 
-bool LifelongSearch::goal_settled() {
+bool LifelongSearch::goal_is_final() {
   if (!reached(goal)) return false;
   const Label& label = vertices_[goal].of[from_start];
   const Entry* next = top(from_start);
@@ -243,13 +243,13 @@ bool LifelongSearch::search() {
       // Rounding makes equal path costs differ in the last bits, so the search also expands slightly higher costs.
       const Meeting& best = meetings_.top();
       const double slack = 1e-12 * best.total;
-      const auto settled = [&](std::size_t side, std::uint32_t vertex) {
+      const auto final_cost = [&](std::size_t side, std::uint32_t vertex) {
         return tops[side] == nullptr ||
                estimate(side, vertex, vertices_[vertex].of[side].cost) + slack < tops[side]->estimate;
       };
       const bool shortest =
           tops[0] == nullptr || tops[1] == nullptr || best.total + slack < tops[0]->estimate + tops[1]->estimate;
-      if (shortest && settled(from_start, best.from) && settled(from_goal, other(best.edge, best.from))) break;
+      if (shortest && final_cost(from_start, best.from) && final_cost(from_goal, other(best.edge, best.from))) break;
       if (tops[0] == nullptr && tops[1] == nullptr) break;
     }
     expand(tops[1] == nullptr || (tops[0] != nullptr && tops[0]->cost <= tops[1]->cost) ? from_start : from_goal);

@@ -158,7 +158,7 @@ class LifelongSearch {
   /// Resets the path found.
   void begin_search();
   /// Whether the tree from the start alone contains the shortest path to the goal. If so, stores it as the path found.
-  bool goal_settled();
+  bool goal_is_final();
   void branch(std::size_t side, std::uint32_t vertex, std::vector<std::uint32_t>& edges) const;
 
   std::vector<Edge> edges_;
@@ -177,7 +177,7 @@ std::uint32_t LifelongSearch::search_until(const Triggered& triggered) {
   begin_search();
   if (vertices() < 2 || apart_) return none;
   for (;;) {
-    if (goal_settled()) return goal;
+    if (goal_is_final()) return goal;
     const Entry* next = top(from_start);
     if (next == nullptr) {
       set_apart(from_start);

@@ -42,7 +42,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   begin_evaluation();
   bool repaired = false;
   if (paths_.vertices() == 0) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
       Solution solution{Status::solved, Configurations(dimension())};
       context_.search.nodes.push(instance.start);
@@ -52,7 +52,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     begin();
   } else if (epoch_ != instance.epoch()) {
-    if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
     repair();
     repaired = true;
   } else if (solved_) {
@@ -87,7 +87,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
         continue;
       }
       best_cost_ = paths_.cost();
-      best_.keep(way_to(goal));
+      best_.keep(path_to(goal));
     }
     if (best_.done()) {
       solved_ = true;
@@ -180,7 +180,7 @@ void RoadmapPlanner::repair() {
     index_ = NearestIndex(instance.space);
     paths_ = {};
     connectivity_ = {};
-    for (auto* rows : {&rows_, &jumps_, &looked_at_}) rows->clear();
+    for (auto* rows : {&rows_, &jumps_, &presumed_edges_}) rows->clear();
     for (auto* known : {&nodes_, &edges_}) known->clear();
     for (auto* bytes : {&passes_, &reported_}) bytes->clear();
     joined_.clear();
@@ -203,11 +203,11 @@ void RoadmapPlanner::repair() {
   refuted_.clear();
   if (presumed_) {
     // Only edges of the next paths are checked again.
-    for (const std::uint32_t id : looked_at_) {
+    for (const std::uint32_t id : presumed_edges_) {
       if (edges_[id] == Known::valid) edges_[id] = Known::stale;
       passes_[id] = 0;
     }
-    looked_at_.clear();
+    presumed_edges_.clear();
   } else {
     recheck_edges();
   }
@@ -270,9 +270,9 @@ void RoadmapPlanner::grow() {
       const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
       outcome.connected = connectivity_.connected(id, Connectivity::to_start);
       if (outcome.connected) reported_[id] |= Connectivity::to_start;
-      settle(context_, outcome, no_node, rows_.back());
+      record_outcome(context_, outcome, no_node, rows_.back());
     } else {
-      settle(context_, outcome);
+      record_outcome(context_, outcome);
     }
     report_joined();
     return;
@@ -284,11 +284,11 @@ void RoadmapPlanner::grow() {
       steer(instance.space, node(near.id), sample_, std::sqrt(near.squared_distance), mode_.step, target_);
   if (!mode_.lazy_nodes && !instance.valid(target_)) {
     outcome.blocked_at = target_;
-    settle(context_, outcome, from);
+    record_outcome(context_, outcome, from);
     return;
   }
   if (near.squared_distance == 0.0) {
-    settle(context_, outcome, from);
+    record_outcome(context_, outcome, from);
     return;
   }
   insert(target_, mode_.lazy_nodes ? Known::unknown : Known::valid);
@@ -298,7 +298,7 @@ void RoadmapPlanner::grow() {
   const auto id = static_cast<std::uint32_t>(rows_.size() - 1);
   outcome.connected = connectivity_.connected(id, Connectivity::to_start);
   if (outcome.connected) reported_[id] |= Connectivity::to_start;
-  settle(context_, outcome, from, rows_.back());
+  record_outcome(context_, outcome, from, rows_.back());
   blocked_motions_.report(context_);
   report_joined();
 }
@@ -342,7 +342,7 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   rows_.push_back(context_.search.nodes.push(q));
   context_.search.parents.push_back(no_node);
   nodes_.push_back(known);
-  if (judged_) context_.search.looked_at.push_back(known != Known::unknown ? 1 : 0);
+  if (judged_) context_.search.validated.push_back(known != Known::unknown ? 1 : 0);
   index_.add(q);
   // The bound is 0 for several goals, because an edge between goals costs less than the difference of their distances
   // to the start.
@@ -381,7 +381,7 @@ void RoadmapPlanner::add_edge(std::uint32_t a, std::uint32_t b, double length, K
   context_.search.edges.push_back({rows_[a], rows_[b]});
   edges_.push_back(known);
   passes_.push_back(0);
-  if (known == Known::valid && presumed_) looked_at_.push_back(edge);
+  if (known == Known::valid && presumed_) presumed_edges_.push_back(edge);
   if (checked(edge)) join(edge);
 }
 
@@ -445,7 +445,7 @@ Solution RoadmapPlanner::without_proposals(const Budget& budget, bool reconnects
       report_joined();
       if (valid) {
         solved_ = true;
-        best_.keep(way_to(goal));
+        best_.keep(path_to(goal));
         return best_.solution(Status::solved);
       }
       if (const auto reason = monitor.spent()) return finish(*reason);
@@ -574,7 +574,7 @@ std::size_t RoadmapPlanner::selected(std::size_t i, std::size_t n) const {
 bool RoadmapPlanner::node_valid(std::uint32_t id) {
   auto& instance = context_.instance;
   if (nodes_[id] == Known::valid || nodes_[id] == Known::evaluated) return true;
-  if (judged_) context_.search.looked_at[rows_[id]] = 1;
+  if (judged_) context_.search.validated[rows_[id]] = 1;
   // A single configuration is checked as a motion to itself.
   if (nodes_[id] == Known::stale ? instance.motion_still_valid(node(id), node(id)) : instance.valid(node(id))) {
     nodes_[id] = Known::valid;
@@ -611,7 +611,7 @@ bool RoadmapPlanner::edge_valid(std::size_t at) {
       edges_[id] == Known::stale ? instance.recheck_motion(from, to) : instance.motion(from, to);
   if (report.valid) {
     edges_[id] = Known::valid;
-    if (presumed_) looked_at_.push_back(id);
+    if (presumed_) presumed_edges_.push_back(id);
     join(id);
     return true;
   }
@@ -639,7 +639,7 @@ bool RoadmapPlanner::coarsely_valid() {
         remove_edge(at, t);
         return false;
       }
-      if (presumed_ && passes_[id] == 0) looked_at_.push_back(id);
+      if (presumed_ && passes_[id] == 0) presumed_edges_.push_back(id);
       passes_[id] = pass;
     }
     if (!looked) break;
@@ -696,17 +696,17 @@ void RoadmapPlanner::rebuild_connectivity() {
   }
 }
 
-Configurations RoadmapPlanner::way_to(std::uint32_t end) {
+Configurations RoadmapPlanner::path_to(std::uint32_t end) {
   paths_.path(end, path_);
-  Configurations way(dimension());
+  Configurations path(dimension());
   std::uint32_t at = LifelongSearch::start;
-  way.push(node(at));
+  path.push(node(at));
   for (const std::uint32_t edge : path_) {
     if (is_jump(edge)) break;
     at = paths_.other(edge, at);
-    way.push(node(at));
+    path.push(node(at));
   }
-  return way;
+  return path;
 }
 
 Solution RoadmapPlanner::finish(Status status) {
@@ -725,7 +725,7 @@ Solution RoadmapPlanner::finish(Status status) {
       end = id;
     }
   }
-  return {status, way_to(end)};
+  return {status, path_to(end)};
 }
 
 }  // namespace trellis

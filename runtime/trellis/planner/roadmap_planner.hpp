@@ -144,7 +144,7 @@ class RoadmapPlanner final : public Planner {
   /// Recomputes connectivity after edges that counted as checked were removed.
   void rebuild_connectivity();
   /// The path to a node of the search tree.
-  [[nodiscard]] Configurations way_to(std::uint32_t end);
+  [[nodiscard]] Configurations path_to(std::uint32_t end);
   [[nodiscard]] Solution finish(Status status);
 
   Mode mode_;
@@ -162,7 +162,7 @@ class RoadmapPlanner final : public Planner {
   std::vector<std::uint32_t> stops_;         ///< nodes of the path
   std::unordered_set<std::uint64_t> pairs_;  ///< pairs of nodes connected at any time; filled once reconnection begins
   std::vector<std::uint32_t> lost_neighbour_;        ///< nodes that lost a neighbour since the last reconnection
-  std::vector<std::uint32_t> looked_at_;             ///< edges that are not unknown, if validity is presumed
+  std::vector<std::uint32_t> presumed_edges_;        ///< edges that are not unknown, if validity is presumed
   std::vector<std::uint32_t> refuted_;               ///< nodes or edges to remove together
   std::vector<std::uint8_t> passes_;                 ///< for each edge, the finest resolution of its validation
   std::vector<std::array<std::uint32_t, 2>> seeds_;  ///< ends of the removed edges

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/tree.hpp>
+#include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {
 
@@ -28,45 +28,16 @@ const Settings<RrtConnectSettings>& rrt_connect_settings() {
   return settings;
 }
 
-class RrtConnect final : public Planner {
+class RrtConnect final : public TreePlanner {
  public:
   RrtConnect(const RrtConnectSettings& settings, PlannerContext context)
-      : settings_(settings),
-        context_(std::move(context)),
-        sample_(dimension()),
-        target_(dimension()),
-        blocked_(dimension()) {}
+      : TreePlanner(std::move(context)), step_(settings.step) {}
 
-  Solution solve(const Budget& budget) override {
-    auto& instance = context_.instance;
-    BudgetMonitor monitor(context_, budget);
-    if (!ends_checked_ || epoch_ != instance.epoch()) {
-      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
-      ends_checked_ = true;
-      epoch_ = instance.epoch();
-      if (trees_[0]) begin_repair();
-    }
-    if (trees_[0] && repairing_) {
-      if (const auto reason = repair(monitor)) return {*reason, path_of_start(instance)};
-    } else if (!trees_[0] || bridge_) {
-      plant();
-    }
-    while (!bridge_) {
-      if (const auto reason = monitor.spent()) return finish(*reason);
-      iterate();
-    }
-    return finish(Status::solved);
-  }
-
- private:
-  struct Bridge {
-    std::uint32_t start_side = 0;
-    std::uint32_t goal_side = 0;
-  };
-
-  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
-
-  void plant() {
+ protected:
+  [[nodiscard]] bool planted() const override { return trees_[0].has_value(); }
+  [[nodiscard]] bool repairing() const override { return repairing_; }
+  [[nodiscard]] bool done() const override { return bridge_.has_value(); }
+  void plant() override {
     auto& instance = context_.instance;
     trees_[0].emplace(context_);
     trees_[1].emplace(context_);
@@ -81,11 +52,9 @@ class RrtConnect final : public Planner {
     if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{0, static_cast<std::uint32_t>(nearest.goal)};
   }
 
-  [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
-
-  /// Called when the instance changed, so that validity of the trees is unknown. Replaces a tree whose root is no
-  /// longer the start, removes roots that are no longer goals, and adds new goals as roots.
-  void begin_repair() {
+  /// Replaces a tree whose root is no longer the start, removes roots that are no longer goals, and adds new goals as
+  /// roots.
+  void begin_repair() override {
     auto& instance = context_.instance;
     if (!same((*trees_[0])[0], instance.start)) {
       trees_[0].emplace(context_);
@@ -112,9 +81,7 @@ class RrtConnect final : public Planner {
     repairing_ = true;
   }
 
-  /// Solves the instance if the path is still valid; else removes all invalid branches. Returns the reason if it stops
-  /// early, else none.
-  std::optional<Status> repair(BudgetMonitor& monitor) {
+  std::optional<Status> repair(BudgetMonitor& monitor) override {
     const auto edge_valid = [&](const Tree& tree) {
       return [&](std::uint32_t id) { return motion_still_valid(context_, tree[tree.parent(id)], tree[id]); };
     };
@@ -124,7 +91,7 @@ class RrtConnect final : public Planner {
     if (bridge_ && branch_valid(0, bridge_->start_side) && branch_valid(1, bridge_->goal_side)) {
       // The next solve grows new trees or repairs them again before it draws a proposal.
       repairing_ = false;
-      return std::nullopt;
+      return Status::solved;
     }
     bridge_.reset();
     for (std::size_t side = 0; side < 2; ++side) {
@@ -139,56 +106,56 @@ class RrtConnect final : public Planner {
     return std::nullopt;
   }
 
+  void iterate() override {
+    const std::size_t side = active_;
+    active_ = 1 - active_;
+    context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
+    propose(context_, sample_);
+    const Step step = step_towards(side, trees_[side]->to_extend(sample_), sample_);
+    const Outcome outcome = outcome_of(step, side, sample_);
+    record_outcome(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
+    if (step.fate == Fate::rejected && !step.there) return;
+    const View q = (*trees_[side])[step.added];
+    connect(side, step.added, Configuration(q.begin(), q.end()));
+  }
+
+  [[nodiscard]] Solution finish(Status status) const override {
+    if (!bridge_) return {status, trees_[0]->branch(best_)};
+    Configurations path = trees_[0]->branch(bridge_->start_side);
+    const Configurations back = trees_[1]->branch(bridge_->goal_side);
+    // Both branches contain the configuration where the trees met, unless start and goal coincide initially.
+    for (std::size_t i = back.size() - 1; i-- > 0;) path.push(back[i]);
+    return {status, std::move(path)};
+  }
+
+ private:
+  struct Bridge {
+    std::uint32_t start_side = 0;
+    std::uint32_t goal_side = 0;
+  };
+
+  [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
+
   /// Finds the node nearest to the goal.
   void find_best() {
     auto& instance = context_.instance;
     const Tree& tree = *trees_[0];
-    best_ = 0;
-    best_distance_ = instance.to_goal(tree[0]);
-    if (best_distance_ <= instance.goal_tolerance) bridge_ = Bridge{0, trees_[1]->nearest(tree[0]).id};
-    for (std::uint32_t id = 1; id < tree.size(); ++id) {
-      const double distance = instance.to_goal(tree[id]);
-      if (distance >= best_distance_) continue;
-      best_distance_ = distance;
-      best_ = id;
-    }
+    if (instance.to_goal(tree[0]) <= instance.goal_tolerance) bridge_ = Bridge{0, trees_[1]->nearest(tree[0]).id};
+    best_distance_ = std::numeric_limits<double>::infinity();
+    for (std::uint32_t id = 0; id < tree.size(); ++id) note_nearest(id, instance.to_goal(tree[id]));
   }
 
-  /// One step of a tree from one of its nodes towards q.
-  struct Step {
-    Fate fate = Fate::rejected;
+  /// One extension of a tree.
+  struct Step : Extension {
     std::uint32_t near = 0;
-    std::uint32_t added = 0;
-    bool blocked = false;  ///< its motion is invalid at blocked_
-    bool there = false;    ///< the tree already contains q
+    std::uint32_t added = 0;  ///< the new node; `near` if it is there already
   };
-  Step extend(std::size_t side, NearestIndex::Neighbour near, View q) {
-    auto& instance = context_.instance;
+  Step step_towards(std::size_t side, NearestIndex::Neighbour near, View q) {
     Tree& tree = *trees_[side];
-    const double distance = std::sqrt(near.squared_distance);
-    Step step;
-    step.near = near.id;
-    if (distance == 0.0) {
-      step.there = true;
-      step.added = near.id;
-      return step;
-    }
-    const bool reaches = steer(instance.space, tree[near.id], q, distance, settings_.step, target_);
-    const MotionReport report = instance.motion(tree[near.id], target_);
-    if (!report.valid) {
-      instance.space.interpolate(tree[near.id], target_, report.invalid_at, blocked_);
-      step.blocked = true;
-      return step;
-    }
+    Step step{extend(tree[near.id], q, std::sqrt(near.squared_distance), step_), near.id, near.id};
+    if (step.fate == Fate::rejected) return step;
     step.added = tree.add(target_, near.id);
-    step.fate = reaches ? Fate::reached : Fate::advanced;
-    if (side == 0) {
-      const double to_goal = instance.to_goal(target_);
-      if (to_goal < best_distance_) {
-        best_distance_ = to_goal;
-        best_ = step.added;
-      }
-    }
+    if (side == 0) note_nearest(step.added, context_.instance.to_goal(target_));
     return step;
   }
 
@@ -208,26 +175,13 @@ class RrtConnect final : public Planner {
     return outcome;
   }
 
-  void iterate() {
-    const std::size_t side = active_;
-    active_ = 1 - active_;
-    context_.guidance.select_tree(side == 0 ? TreeSide::start : TreeSide::goal);
-    propose(context_, sample_);
-    const Step step = extend(side, trees_[side]->to_extend(sample_), sample_);
-    const Outcome outcome = outcome_of(step, side, sample_);
-    settle(context_, outcome, trees_[side]->row(step.near), outcome.added_row);
-    if (step.fate == Fate::rejected && !step.there) return;
-    const View q = (*trees_[side])[step.added];
-    connect(side, step.added, Configuration(q.begin(), q.end()));
-  }
-
   /// Grows the other tree towards q until it reaches q, is blocked, or the guidance rejects the motion.
   void connect(std::size_t side, std::uint32_t from, const Configuration& q) {
     const std::size_t other = 1 - side;
     for (;;) {
       const auto near = trees_[other]->nearest(q);
       if (near.squared_distance > 0.0 && !context_.guidance.worth_connecting((*trees_[other])[near.id], q)) return;
-      const Step step = extend(other, near, q);
+      const Step step = step_towards(other, near, q);
       if (!step.there) context_.guidance.observe(outcome_of(step, other, q), false);
       if (step.fate == Fate::reached || step.there) {
         bridge_ = side == 0 ? Bridge{from, step.added} : Bridge{step.added, from};
@@ -237,29 +191,12 @@ class RrtConnect final : public Planner {
     }
   }
 
-  [[nodiscard]] Solution finish(Status status) const {
-    if (!bridge_) return {status, trees_[0]->branch(best_)};
-    Configurations path = trees_[0]->branch(bridge_->start_side);
-    const Configurations back = trees_[1]->branch(bridge_->goal_side);
-    // Both branches contain the configuration where the trees met, unless start and goal coincide initially.
-    for (std::size_t i = back.size() - 1; i-- > 0;) path.push(back[i]);
-    return {status, std::move(path)};
-  }
-
-  RrtConnectSettings settings_;
-  PlannerContext context_;
+  double step_;
   std::array<std::optional<Tree>, 2> trees_;
   std::array<std::optional<TreeRepair>, 2> repairs_;
   bool repairing_ = false;  ///< active after a change of the instance
   std::optional<Bridge> bridge_;
   std::size_t active_ = 0;
-  Configuration sample_;
-  Configuration target_;
-  Configuration blocked_;
-  std::uint32_t best_ = 0;
-  double best_distance_ = std::numeric_limits<double>::infinity();
-  std::uint64_t epoch_ = 0;
-  bool ends_checked_ = false;
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include <trellis/planner/anytime.hpp>
 #include <trellis/planner/kinds.hpp>
-#include <trellis/planner/tree.hpp>
+#include <trellis/planner/tree_planner.hpp>
 
 namespace trellis {
 
@@ -27,94 +27,56 @@ const Settings<RrtStarSettings>& rrt_star_settings() {
   return settings;
 }
 
-class RrtStar final : public Planner {
+class RrtStar final : public StartTreePlanner {
  public:
   RrtStar(const RrtStarSettings& settings, PlannerContext context)
-      : settings_(settings),
-        context_(std::move(context)),
+      : StartTreePlanner(std::move(context), settings.step),
         connection_(settings.connection(context_.instance.space)),
-        best_(context_, settings.improve),
-        sample_(dimension()),
-        target_(dimension()),
-        blocked_(dimension()),
-        blocked_motions_(dimension()) {}
+        best_path_(context_, settings.improve) {}
 
   Solution solve(const Budget& budget) override {
-    auto& instance = context_.instance;
-    BudgetMonitor monitor(context_, budget);
-    best_.begin();
-    if (!ends_checked_ || epoch_ != instance.epoch()) {
-      if (auto nothing = invalid_ends(instance)) return std::move(*nothing);
-      ends_checked_ = true;
-      epoch_ = instance.epoch();
-      if (tree_) begin_repair();
-    }
-    // The tree and its shortest path remain when a solve has to find another path.
-    if (!tree_) plant();
-    if (repair_) {
-      const bool known = best_.known();
-      if (const auto reason = repair(monitor)) return {*reason, path_of_start(instance)};
-      if (!known && best_.known()) return finish(Status::solved);
-    }
-    bool another = best_.known();
-    while (another || !best_.done()) {
-      another = false;
-      if (const auto reason = monitor.spent()) return finish(*reason);
-      iterate();
-    }
-    return finish(Status::solved);
+    best_path_.begin();
+    drew_ = false;
+    return TreePlanner::solve(budget);
   }
 
- private:
-  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
-  [[nodiscard]] double to_goal(View q) const { return context_.instance.to_goal(q); }
+ protected:
+  /// A solve that has to find another path keeps the tree and its shortest path, and draws a proposal at least.
+  [[nodiscard]] bool done() const override { return drew_ && best_path_.done(); }
 
-  void plant() {
-    tree_.emplace(context_);
-    repair_.reset();
-    context_.guidance.restart();
-    best_.forget();
-    best_cost_ = std::numeric_limits<double>::infinity();
-    tree_->add(context_.instance.start, 0);
+  void plant() override {
+    forget_path();
+    StartTreePlanner::plant();
     costs_ = {0.0};
     lengths_ = {0.0};
     children_.assign(1, {});
-    note_all();
     keep_best();
   }
 
-  /// Called when the instance changed, so that validity of the tree is unknown.
-  void begin_repair() {
-    if (!std::equal(context_.instance.start.begin(), context_.instance.start.end(), (*tree_)[0].begin())) {
-      tree_.reset();
-      return;
-    }
-    repair_.emplace(*tree_);
-    best_.forget();
-    best_cost_ = std::numeric_limits<double>::infinity();
-    note_all();
+  void begin_repair() override {
+    StartTreePlanner::begin_repair();
+    if (tree_) forget_path();
   }
 
   /// Stops if the shortest path is still valid, without a check of the remaining tree. Else, or if that holds already,
-  /// removes all invalid branches. Returns the reason if it stops early, else none.
-  std::optional<Status> repair(BudgetMonitor& monitor) {
-    const auto edge_valid = [&](std::uint32_t id) {
-      return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
-    };
-    if (!best_.known()) {
-      const auto end = shortest_end();
-      if (end && repair_->branch_valid(*tree_, *end, edge_valid)) {
-        keep_best();
-        return std::nullopt;
-      }
+  /// removes all invalid branches.
+  std::optional<Status> repair(BudgetMonitor& monitor) override {
+    const bool known = best_path_.known();
+    const auto end = shortest_end();
+    if (!known && end && branch_still_valid(*end)) {
+      keep_best();
+      return Status::solved;
     }
     do {
-      if (const auto reason = repair_->check_all(*tree_, monitor, edge_valid)) return reason;
+      if (const auto reason = check_branches(monitor)) return reason;
     } while (reconnect_orphans());
-    const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
-    repair_.reset();
-    context_.guidance.restart();
-    report_nodes(context_, *tree_, false);
+    remove_invalid();
+    note_all();
+    keep_best();
+    return !known && best_path_.known() ? std::optional(Status::solved) : std::nullopt;
+  }
+
+  void pruned(const std::vector<std::uint32_t>& ids) override {
     std::vector<double> lengths(tree_->size(), 0.0);
     for (std::uint32_t id = 0; id < ids.size(); ++id) {
       if (ids[id] != no_node) lengths[ids[id]] = lengths_[id];
@@ -124,9 +86,79 @@ class RrtStar final : public Planner {
     for (std::uint32_t id = 1; id < tree_->size(); ++id) children_[tree_->parent(id)].push_back(id);
     costs_.assign(tree_->size(), 0.0);
     update_costs(0);
-    note_all();
+  }
+
+  void iterate() override {
+    drew_ = true;
+    StartTreePlanner::iterate();
     keep_best();
-    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<std::size_t> goal_to_connect() const override {
+    const auto nearest = context_.instance.nearest_goal(target_);
+    return goals_[nearest.goal] == no_node && nearest.distance <= step_ ? std::optional(nearest.goal) : std::nullopt;
+  }
+
+  /// Inserts a node at q and rewires. The motion to q from `from` is valid. The node's parent gives it the shortest
+  /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
+  std::uint32_t insert(View q, std::uint32_t from) override {
+    const auto& space = context_.instance.space;
+    connection_.find(tree_->index(), q, near_);
+    candidates_.clear();
+    for (const auto& n : near_) add_candidate(n.id, std::sqrt(n.squared_distance));
+    // A goal is a candidate for every node within one step, however many nodes are nearer.
+    for (const std::uint32_t goal : goals_) {
+      if (goal == no_node) continue;
+      const double distance = space.distance((*tree_)[goal], q);
+      if (distance <= step_) add_candidate(goal, distance);
+    }
+    Candidate best{from, space.distance((*tree_)[from], q)};
+    best.cost = costs_[from] + best.length;
+    sort_candidates();
+    std::size_t refused = 0;
+    for (; refused < candidates_.size() && candidates_[refused].cost < best.cost; ++refused) {
+      const Candidate& candidate = candidates_[refused];
+      if (!motion_valid((*tree_)[candidate.node], q)) continue;
+      best = candidate;
+      break;
+    }
+    const std::uint32_t id = tree_->add(q, best.node);
+    costs_.push_back(best.cost);
+    lengths_.push_back(best.length);
+    children_.emplace_back();
+    children_[best.node].push_back(id);
+    note(id);
+    // The motions of the candidates before `refused` are blocked.
+    for (std::size_t i = refused; i < candidates_.size(); ++i) {
+      const Candidate& candidate = candidates_[i];
+      if (best.cost + candidate.length >= costs_[candidate.node]) continue;
+      if (!motion_valid((*tree_)[id], (*tree_)[candidate.node])) continue;
+      rewire(candidate.node, id, candidate.length);
+    }
+    return id;
+  }
+
+  /// Updates the nodes at a goal too.
+  void note(std::uint32_t id) override {
+    const auto [goal, distance] = context_.instance.nearest_goal((*tree_)[id]);
+    if (distance <= context_.instance.goal_tolerance) ends_.push_back(id);
+    if (distance == 0.0) goals_[goal] = id;
+    note_nearest(id, distance);
+  }
+  void note_all() override {
+    ends_.clear();
+    goals_.assign(context_.instance.goals(), no_node);
+    StartTreePlanner::note_all();
+  }
+
+  [[nodiscard]] Solution finish(Status status) const override {
+    return best_path_.known() ? best_path_.solution(status) : StartTreePlanner::finish(status);
+  }
+
+ private:
+  void forget_path() {
+    best_path_.forget();
+    best_cost_ = std::numeric_limits<double>::infinity();
   }
 
   /// Rewires each node whose motion from a valid parent is invalid to one of its neighbours, by the rule for
@@ -138,15 +170,16 @@ class RrtStar final : public Planner {
       if (!repair_->known_invalid(id) || !repair_->known_valid(tree_->parent(id))) continue;
       const Configuration q((*tree_)[id].begin(), (*tree_)[id].end());
       connection_.find(tree_->index(), q, near_);
-      joints_.clear();
+      candidates_.clear();
       for (const auto& n : near_) {
-        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_joint(n.id, std::sqrt(n.squared_distance));
+        if (n.id != tree_->parent(id) && repair_->known_valid(n.id)) add_candidate(n.id, std::sqrt(n.squared_distance));
       }
-      sort_joints();
-      const auto found = std::find_if(joints_.begin(), joints_.end(),
-                                      [&](const Joint& joint) { return motion_valid((*tree_)[joint.node], q); });
-      if (found == joints_.end()) continue;
-      hang(id, found->node, space.distance((*tree_)[found->node], q));
+      sort_candidates();
+      const auto found = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
+        return motion_valid((*tree_)[candidate.node], q);
+      });
+      if (found == candidates_.end()) continue;
+      rewire(id, found->node, space.distance((*tree_)[found->node], q));
       repair_->reconnected(id, descendants(id));
       any = true;
     }
@@ -162,106 +195,6 @@ class RrtStar final : public Planner {
     return all;
   }
 
-  /// Finds the nodes at a goal, and the node nearest to a goal.
-  void note_all() {
-    ends_.clear();
-    goals_.assign(context_.instance.goals(), no_node);
-    nearest_distance_ = std::numeric_limits<double>::infinity();
-    for (std::uint32_t id = 0; id < tree_->size(); ++id) note(id);
-  }
-
-  void iterate() {
-    auto& instance = context_.instance;
-    const auto& space = instance.space;
-    propose(context_, sample_);
-    const auto near = tree_->to_extend(sample_);
-    const double distance = std::sqrt(near.squared_distance);
-    Outcome outcome;
-    outcome.proposal = sample_;
-    outcome.near = (*tree_)[near.id];
-    if (distance == 0.0) {
-      settle(context_, outcome, tree_->row(near.id));
-      return;
-    }
-    const bool reaches = steer(space, outcome.near, sample_, distance, settings_.step, target_);
-    const MotionReport report = instance.motion(outcome.near, target_);
-    if (!report.valid) {
-      space.interpolate(outcome.near, target_, report.invalid_at, blocked_);
-      outcome.blocked_at = blocked_;
-      settle(context_, outcome, tree_->row(near.id));
-      return;
-    }
-    const std::uint32_t id = insert(target_, near.id);
-    outcome.fate = reaches ? Fate::reached : Fate::advanced;
-    outcome.near = (*tree_)[near.id];
-    outcome.added = target_;
-    settle(context_, outcome, tree_->row(near.id), tree_->row(id));
-    blocked_motions_.report(context_);
-    const auto goal = instance.nearest_goal(target_);
-    if (goals_[goal.goal] == no_node && goal.distance <= settings_.step) connect_goal(id, goal.goal);
-    keep_best();
-  }
-
-  /// Tries the motion from the node at target_ to a goal.
-  void connect_goal(std::uint32_t id, std::size_t index) {
-    auto& instance = context_.instance;
-    const View goal = instance.goal_at(index);
-    if (!context_.guidance.worth_connecting(target_, goal)) return;
-    const MotionReport report = instance.motion(target_, goal);
-    Outcome outcome;
-    outcome.proposal = goal;
-    outcome.near = target_;
-    if (report.valid) {
-      outcome.added_row = tree_->row(insert(goal, id));
-      outcome.fate = Fate::reached;
-      outcome.added = goal;
-    } else {
-      instance.space.interpolate(target_, goal, report.invalid_at, blocked_);
-      outcome.blocked_at = blocked_;
-    }
-    context_.guidance.observe(outcome, false);
-    blocked_motions_.report(context_);
-  }
-
-  /// Inserts a node at q and rewires. The motion to q from `from` is valid. The node's parent gives it the shortest
-  /// path from the start; the node becomes the parent of neighbours whose paths it shortens.
-  std::uint32_t insert(View q, std::uint32_t from) {
-    const auto& space = context_.instance.space;
-    connection_.find(tree_->index(), q, near_);
-    joints_.clear();
-    for (const auto& n : near_) add_joint(n.id, std::sqrt(n.squared_distance));
-    // A goal is a candidate for every node within one step, however many nodes are nearer.
-    for (const std::uint32_t goal : goals_) {
-      if (goal == no_node) continue;
-      const double distance = space.distance((*tree_)[goal], q);
-      if (distance <= settings_.step) add_joint(goal, distance);
-    }
-    Joint best{from, space.distance((*tree_)[from], q)};
-    best.way = costs_[from] + best.length;
-    sort_joints();
-    std::size_t refused = 0;
-    for (; refused < joints_.size() && joints_[refused].way < best.way; ++refused) {
-      const Joint& joint = joints_[refused];
-      if (!motion_valid((*tree_)[joint.node], q)) continue;
-      best = joint;
-      break;
-    }
-    const std::uint32_t id = tree_->add(q, best.node);
-    costs_.push_back(best.way);
-    lengths_.push_back(best.length);
-    children_.emplace_back();
-    children_[best.node].push_back(id);
-    note(id);
-    // The motions of the candidates before `refused` are blocked.
-    for (std::size_t i = refused; i < joints_.size(); ++i) {
-      const Joint& joint = joints_[i];
-      if (best.way + joint.length >= costs_[joint.node]) continue;
-      if (!motion_valid((*tree_)[id], (*tree_)[joint.node])) continue;
-      hang(joint.node, id, joint.length);
-    }
-    return id;
-  }
-
   bool motion_valid(View a, View b) {
     const MotionReport report = context_.instance.motion(a, b);
     if (!report.valid) blocked_motions_.add(context_.instance.space, a, b, report.invalid_at);
@@ -269,27 +202,28 @@ class RrtStar final : public Planner {
   }
 
   /// A neighbour of a new node.
-  struct Joint {
+  struct Candidate {
     std::uint32_t node = 0;
     double length = 0.0;
-    double way = 0.0;  ///< length of the path to the new node through this one
+    double cost = 0.0;  ///< length of the path to the new node through this one
   };
 
-  void add_joint(std::uint32_t node, double length) {
-    if (std::any_of(joints_.begin(), joints_.end(), [&](const Joint& j) { return j.node == node; })) return;
-    joints_.push_back({node, length, costs_[node] + length});
+  void add_candidate(std::uint32_t node, double length) {
+    if (std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& j) { return j.node == node; })) return;
+    candidates_.push_back({node, length, costs_[node] + length});
   }
 
-  void sort_joints() {
-    std::sort(joints_.begin(), joints_.end(),
-              [](const Joint& a, const Joint& b) { return a.way < b.way || (a.way == b.way && a.node < b.node); });
+  void sort_candidates() {
+    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+      return a.cost < b.cost || (a.cost == b.cost && a.node < b.node);
+    });
   }
 
-  void hang(std::uint32_t id, std::uint32_t parent, double length) {
+  void rewire(std::uint32_t id, std::uint32_t parent, double length) {
     auto& siblings = children_[tree_->parent(id)];
     siblings.erase(std::find(siblings.begin(), siblings.end(), id));
     children_[parent].push_back(id);
-    tree_->hang(id, parent);
+    tree_->rewire(id, parent);
     lengths_[id] = length;
     update_costs(id);
   }
@@ -305,17 +239,6 @@ class RrtStar final : public Planner {
     }
   }
 
-  /// Updates the node nearest to the goal and the nodes at a goal.
-  void note(std::uint32_t id) {
-    const auto [goal, distance] = context_.instance.nearest_goal((*tree_)[id]);
-    if (distance <= context_.instance.goal_tolerance) ends_.push_back(id);
-    if (distance == 0.0) goals_[goal] = id;
-    if (distance < nearest_distance_) {
-      nearest_distance_ = distance;
-      nearest_ = id;
-    }
-  }
-
   [[nodiscard]] std::optional<std::uint32_t> shortest_end() const {
     const auto end = std::min_element(ends_.begin(), ends_.end(),
                                       [&](std::uint32_t a, std::uint32_t b) { return costs_[a] < costs_[b]; });
@@ -326,36 +249,20 @@ class RrtStar final : public Planner {
     const auto end = shortest_end();
     if (!end || costs_[*end] >= best_cost_) return;
     best_cost_ = costs_[*end];
-    best_.keep(tree_->branch(*end));
+    best_path_.keep(tree_->branch(*end));
   }
 
-  [[nodiscard]] Solution finish(Status status) const {
-    if (best_.known()) return best_.solution(status);
-    return {status, tree_->branch(nearest_)};
-  }
-
-  RrtStarSettings settings_;
-  PlannerContext context_;
   Connection connection_;
-  BestPath best_;
-  std::optional<Tree> tree_;
-  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
-  std::vector<double> costs_;         ///< for each node, the length of its path from the start
-  std::vector<double> lengths_;       ///< for each node, the length of the motion from its parent
+  BestPath best_path_;
+  bool drew_ = false;            ///< this solve drew a proposal
+  std::vector<double> costs_;    ///< for each node, the length of its path from the start
+  std::vector<double> lengths_;  ///< for each node, the length of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<NearestIndex::Neighbour> near_;
-  std::vector<Joint> joints_;
+  std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> ends_;   ///< nodes at a goal
   std::vector<std::uint32_t> goals_;  ///< for each goal, the node with exactly its configuration
   double best_cost_ = std::numeric_limits<double>::infinity();
-  Configuration sample_;
-  Configuration target_;
-  Configuration blocked_;
-  BlockedMotions blocked_motions_;
-  std::uint32_t nearest_ = 0;  ///< node nearest to a goal
-  double nearest_distance_ = std::numeric_limits<double>::infinity();
-  std::uint64_t epoch_ = 0;
-  bool ends_checked_ = false;
 };
 
 }  // namespace

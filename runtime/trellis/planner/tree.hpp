@@ -26,7 +26,7 @@ class Tree {
     return index_.add(q);
   }
   /// Rewires a node to another parent. The parent is no descendant of the node; its id may be larger than the node's.
-  void hang(std::uint32_t id, std::uint32_t parent) {
+  void rewire(std::uint32_t id, std::uint32_t parent) {
     context_.search.parents[rows_[id]] = rows_[parent];
     parents_[id] = parent;
   }

@@ -24,36 +24,111 @@ namespace fs = std::filesystem;
   throw Error(fmt::format("cannot write '{}': {}", path, std::strerror(reason)));  // NOLINT(concurrency-mt-unsafe)
 }
 
-struct Part {
-  int file = -1;  ///< a file descriptor, -1 with errno on failure
-  std::string name;
+/// A file that has no name yet, or a temporary one. What no `publish` took is removed, also where a signal ends the
+/// process: the system deletes a file without a name.
+class Draft {
+ public:
+  /// \param path  of the file to write; the draft lies in the same folder
+  explicit Draft(const std::string& path) : path_(path) {
+    const fs::path parent = fs::path(path).parent_path();
+    const std::string folder = parent.empty() ? "." : parent.string();
+    // Only the link in /proc can give the file a name.
+    if (::access("/proc/self/fd", F_OK) == 0) file_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (file_ < 0) open_named();
+  }
+  ~Draft() {
+    if (file_ >= 0) ::close(file_);
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  /// A file descriptor, -1 with errno where none could be created.
+  [[nodiscard]] int file() const { return file_; }
+
+  /// Gives the file its name, which no file may have. Returns 0 or the error code.
+  int publish_new() {
+    if (link_to(path_)) return 0;
+    const int reason = errno;
+    const bool no_links = !name_.empty() && reason != EEXIST;  // as on FAT
+    if (!no_links) return reason;
+    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) return errno;
+    name_.clear();
+    return 0;
+  }
+
+  /// Gives the file its name; replaces the file that has it. Returns 0 or the error code.
+  int publish() {
+    if (name_.empty()) {
+      if (link_to(path_)) return 0;
+      if (errno != EEXIST) return errno;
+      if (const int reason = link_to_unique(); reason != 0) return reason;
+    }
+    if (std::rename(name_.c_str(), path_.c_str()) != 0) return errno;
+    name_.clear();
+    return 0;
+  }
+
+ private:
+  static constexpr int attempts = 100;
+
+  [[nodiscard]] std::string unique(int attempt) const {
+    return fmt::format("{}.part-{}-{}", path_, ::getpid(), attempt);
+  }
+  void open_named() {
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+      const std::string name = unique(attempt);
+      file_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (file_ >= 0) name_ = name;
+      if (file_ >= 0 || errno != EEXIST) return;
+    }
+  }
+  [[nodiscard]] bool link_to(const std::string& name) const {
+    const std::string from = name_.empty() ? fmt::format("/proc/self/fd/{}", file_) : name_;
+    return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  }
+  int link_to_unique() {
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+      const std::string name = unique(attempt);
+      if (link_to(name)) {
+        name_ = name;
+        return 0;
+      }
+      if (errno != EEXIST) return errno;
+    }
+    return EEXIST;
+  }
+
+  std::string path_;
+  std::string name_;  // temporary; "" for none
+  int file_ = -1;
 };
 
-/// Creates a new file with a unique name beside `path`.
-Part open_beside(const std::string& path) {
-  Part part;
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    part.name = fmt::format("{}.part-{}-{}", path, ::getpid(), attempt);
-    part.file = ::open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (part.file >= 0 || errno != EEXIST) break;
-  }
-  return part;
-}
-
-/// Returns 0 or the error code. Closes the file in any case.
+/// Returns 0 or the error code.
 int write_all(int file, std::string_view content) {
-  int reason = 0;
-  while (!content.empty() && reason == 0) {
+  while (!content.empty()) {
     const ssize_t written = ::write(file, content.data(), content.size());
     if (written >= 0) {
       content.remove_prefix(static_cast<std::size_t>(written));
     } else if (errno != EINTR) {
-      reason = errno;
+      return errno;
     }
   }
-  // A full disc or a quota may only fail here.
+  return 0;
+}
+
+/// Waits until the disk has the content: a full disk or a quota may only fail here. Returns 0 or the error code.
+int flush(int file) {
+  if (::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP) return 0;
+  return errno;
+}
+
+void write_stream(const std::string& path, const std::string& content) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (file < 0) fail(path, errno);
+  int reason = write_all(file, content);
   if (::close(file) != 0 && reason == 0 && errno != EINTR) reason = errno;
-  return reason;
+  if (reason != 0) fail(path, reason);
 }
 
 /// Terminals, pipes and devices accept a stream of bytes; renaming a file over them would replace the device itself.
@@ -66,11 +141,9 @@ bool is_stream(const std::string& path) {
 
 }  // namespace
 
-void write_file(const std::string& path, const std::string& content) {
+void write_file(const std::string& path, const std::string& content, Flush flushed) {
   if (is_stream(path)) {
-    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) fail(path, errno);
-    if (const int reason = write_all(file, content); reason != 0) fail(path, reason);
+    write_stream(path, content);
     return;
   }
   // Follow a link, so that its target is replaced and not the link.
@@ -83,14 +156,24 @@ void write_file(const std::string& path, const std::string& content) {
   // rename() would fail too, but only after writing everything.
   if (fs::is_directory(target, ignored)) fail(path, EISDIR);
 
-  const Part part = open_beside(target);
-  if (part.file < 0) fail(path, errno);
-  int reason = write_all(part.file, content);
-  if (reason == 0 && std::rename(part.name.c_str(), target.c_str()) != 0) reason = errno;
-  if (reason != 0) {
-    ::unlink(part.name.c_str());
-    fail(path, reason);
-  }
+  Draft draft(target);
+  if (draft.file() < 0) fail(path, errno);
+  struct stat before {};
+  // The permissions are those of the file that it replaces.
+  if (::stat(target.c_str(), &before) == 0) static_cast<void>(::fchmod(draft.file(), before.st_mode & 0777U));
+  int reason = write_all(draft.file(), content);
+  if (reason == 0 && flushed == Flush::disk) reason = flush(draft.file());
+  if (reason == 0) reason = draft.publish();
+  if (reason != 0) fail(path, reason);
+}
+
+void write_new_file(const std::string& path, const std::string& content) {
+  Draft draft(path);
+  if (draft.file() < 0) fail(path, errno);
+  int reason = write_all(draft.file(), content);
+  if (reason == 0) reason = flush(draft.file());
+  if (reason == 0) reason = draft.publish_new();
+  if (reason != 0) fail(path, reason);
 }
 
 }  // namespace trellis

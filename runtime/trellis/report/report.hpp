@@ -50,7 +50,15 @@ std::string report_csv(const Experiment& experiment, const ExperimentResult& res
 /// \throws Error where it cannot write a file.
 void write_samples(const ExperimentResult& result, const std::string& directory);
 
-/// Writes a file atomically. \throws Error that names the path and the reason.
-void write_file(const std::string& path, const std::string& content);
+/// Whether `write_file` waits for the disk. Without it, a power failure may leave an empty file.
+enum class Flush { disk, none };
+
+/// Writes a file atomically: whatever ends the process, the file has its old content or the new one. Keeps the
+/// permissions of a file that it replaces. Writes to terminals, pipes and devices directly.
+/// \throws Error that names the path and the reason.
+void write_file(const std::string& path, const std::string& content, Flush flushed = Flush::disk);
+
+/// The same for a file that must not exist.
+void write_new_file(const std::string& path, const std::string& content);
 
 }  // namespace trellis

@@ -85,8 +85,8 @@ void write_samples(const ExperimentResult& result, const std::string& directory)
     const fs::path place = fs::path(directory) / problems(run.problem) / strategies[run.problem](run.strategy) /
                            fmt::format("seed-{}", run.seed);
     make_directory(place.string());
-    write_file((place / "samples.csv").string(), samples_csv(run));
-    write_file((place / "path.csv").string(), path_csv(run));
+    write_file((place / "samples.csv").string(), samples_csv(run), Flush::none);
+    write_file((place / "path.csv").string(), path_csv(run), Flush::none);
   }
 }
 

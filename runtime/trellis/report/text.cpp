@@ -85,7 +85,7 @@ class Notes {
 /// most".
 class FigureColumn {
  public:
-  void add(const Figure& figure, const Place& where, Notes& told) {
+  void add(const Figure& figure, const Place& where, Notes& notes) {
     Cell cell;
     const Interval& value = figure.gain;
     if (std::isnan(value.value)) {
@@ -96,13 +96,13 @@ class FigureColumn {
       if (std::isfinite(value.hi) && !is_bound(figure)) cell.half = "±" + fixed(0.5 * (value.hi - value.lo), 2);
       if (value.infinite > 0) {
         cell.marks += median_mark;
-        told.add_infinite(where, value.infinite, value.n + value.infinite);
+        notes.add_infinite(where, value.infinite, value.n + value.infinite);
       }
     }
     for (const auto& [flag, runs] : figure.flags) {
       const char mark = mark_of(flag);
       if (cell.marks.find(mark) == std::string::npos) cell.marks += mark;
-      told.add(flag, where, runs, figure.scored);
+      notes.add(flag, where, runs, figure.scored);
     }
     cells_.push_back(std::move(cell));
   }
@@ -335,11 +335,11 @@ class MeasureRows {
     if (!any_sample(level.own, level.root, role) && !any_sample(level.own_cross, level.root_cross, role)) return;
     const char* name = tree ? "tree" : "expansion";
     const std::string row = fmt::format("level {} {}", i, name);
-    own_.add(level.own.*role, {row, "own"}, told_);
+    own_.add(level.own.*role, {row, "own"}, notes_);
     // The root's own target is the root's target: print it once.
     Notes heard_already;
-    root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : told_);
-    cross_.add(level.root_cross.*role, {row, "other seeds'"}, told_);
+    root_.add(level.root.*role, {row, "root"}, i == 0 ? heard_already : notes_);
+    cross_.add(level.root_cross.*role, {row, "other seeds'"}, notes_);
     lines_.push_back({label, name, &(level.own.*role)});
   }
 
@@ -373,7 +373,7 @@ class MeasureRows {
                  std::isinf(f.undefended.value) ? "inf" : nats(f.undefended.value), nats(f.mass_lower95.value),
                  nats(f.along.value), percent(f.empty_share.value), covered, nats(f.js.value), root[k], cross[k]});
     }
-    return table.text(width) + told_.text(width);
+    return table.text(width) + notes_.text(width);
   }
 
  private:
@@ -382,7 +382,7 @@ class MeasureRows {
     const char* role;
     const Figure* own;
   };
-  Notes told_;
+  Notes notes_;
   FigureColumn own_;
   FigureColumn root_;
   FigureColumn cross_;
@@ -533,10 +533,10 @@ class RootColumns {
       const LevelSummary& root = root_of(row);
       crossed_ = crossed_ || root.root_cross.tree.scored > 0;
       equal_ = equal_ || root.equal.tree.scored + root.equal.expansion.scored > 0;
-      tree_.add(root.root.tree, {row.strategy, "tree"}, told_);
-      expansion_.add(root.root.expansion, {row.strategy, "expansion"}, told_);
-      cross_tree_.add(root.root_cross.tree, {row.strategy, "tree on other seeds'"}, told_);
-      cross_expansion_.add(root.root_cross.expansion, {row.strategy, "expansion on other seeds'"}, told_);
+      tree_.add(root.root.tree, {row.strategy, "tree"}, notes_);
+      expansion_.add(root.root.expansion, {row.strategy, "expansion"}, notes_);
+      cross_tree_.add(root.root_cross.tree, {row.strategy, "tree on other seeds'"}, notes_);
+      cross_expansion_.add(root.root_cross.expansion, {row.strategy, "expansion on other seeds'"}, notes_);
     }
   }
 
@@ -561,10 +561,10 @@ class RootColumns {
     }
   }
 
-  [[nodiscard]] const Notes& told() const { return told_; }
+  [[nodiscard]] const Notes& notes() const { return notes_; }
 
  private:
-  Notes told_;
+  Notes notes_;
   FigureColumn tree_;
   FigureColumn expansion_;
   FigureColumn cross_tree_;
@@ -600,7 +600,7 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
     if (measured) root.add_cells(i, root_of(rows[i]), cells);
     table.add(std::move(cells));
   }
-  return table.text(width) + root.told().text(width);
+  return table.text(width) + root.notes().text(width);
 }
 
 /// Compares strategies with a baseline, paired by seed; one table for each baseline.

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/limits.hpp>
 
 namespace trellis {
 
@@ -84,6 +85,9 @@ Polygon validated_polygon(Polygon polygon, const std::string& what) {
   auto& vertices = polygon.vertices;
   const std::size_t n = vertices.size();
   if (n < 3) throw Error(fmt::format("{}: a polygon needs at least 3 vertices, got {}", what, n));
+  if (n > most_vertices) {
+    throw Error(fmt::format("{}: a polygon has at most {} vertices, got {}", what, most_vertices, n));
+  }
   for (std::size_t i = 0; i < n; ++i) {
     if (!in_range(vertices[i])) {
       throw Error(fmt::format("{}: vertex {} must lie within {:g} m of 0 in x and in y, got ({}, {})", what, i + 1,

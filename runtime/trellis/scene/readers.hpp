@@ -20,7 +20,7 @@ struct ReadOptions {
 ///  - the circle world of ompl_tests (two header lines, then "index x y r"). Its queries are in the file of the same
 ///    folder in whose name "queries" replaces "obstacles".
 ///  - a planar arm of SBPL on a grid. Its goal is a cell for the end of the last link: `reach` is set and `goal` is
-///    empty, see settle_goal.
+///    empty, see resolve_goal.
 ///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
 ///  - PNG: pixels of 0.05 m, dark pixels are obstacles. The robot is a point that moves from the lower left corner to
 ///    the upper right one.

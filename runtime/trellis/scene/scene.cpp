@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/limits.hpp>
 #include <trellis/scene/polygon.hpp>
 
 namespace trellis {
@@ -185,6 +186,9 @@ void thin(Polygon& polygon, Vec2 along, double factor) {
 }  // namespace
 
 World::World(Box2 bounds, std::vector<Obstacle> obstacles) {
+  if (obstacles.size() > most_obstacles) {
+    throw Error(fmt::format("a world has at most {} obstacles, got {}", most_obstacles, obstacles.size()));
+  }
   auto content = std::make_shared<Content>();
   content->bounds = bounds;
   content->obstacles = std::move(obstacles);
@@ -289,6 +293,9 @@ Robot Robot::disc(double radius) {
 }
 
 Robot Robot::rigid(const std::vector<Shape>& shapes, bool rotates) {
+  if (shapes.size() > most_shapes) {
+    throw Error(fmt::format("robot 'rigid': at most {} shapes, got {}", most_shapes, shapes.size()));
+  }
   Body body;
   body.angle_axis = rotates ? 2 : -1;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -302,6 +309,7 @@ Robot Robot::arm(const Arm& arm) {
   const std::size_t count = arm.links.size();
   const auto fail = [](const std::string& fault) -> void { throw Error(fmt::format("robot 'arm': {}", fault)); };
   if (count == 0) fail("it needs at least one link");
+  if (count > most_links) fail(fmt::format("at most {} links, got {}", most_links, count));
   if (arm.widths.size() != count) fail(fmt::format("it has {} links and {} widths", count, arm.widths.size()));
   if (arm.limits.size() > count) fail(fmt::format("it has {} links and limits of {}", count, arm.limits.size()));
   std::vector<Body> bodies;
@@ -460,16 +468,16 @@ double Robot::displacement_bound(const Space& space, View a, View b) const {
   double bound = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& body = bodies_[i];
-    const auto [parent_way, parent_turn] =
+    const auto [parent_distance, parent_turn] =
         body.parent < 0 ? std::pair(translation, 0.0) : motion[static_cast<std::size_t>(body.parent)];
     double turn = parent_turn;
     if (body.angle_axis >= 0) {
       const double own = std::abs(difference[static_cast<std::size_t>(body.angle_axis)]);
       turn = body.absolute ? own : parent_turn + own;
     }
-    const double way = parent_way + (parent_turn > 0.0 ? norm(body.joint) * parent_turn : 0.0);
-    motion[i] = {way, turn};
-    bound = std::max(bound, way + body_radius_[i] * turn);
+    const double distance = parent_distance + (parent_turn > 0.0 ? norm(body.joint) * parent_turn : 0.0);
+    motion[i] = {distance, turn};
+    bound = std::max(bound, distance + body_radius_[i] * turn);
   }
   return bound;
 }

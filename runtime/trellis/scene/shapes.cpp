@@ -19,13 +19,6 @@ Box2 bounding_box(const ConvexShape& shape) {
   return box;
 }
 
-double circumradius(const ConvexShape& shape) {
-  if (const auto* disc = std::get_if<Disc>(&shape)) return norm(disc->centre) + disc->radius;
-  double squared = 0.0;
-  for (const Vec2 v : std::get<Polygon>(shape).vertices) squared = std::max(squared, dot(v, v));
-  return std::sqrt(squared);
-}
-
 std::vector<Vec2> rectangle_vertices(const Box2& box) {
   return {box.lo, {box.hi.x, box.lo.y}, box.hi, {box.lo.x, box.hi.y}};
 }

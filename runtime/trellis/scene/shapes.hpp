@@ -65,8 +65,6 @@ struct Pose2 {
 };
 
 Box2 bounding_box(const ConvexShape& shape);
-/// Returns the largest distance from the origin to a point of the shape.
-double circumradius(const ConvexShape& shape);
 std::vector<Vec2> rectangle_vertices(const Box2& box);
 
 }  // namespace trellis

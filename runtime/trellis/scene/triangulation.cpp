@@ -17,6 +17,7 @@ namespace {
 
 constexpr double most_triangles = 1e6;
 constexpr int disc_vertices = 16;
+constexpr double clear = 0.4;  // of the size: the distance of free points from outlines
 
 /// Returns a shape's vertices; for a disc, those of a circumscribed polygon.
 std::vector<Vec2> outline(const ConvexShape& shape) {
@@ -45,13 +46,70 @@ bool inside(const Box2& box, Vec2 p, double margin) {
   return p.x >= box.lo.x + margin && p.x <= box.hi.x - margin && p.y >= box.lo.y + margin && p.y <= box.hi.y - margin;
 }
 
+/// The outlines of a world's parts, in cells, so that a point is compared with few of them.
+class Outlines {
+ public:
+  /// \param margin  the largest one of `covers`
+  Outlines(const World& world, double margin) : bounds_(world.bounds()) {
+    all.reserve(world.parts().size());
+    for (const auto& part : world.parts()) all.push_back(outline(part.shape));
+    constexpr double most_side = 512.0;
+    side_ = static_cast<std::size_t>(std::clamp(std::sqrt(static_cast<double>(all.size())), 1.0, most_side));
+    cells_.resize(side_ * side_);
+    for (std::uint32_t k = 0; k < all.size(); ++k) enter(k, margin);
+  }
+
+  /// Whether p, a point of the world, lies in an outline or no farther than `margin` metres outside of it.
+  [[nodiscard]] bool covers(Vec2 p, double margin) const {
+    const auto& cell = cells_[row(p.y) * side_ + column(p.x)];
+    return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t k) { return within(all[k], p, margin); });
+  }
+
+  std::vector<std::vector<Vec2>> all;
+
+ private:
+  void enter(std::uint32_t k, double margin) {
+    Box2 box{all[k].front(), all[k].front()};
+    for (const Vec2 v : all[k]) {
+      box.lo = {std::min(box.lo.x, v.x), std::min(box.lo.y, v.y)};
+      box.hi = {std::max(box.hi.x, v.x), std::max(box.hi.y, v.y)};
+    }
+    // `within` moves each side outwards, so that a pointed corner reaches farther than the margin.
+    const double reach = pointed(all[k]) ? norm(bounds_.hi - bounds_.lo) : 2.0 * margin;
+    for (std::size_t j = row(box.lo.y - reach); j <= row(box.hi.y + reach); ++j) {
+      for (std::size_t i = column(box.lo.x - reach); i <= column(box.hi.x + reach); ++i) {
+        cells_[j * side_ + i].push_back(k);
+      }
+    }
+  }
+  /// Whether a corner has less than 60 degrees: from there on the moved sides meet within twice the margin.
+  static bool pointed(const std::vector<Vec2>& polygon) {
+    const std::size_t n = polygon.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec2 a = polygon[(i + n - 1) % n] - polygon[i];
+      const Vec2 b = polygon[(i + 1) % n] - polygon[i];
+      if (dot(a, b) > 0.5 * norm(a) * norm(b)) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] std::size_t place(double share) const {
+    const auto side = static_cast<double>(side_);
+    return static_cast<std::size_t>(std::clamp(std::floor(share * side), 0.0, side - 1.0));
+  }
+  [[nodiscard]] std::size_t column(double x) const { return place((x - bounds_.lo.x) / (bounds_.hi.x - bounds_.lo.x)); }
+  [[nodiscard]] std::size_t row(double y) const { return place((y - bounds_.lo.y) / (bounds_.hi.y - bounds_.lo.y)); }
+
+  Box2 bounds_;
+  std::size_t side_ = 1;
+  std::vector<std::vector<std::uint32_t>> cells_;
+};
+
 /// The input of the triangulation: outlines in segments of about `size`, and a lattice of points in the free space.
 class Input {
  public:
-  Input(const std::vector<std::vector<Vec2>>& obstacles, const Box2& bounds, double size) : size_(size) {
+  Input(const Outlines& obstacles, const Box2& bounds, double size) : size_(size) {
     add(rectangle_vertices(bounds));
-    for (const auto& obstacle : obstacles) add(obstacle);
-    constexpr double clear = 0.4;
+    for (const auto& obstacle : obstacles.all) add(obstacle);
     const double row = size * std::numbers::sqrt3 / 2.0;
     for (std::size_t j = 0;; ++j) {
       const double y = bounds.lo.y + static_cast<double>(j + 1) * row;
@@ -59,10 +117,7 @@ class Input {
       for (std::size_t i = 0;; ++i) {
         const Vec2 p{bounds.lo.x + (static_cast<double>(i) + (j % 2 == 0 ? 1.0 : 0.5)) * size, y};
         if (p.x >= bounds.hi.x) break;
-        const bool free =
-            inside(bounds, p, clear * size) &&
-            std::none_of(obstacles.begin(), obstacles.end(), [&](const auto& o) { return within(o, p, clear * size); });
-        if (free) points.push_back(p);
+        if (inside(bounds, p, clear * size) && !obstacles.covers(p, clear * size)) points.push_back(p);
       }
     }
   }
@@ -76,7 +131,13 @@ class Input {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec2 a = loop[i];
       const Vec2 side = loop[(i + 1) % loop.size()] - a;
-      const auto stretches = static_cast<std::size_t>(std::max(1.0, std::round(norm(side) / size_)));
+      const double wanted = std::max(1.0, std::round(norm(side) / size_));
+      if (static_cast<double>(points.size()) + wanted > most_triangles) {
+        throw Error(fmt::format(
+            "segments of {:g} m along the obstacles would be more than {:g}; a larger option 'size' makes fewer", size_,
+            most_triangles));
+      }
+      const auto stretches = static_cast<std::size_t>(wanted);
       for (std::size_t k = 0; k < stretches; ++k) {
         points.push_back(a + (static_cast<double>(k) / static_cast<double>(stretches)) * side);
       }
@@ -96,9 +157,7 @@ Triangulation::Triangulation(const World& world, double size) : bounds_(world.bo
     throw Error(fmt::format("triangles of {:g} m would be more than {:g} in a world of {:g} x {:g} m", size,
                             most_triangles, extent.x, extent.y));
   }
-  std::vector<std::vector<Vec2>> obstacles;
-  obstacles.reserve(world.parts().size());
-  for (const auto& part : world.parts()) obstacles.push_back(outline(part.shape));
+  const Outlines obstacles(world, clear * size);
   const Input input(obstacles, bounds_, size);
   const auto all = constrained_delaunay(input.points, input.segments);
 
@@ -107,9 +166,7 @@ Triangulation::Triangulation(const World& world, double size) : bounds_(world.bo
     Triangle triangle{all[i].corners, {}, 0.0};
     triangle.area = 0.5 * cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
     const Vec2 middle = triangle.centroid();
-    const bool free = triangle.area > 0.0 && inside(bounds_, middle, 0.0) &&
-                      std::none_of(obstacles.begin(), obstacles.end(),
-                                   [&](const auto& obstacle) { return within(obstacle, middle, 0.0); });
+    const bool free = triangle.area > 0.0 && inside(bounds_, middle, 0.0) && !obstacles.covers(middle, 0.0);
     if (!free) continue;
     number[i] = static_cast<std::uint32_t>(triangles_.size());
     area_ += triangle.area;

@@ -14,7 +14,7 @@ namespace trellis {
 
 namespace {
 
-double short_way(const Axis& axis, double delta) {
+double shortest_difference(const Axis& axis, double delta) {
   const double period = axis.period();
   if (delta > 0.5 * period || delta <= -0.5 * period) {
     delta -= period * std::floor(delta / period);
@@ -145,7 +145,7 @@ double Space::squared_distance(View a, View b) const {
       double delta = 0.0;
       switch (factor.kind) {
         case Factor::Kind::line: delta = b[j] - a[j]; break;
-        case Factor::Kind::circle: delta = short_way(factor.axis, b[j] - a[j]); break;
+        case Factor::Kind::circle: delta = shortest_difference(factor.axis, b[j] - a[j]); break;
         case Factor::Kind::rotation: delta = angle_between(quaternion_at(a, factor), quaternion_at(b, factor)); break;
       }
       delta *= factor.axis.weight;
@@ -157,7 +157,7 @@ double Space::squared_distance(View a, View b) const {
   const double* to = b.data();
   for (const Axis& axis : axes_) {
     double delta = *to++ - *from++;
-    if (axis.periodic) delta = short_way(axis, delta);
+    if (axis.periodic) delta = shortest_difference(axis, delta);
     delta *= axis.weight;
     sum += delta * delta;
   }
@@ -170,7 +170,7 @@ void Space::difference(View a, View b, MutableView out) const {
   if (!flat()) not_flat("difference");
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const double delta = b[j] - a[j];
-    out[j] = axes_[j].periodic ? short_way(axes_[j], delta) : delta;
+    out[j] = axes_[j].periodic ? shortest_difference(axes_[j], delta) : delta;
   }
 }
 
@@ -181,7 +181,7 @@ void Space::log(View a, View b, MutableView out) const {
     const double weight = factor.axis.weight;
     switch (factor.kind) {
       case Factor::Kind::line: *v++ = weight * (b[j] - a[j]); break;
-      case Factor::Kind::circle: *v++ = weight * short_way(factor.axis, b[j] - a[j]); break;
+      case Factor::Kind::circle: *v++ = weight * shortest_difference(factor.axis, b[j] - a[j]); break;
       case Factor::Kind::rotation: {
         const Vec3 turn = rotation_vector(quaternion_at(a, factor).inverse() * quaternion_at(b, factor));
         *v++ = weight * turn.x;
@@ -246,7 +246,9 @@ void Space::interpolate(View a, View b, double t, MutableView out) const {
       const std::size_t j = factor.column;
       switch (factor.kind) {
         case Factor::Kind::line: out[j] = a[j] + t * (b[j] - a[j]); break;
-        case Factor::Kind::circle: out[j] = wrap(factor.axis, a[j] + t * short_way(factor.axis, b[j] - a[j])); break;
+        case Factor::Kind::circle:
+          out[j] = wrap(factor.axis, a[j] + t * shortest_difference(factor.axis, b[j] - a[j]));
+          break;
         case Factor::Kind::rotation:
           put(interpolated(quaternion_at(a, factor), quaternion_at(b, factor), t), factor, out);
           break;
@@ -256,7 +258,7 @@ void Space::interpolate(View a, View b, double t, MutableView out) const {
   }
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     if (axes_[j].periodic) {
-      out[j] = wrap(axes_[j], a[j] + t * short_way(axes_[j], b[j] - a[j]));
+      out[j] = wrap(axes_[j], a[j] + t * shortest_difference(axes_[j], b[j] - a[j]));
     } else {
       out[j] = a[j] + t * (b[j] - a[j]);
     }
@@ -400,12 +402,12 @@ Foot nearest_on_motion(const Space& space, View a, View b, View q) {
   double to_middle = 0.0;
   for (std::size_t j = 0; j < a.size(); ++j) {
     const Axis& axis = space.axes()[j];
-    double way = b[j] - a[j];
-    if (axis.periodic) way = short_way(axis, way);
-    double to = q[j] - (a[j] + 0.5 * way);
-    if (axis.periodic) to = short_way(axis, to);
-    along += axis.weight * to * axis.weight * way;
-    squared += axis.weight * way * axis.weight * way;
+    double difference_of_ends = b[j] - a[j];
+    if (axis.periodic) difference_of_ends = shortest_difference(axis, difference_of_ends);
+    double to = q[j] - (a[j] + 0.5 * difference_of_ends);
+    if (axis.periodic) to = shortest_difference(axis, to);
+    along += axis.weight * to * axis.weight * difference_of_ends;
+    squared += axis.weight * difference_of_ends * axis.weight * difference_of_ends;
     to_middle += axis.weight * to * axis.weight * to;
   }
   const double t = squared > 0.0 ? std::clamp(along / squared, -0.5, 0.5) : 0.0;

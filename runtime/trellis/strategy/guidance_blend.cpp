@@ -20,6 +20,7 @@ class BlendGuidance final : public PartsGuidance {
         rule_(settings.credit == "efficiency" ? Rule::efficiency
               : settings.rule == "exp3"       ? Rule::exp3
                                               : Rule::rates),
+        credits_nodes_(settings.credit == "node"),
         arms_(parts_.size()),
         served_(rule_ == Rule::efficiency ? parts_.size() : 0),
         nearest_to_goal_(instance.to_goal(instance.start)),
@@ -33,12 +34,6 @@ class BlendGuidance final : public PartsGuidance {
     const Source source = draw(stream, out);
     for (std::size_t i = 0; i < served_.size(); ++i) served_[i].served(*parts_[i]);
     return source;
-  }
-  [[nodiscard]] double density(View q) const override {
-    return sum([&](const SearchedGuidance& part) { return part.density(q); });
-  }
-  [[nodiscard]] double atom_mass() const override {
-    return sum([](const SearchedGuidance& part) { return part.atom_mass(); });
   }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double of) const override {
@@ -93,16 +88,9 @@ class BlendGuidance final : public PartsGuidance {
     const double follow = total > 0.0 ? weight(arms_[i]) / total : even;
     return settings_.floor * even + (1.0 - settings_.floor) * follow;
   }
-  template <class Value>
-  [[nodiscard]] double sum(const Value& value) const {
-    const double total = total_weight();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) sum += share(i, total) * value(*parts_[i]);
-    return sum;
-  }
   double credit(const Outcome& outcome) {
     if (outcome.added.empty()) return 0.0;
-    if (settings_.credit == "node" || outcome.near.empty()) return 1.0;
+    if (credits_nodes_ || outcome.near.empty()) return 1.0;
     const double length = instance_.space.distance(outcome.near, outcome.added);
     longest_ = std::max(longest_, length);
     return longest_ > 0.0 ? length / longest_ : 0.0;
@@ -160,6 +148,7 @@ class BlendGuidance final : public PartsGuidance {
   BlendSettings settings_;
   const Instance& instance_;
   Rule rule_;
+  bool credits_nodes_;  ///< each node earns the same
   std::vector<Arm> arms_;
   std::vector<DensityRecord> served_;  ///< density of each part over all proposals; for efficiency only
   double longest_ = 0.0;               ///< longest extension so far

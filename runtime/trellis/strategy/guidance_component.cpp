@@ -28,12 +28,13 @@ class ComponentGuidance final : public SearchedGuidance {
     double seconds = 0.0;
     double* above = run.clock.switch_to(&seconds);
     make(key);
-    auto sub = told([&] { return guide_->project(parent_.instance()); });
+    auto sub = located([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
     project_further_goals(*sub);
     const PlannerSpec planner = planner_for(spec, *sub);
-    level_ = told([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
+    level_ =
+        located([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
     level_->charge(seconds);
     attach();
     if (spec.below() != nullptr) level_->guide_by(*spec.below());
@@ -137,10 +138,6 @@ class ComponentGuidance final : public SearchedGuidance {
     return !heuristic_ || heuristic_->worth_connecting(from, to);
   }
   [[nodiscard]] double progress() const override { return progress_ + (heuristic_ ? heuristic_->progress() : 0.0); }
-  [[nodiscard]] double density(View q) const override {
-    return heuristic_ ? heuristic_->density(q) : std::numeric_limits<double>::quiet_NaN();
-  }
-  [[nodiscard]] double atom_mass() const override { return heuristic_ ? heuristic_->atom_mass() : 0.0; }
   [[nodiscard]] std::uint64_t epoch() const override { return heuristic_ ? epoch_ + heuristic_->epoch() : epoch_; }
   void record(DensityRecord& record, double share) const override {
     if (!heuristic_) throw Fault("a guide that was not prepared has drawn nothing to record");
@@ -211,7 +208,7 @@ class ComponentGuidance final : public SearchedGuidance {
   void make(const std::string& key) {
     if (spec_.custom()) {
       custom_ = true;
-      guide_ = told([&] { return spec_.custom()->make({run_.seed, key, place(), run_.shared}); });
+      guide_ = located([&] { return spec_.custom()->make({run_.seed, key, place(), run_.shared}); });
       resolves_left_ = spec_.custom()->description().resolves;
     } else {
       const GuideKind& kind = *find_guide(spec_.name());
@@ -232,7 +229,7 @@ class ComponentGuidance final : public SearchedGuidance {
 
   /// Calls `body` and adds the location to its errors.
   template <class Body>
-  auto told(const Body& body) const -> decltype(body()) {
+  auto located(const Body& body) const -> decltype(body()) {
     try {
       return body();
     } catch (const PlacedError&) {
@@ -250,7 +247,7 @@ class ComponentGuidance final : public SearchedGuidance {
     if (heuristic_) progress_ += heuristic_->progress();
     made_at_ = parent_.instance().epoch();
     if (level_) guide_->searched(level_->record().search);
-    heuristic_ = told([&] { return guide_->heuristic(parent_.instance(), sub, found); });
+    heuristic_ = located([&] { return guide_->heuristic(parent_.instance(), sub, found); });
     heuristic_->select_tree(side_);
     // The remaining nodes keep their progress; the rest has to be earned again.
     const double lost = std::exchange(lost_, 0.0);
@@ -276,7 +273,7 @@ class ComponentGuidance final : public SearchedGuidance {
   /// Applies f to the current instance.
   void project_again() {
     projected_ = parent_.instance().scene;
-    auto sub = told([&] { return guide_->project(parent_.instance()); });
+    auto sub = located([&] { return guide_->project(parent_.instance()); });
     project_further_goals(*sub);
     level_->replace_instance(std::move(sub));
     attach();

@@ -45,20 +45,6 @@ class MixtureGuidance final : public PartsGuidance {
     while (weights_[drawn_] == 0.0) --drawn_;
     return draw(stream, out);
   }
-  [[nodiscard]] double density(View q) const override {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      if (weights_[i] > 0.0) sum += weights_[i] * parts_[i]->density(q);
-    }
-    return sum;
-  }
-  [[nodiscard]] double atom_mass() const override {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      if (weights_[i] > 0.0) sum += weights_[i] * parts_[i]->atom_mass();
-    }
-    return sum;
-  }
   [[nodiscard]] std::uint64_t epoch() const override { return changes_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double share) const override {
     for (std::size_t i = 0; i < parts_.size(); ++i) {

@@ -37,8 +37,6 @@ class ScheduleGuidance final : public PartsGuidance {
   [[nodiscard]] std::uint64_t refuted() const override { return last() ? parts_[drawn_]->refuted() - begun_ : 0; }
   [[nodiscard]] bool spent() const override { return last() && parts_[drawn_]->spent(); }
 
-  [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
-  [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return drawn_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double share) const override { parts_[drawn_]->record(record, share); }
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }

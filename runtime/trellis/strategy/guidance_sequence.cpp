@@ -29,8 +29,6 @@ class SequenceGuidance final : public PartsGuidance {
     ++served_;
     return draw(stream, out);
   }
-  [[nodiscard]] double density(View q) const override { return parts_[drawn_]->density(q); }
-  [[nodiscard]] double atom_mass() const override { return parts_[drawn_]->atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return turns_ + PartsGuidance::epoch(); }
   void record(DensityRecord& record, double share) const override { parts_[drawn_]->record(record, share); }
   [[nodiscard]] Configurations guiding_path() const override { return parts_[drawn_]->guiding_path(); }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <trellis/guide/path_steps.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/planner.hpp>
 
 namespace trellis {
@@ -43,7 +44,7 @@ void InformedPath::make() {
     h_ = std::make_unique<StepHeuristic>("informed path", space, path_, steps, nodes_.both());
   } else {
     // Without a tree, proposals cannot stay ahead of its nodes, so they cover the whole path.
-    h_ = std::make_unique<PathHeuristic>("informed path", space, path_, natural_distance(instance_),
+    h_ = std::make_unique<PathHeuristic>("informed path", space, path_, characteristic_length(instance_),
                                          std::numeric_limits<double>::infinity(),
                                          std::numeric_limits<std::int64_t>::max(), nullptr);
   }

@@ -71,13 +71,13 @@ void Level::replace_instance(std::unique_ptr<Instance> instance) {
 
 Advance Level::advance(double proposals, const Slice& slice) {
   double* above = run_.clock.switch_to(&record_.search.seconds);
-  if (run_.at_work != nullptr) run_.at_work->pause();
-  Level* asking = std::exchange(run_.at_work, this);
+  if (run_.active_level != nullptr) run_.active_level->pause();
+  Level* asking = std::exchange(run_.active_level, this);
   const double limit =
       std::exchange(work_limit_, slice.work < Budget::unlimited ? work() + slice.work : Budget::unlimited);
   const Advance advance = solve_own(proposals, slice);
   work_limit_ = limit;
-  run_.at_work = asking;
+  run_.active_level = asking;
   run_.clock.switch_to(above);
   return advance;
 }
@@ -180,7 +180,7 @@ void fit(Search& search) {
   fit(search.near);
   fit(search.added);
   fit(search.proposal_sources);
-  fit(search.looked_at);
+  fit(search.validated);
   fit(search.edges);
 }
 

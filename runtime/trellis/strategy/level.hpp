@@ -47,7 +47,7 @@ struct Run {
   Clock clock;
   std::vector<Level*> levels;  ///< in order of their numbers
   std::vector<Turn> turns;
-  Level* at_work = nullptr;
+  Level* active_level = nullptr;
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
@@ -139,17 +139,6 @@ class LevelGuidance final : public Guidance {
     if (guide_ != nullptr) guide_->restart();
   }
 
-  [[nodiscard]] double density(View q) const override {
-    const Shares share = shares();
-    double sum = share.uniform * uniform_.density(q);
-    if (share.informed > 0.0) sum += share.informed * informed_.h().density(q);
-    if (share.guide > 0.0) sum += share.guide * guide_->density(q);
-    return sum;
-  }
-  [[nodiscard]] double atom_mass() const override {
-    const Shares share = shares();
-    return share.goal + (share.guide > 0.0 ? share.guide * guide_->atom_mass() : 0.0);
-  }
   [[nodiscard]] std::uint64_t epoch() const override {
     return epoch_ + informed_.epoch() + (guide_ != nullptr ? guide_->epoch() : 0);
   }
@@ -312,8 +301,6 @@ class WatchedGuidance final : public Guidance {
   [[nodiscard]] std::uint32_t vertex() const override { return h_.vertex(); }
   [[nodiscard]] bool worth_connecting(View from, View to) const override { return h_.worth_connecting(from, to); }
   [[nodiscard]] double progress() const override { return h_.progress(); }
-  [[nodiscard]] double density(View q) const override { return h_.density(q); }
-  [[nodiscard]] double atom_mass() const override { return h_.atom_mass(); }
   [[nodiscard]] std::uint64_t epoch() const override { return h_.epoch(); }
   void record(DensityRecord& record, double share) const override { h_.record(record, share); }
   void observe(const Outcome& outcome, bool mine) override { h_.observe(outcome, mine); }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/loop.hpp>
 
 namespace trellis {
@@ -21,12 +22,12 @@ namespace {
 void absorb(const Search& half, Search& whole) {
   const auto offset = static_cast<std::uint32_t>(whole.nodes.size());
   const auto moved = [offset](std::uint32_t row) { return row == no_node ? no_node : row + offset; };
-  if (!half.looked_at.empty() || !whole.looked_at.empty()) {
-    whole.looked_at.resize(whole.nodes.size(), 1);
-    whole.looked_at.insert(whole.looked_at.end(), half.looked_at.begin(), half.looked_at.end());
+  if (!half.validated.empty() || !whole.validated.empty()) {
+    whole.validated.resize(whole.nodes.size(), 1);
+    whole.validated.insert(whole.validated.end(), half.validated.begin(), half.validated.end());
   }
   for (std::size_t i = 0; i < half.nodes.size(); ++i) whole.nodes.push(half.nodes[i]);
-  if (!whole.looked_at.empty()) whole.looked_at.resize(whole.nodes.size(), 1);
+  if (!whole.validated.empty()) whole.validated.resize(whole.nodes.size(), 1);
   for (const auto parent : half.parents) whole.parents.push_back(moved(parent));
   for (std::size_t i = 0; i < half.proposals.size(); ++i) {
     whole.proposals.push(half.proposals[i]);
@@ -67,7 +68,7 @@ class SplitSearch final : public Planner {
   Solution solve(const Budget& budget) override {
     if (undivided_) return undivided_->solve(budget);
     if (!ends_checked_) {
-      if (auto nothing = invalid_ends(context_.instance)) return std::move(*nothing);
+      if (auto nothing = keep_valid_ends(context_.instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     while (tries_ < settings_.tries) {
@@ -157,7 +158,7 @@ class SplitSearch final : public Planner {
     if (instance.space.contains(q) && instance.valid(q)) return q;
     constexpr int rings = 8;
     constexpr int each = 8;
-    const double reach = natural_distance(instance);
+    const double reach = characteristic_length(instance);
     Stream stream(run_.seed, level_.record().key, fmt::format("sub-goal {}", tries_));
     Configuration at(q.size());
     Configuration away(q.size());
@@ -199,7 +200,7 @@ class SplitSearch final : public Planner {
           outcome.blocked_at = q;
         }
       }
-      settle(context_, outcome);
+      record_outcome(context_, outcome);
     }
     return best;
   }

@@ -45,7 +45,7 @@ bool is_called(const LevelSummary& level, const std::string& segment) {
 }
 
 /// Whether the segments name the level, the level that it guides, and so on towards the root.
-bool is_way(const std::vector<LevelSummary>& levels, std::size_t level, const std::vector<std::string>& segments) {
+bool is_chain(const std::vector<LevelSummary>& levels, std::size_t level, const std::vector<std::string>& segments) {
   auto at = static_cast<int>(level);
   for (const std::string& segment : segments) {
     if (at < 0 || !is_called(levels[static_cast<std::size_t>(at)], segment)) return false;
@@ -78,7 +78,7 @@ std::string find_level(const std::vector<RunResult>& runs, const std::string& na
   const auto segments = segments_of(name);
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (is_way(levels, i, segments)) found.push_back(i);
+    if (is_chain(levels, i, segments)) found.push_back(i);
   }
   if (found.size() == 1) return levels[found.front()].key;
   if (found.empty()) {

@@ -314,7 +314,9 @@ function fitCanvas() {
     canvas.height = h;
     canvas.style.height = height + 'px';
   }
-  const pad = 8, scale = Math.min((width - 2 * pad) / (b[2] - b[0]), (height - 2 * pad) / (b[3] - b[1])) * zoom.k;
+  // A page that is not laid out yet has no width; radii must not be negative.
+  const pad = 8, inside = length => Math.max(1, length - 2 * pad);
+  const scale = Math.min(inside(width) / (b[2] - b[0]), inside(height) / (b[3] - b[1])) * zoom.k;
   const cx = (b[0] + b[2]) / 2 + zoom.x, cy = (b[1] + b[3]) / 2 + zoom.y;
   return { b, ratio, width, height, scale, X: x => width / 2 + (x - cx) * scale, Y: y => height / 2 - (y - cy) * scale,
            back: (px, py) => [cx + (px - width / 2) / scale, cy - (py - height / 2) / scale] };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/instance/settle_goal.hpp>
+#include <trellis/instance/resolve_goal.hpp>
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ bool reaches(const Robot& robot, const Reach& reach, View q) {
   return lo.x <= p.x && p.x <= hi.x && lo.y <= p.y && p.y <= hi.y;
 }
 
-void settle_goal(Problem& problem) {
+void resolve_goal(Problem& problem) {
   if (!problem.reach) return;
   constexpr int tries = 4000;
   constexpr int wanted = 40;

@@ -6,7 +6,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/collision/checker.hpp>
-#include <trellis/instance/settle_goal.hpp>
+#include <trellis/instance/resolve_goal.hpp>
 #include <trellis/scene/readers.hpp>
 
 #include "support/catch.hpp"
@@ -25,7 +25,7 @@ Problem reaching(const Box2& box) {
   return problem;
 }
 
-void check_settled(const Problem& problem) {
+void check_resolved(const Problem& problem) {
   REQUIRE(problem.space.contains(problem.goal));
   CHECK(reaches(problem.scene->robot, *problem.reach, problem.goal));
   CHECK(make_checker("planar", problem.scene, problem.space, 0.05)->valid(problem.goal));
@@ -35,21 +35,21 @@ void check_settled(const Problem& problem) {
 
 TEST_CASE("a goal is chosen that reaches its box, and is valid", "[instance][goal]") {
   Problem problem = reaching({{6, 4}, {6.4, 4.4}});
-  settle_goal(problem);
-  check_settled(problem);
+  resolve_goal(problem);
+  check_resolved(problem);
   Problem again = reaching({{6, 4}, {6.4, 4.4}});
-  settle_goal(again);
+  resolve_goal(again);
   CHECK(again.goal == problem.goal);
 }
 
 TEST_CASE("a box out of reach, or within an obstacle, is an error", "[instance][goal]") {
   Problem far = reaching({{9, 9}, {9.5, 9.5}});
-  CHECK_THROWS_WITH(settle_goal(far), Catch::Contains("brings link 3 into the box (9, 9) to (9.5, 9.5)"));
+  CHECK_THROWS_WITH(resolve_goal(far), Catch::Contains("brings link 3 into the box (9, 9) to (9.5, 9.5)"));
   Problem inside = reaching({{3.2, 4.5}, {3.6, 4.8}});
-  CHECK_THROWS_AS(settle_goal(inside), Error);
+  CHECK_THROWS_AS(resolve_goal(inside), Error);
   Problem plain = test::cup_problem();
   const Configuration goal = plain.goal;
-  settle_goal(plain);
+  resolve_goal(plain);
   CHECK(plain.goal == goal);
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("the goal cells of SBPL's arms are reached", "[instance][goal]") {
     CAPTURE(name);
     auto problems = read_problems(folder + "/" + name + ".cfg", {});
     REQUIRE(problems.size() == 1);
-    settle_goal(problems[0]);
-    check_settled(problems[0]);
+    resolve_goal(problems[0]);
+    check_resolved(problems[0]);
   }
 }

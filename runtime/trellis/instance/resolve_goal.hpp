@@ -9,7 +9,7 @@ namespace trellis {
 /// samples about the start and in the whole space; the function selects the ten valid solutions nearest to the start in
 /// the metric, the nearest first. Deterministic. Does not change a problem without a goal region.
 /// \throws Error where it finds no valid solution.
-void settle_goal(Problem& problem);
+void resolve_goal(Problem& problem);
 
 /// Whether the configuration lies in the goal region.
 bool reaches(const Robot& robot, const Reach& reach, View q);

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/experiment/input_warnings.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <variant>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/triangulation.hpp>
+
+namespace trellis {
+
+namespace {
+
+/// Warns of angles beyond a full turn.
+void find_degrees(const Problem& problem, std::vector<std::string>& warnings) {
+  std::vector<std::pair<std::string, Configuration>> ends = {{"start", problem.start}, {"goal", problem.goal}};
+  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+    const View q = problem.further_goals[i];
+    ends.emplace_back(fmt::format("goal {}", i + 2), Configuration(q.begin(), q.end()));
+  }
+  const auto& axes = problem.space.axes();
+  constexpr double full_turn = 2.0 * std::numbers::pi;
+  for (const auto& [what, q] : ends) {
+    for (std::size_t j = 0; j < std::min(q.size(), axes.size()); ++j) {
+      const bool angle = axes[j].periodic && std::abs(axes[j].period() - full_turn) < 1e-9;
+      if (!angle || std::abs(q[j]) <= full_turn) continue;
+      warnings.push_back(fmt::format(
+          "problem '{}': {}: {} = {:g} is more than a full turn; angles are in radians, and {:g} degrees are "
+          "math.rad({:g}) = {:.4f}",
+          problem.name, what, axes[j].name, q[j], q[j], q[j], q[j] * std::numbers::pi / 180.0));
+    }
+  }
+}
+
+/// The triangles that are connected with one of them.
+std::vector<bool> connected(const Triangulation& free, std::uint32_t from) {
+  std::vector<bool> seen(free.triangles().size(), false);
+  std::vector<std::uint32_t> open = {from};
+  seen[from] = true;
+  while (!open.empty()) {
+    const std::uint32_t at = open.back();
+    open.pop_back();
+    for (const auto& next : free.triangles()[at].neighbours) {
+      if (!next || seen[*next]) continue;
+      seen[*next] = true;
+      open.push_back(*next);
+    }
+  }
+  return seen;
+}
+
+/// Whether the robot covers its reference point, which then must stay in free space.
+bool covers_reference(const Robot& robot) { return robot.is_point() || robot.inscribed_radius() > 0.0; }
+
+/// Warns of a start and goal that obstacles separate for a point, and so for every robot that has it.
+void find_separation(const Problem& problem, std::vector<std::string>& warnings) {
+  const Scene& scene = *problem.scene;
+  const auto& obstacles = scene.world.obstacles();
+  // Polygons about discs may close a gap.
+  const bool polygons = std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& obstacle) {
+    return !std::holds_alternative<Disc>(obstacle.shape);
+  });
+  constexpr std::size_t most_obstacles = 2000;
+  if (!polygons || obstacles.size() > most_obstacles || problem.reach || !problem.further_goals.empty()) return;
+  if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return;
+  const auto [lo, hi] = scene.world.bounds();
+  try {
+    const Triangulation free(scene.world, std::max(hi.x - lo.x, hi.y - lo.y));
+    const auto start = free.find({problem.start[0], problem.start[1]});
+    const auto goal = free.find({problem.goal[0], problem.goal[1]});
+    if (!start || !goal || connected(free, *start)[*goal]) return;
+    warnings.push_back(fmt::format(
+        "problem '{}': obstacles separate start and goal: not even a point has a path, so no run can succeed",
+        problem.name));
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a world that has no such triangulation gets no warning
+  }
+}
+
+void find_useless(const GuideSpec& guide, const Problem& problem, const std::string& strategy,
+                  std::vector<std::string>& warnings) {
+  if (guide.kind() != GuideSpec::Kind::component) {
+    for (const auto& term : guide.terms()) find_useless(term.guide, problem, strategy, warnings);
+    return;
+  }
+  if (guide.name() == "shrink" && !guide.custom() && problem.scene->robot.is_point()) {
+    warnings.push_back(
+        fmt::format("{} in strategy '{}': the robot of problem '{}' is a point, which has nothing to shrink",
+                    guide.text_alone(), strategy, problem.name));
+  }
+  if (guide.below() != nullptr) find_useless(*guide.below(), problem, strategy, warnings);
+}
+
+}  // namespace
+
+std::vector<std::string> input_warnings(const Experiment& experiment) {
+  std::vector<std::string> warnings;
+  for (const Problem& problem : experiment.problems) {
+    find_degrees(problem, warnings);
+    find_separation(problem, warnings);
+    for (const auto& [name, strategy] : experiment.strategies) {
+      if (strategy.guide() != nullptr) find_useless(*strategy.guide(), problem, name, warnings);
+    }
+  }
+  return warnings;
+}
+
+}  // namespace trellis

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shared by the planners that grow trees: the loop, extensions, the connection to the goal, and repair.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <trellis/planner/tree.hpp>
+
+namespace trellis {
+
+/// A planner that grows trees by one proposal at a time. After a change of the instance it repairs its trees first.
+class TreePlanner : public Planner {
+ public:
+  Solution solve(const Budget& budget) override;
+
+ protected:
+  explicit TreePlanner(PlannerContext context)
+      : context_(std::move(context)), sample_(dimension()), target_(dimension()), blocked_(dimension()) {}
+
+  /// Whether there are trees, whether they need repair, and whether the search ends.
+  [[nodiscard]] virtual bool planted() const = 0;
+  [[nodiscard]] virtual bool repairing() const = 0;
+  [[nodiscard]] virtual bool done() const = 0;
+  /// Replaces the trees by their roots.
+  virtual void plant() = 0;
+  /// Called when the instance changed, so that validity of the trees is unknown.
+  virtual void begin_repair() = 0;
+  /// Stops if a path is still valid; else removes all invalid branches. Returns the reason if the solve ends here, else
+  /// none.
+  virtual std::optional<Status> repair(BudgetMonitor& monitor) = 0;
+  /// Draws a proposal, and grows towards it.
+  virtual void iterate() = 0;
+  [[nodiscard]] virtual Solution finish(Status status) const = 0;
+  /// The solution of a solve that ended during the repair.
+  [[nodiscard]] virtual Solution unrepaired(Status status) const { return {status, path_of_start(context_.instance)}; }
+
+  [[nodiscard]] std::size_t dimension() const { return context_.instance.space.dimension(); }
+
+  /// A motion from a node towards a configuration.
+  struct Extension {
+    Fate fate = Fate::rejected;  ///< advanced or reached: the motion to target_ is valid
+    bool there = false;          ///< the node is the configuration
+    bool blocked = false;        ///< the motion is invalid at blocked_
+  };
+  /// Checks the motion from `from` towards q. Adds no node.
+  /// \param distance  from `from` to q, in metres in the metric
+  /// \param step  longest extension, in metres in the metric
+  Extension extend(View from, View q, double distance, double step);
+  /// Updates the node nearest to a goal.
+  void note_nearest(std::uint32_t id, double distance) {
+    if (distance >= best_distance_) return;
+    best_distance_ = distance;
+    best_ = id;
+  }
+
+  PlannerContext context_;
+  Configuration sample_;
+  Configuration target_;
+  Configuration blocked_;
+  std::uint32_t best_ = 0;  ///< node nearest to a goal
+  double best_distance_ = std::numeric_limits<double>::infinity();
+
+ private:
+  std::uint64_t epoch_ = 0;
+  bool ends_checked_ = false;
+};
+
+/// A planner with one tree, from the start.
+class StartTreePlanner : public TreePlanner {
+ protected:
+  /// \param step  longest extension, in metres in the metric, of a planner that extends by straight motions
+  explicit StartTreePlanner(PlannerContext context, double step = 0.0)
+      : TreePlanner(std::move(context)), blocked_motions_(dimension()), step_(step) {}
+
+  [[nodiscard]] bool planted() const override { return tree_.has_value(); }
+  [[nodiscard]] bool repairing() const override { return repair_.has_value(); }
+  [[nodiscard]] bool done() const override { return solved_; }
+  void plant() override;
+  void begin_repair() override;
+  std::optional<Status> repair(BudgetMonitor& monitor) override;
+  void iterate() override;
+  [[nodiscard]] Solution finish(Status status) const override { return {status, tree_->branch(best_)}; }
+
+  /// Whether the motion to a node from its parent is still valid.
+  virtual bool edge_still_valid(std::uint32_t id);
+  /// Called after the removal of nodes.
+  /// \param ids  for each former node its new id, or no_node
+  virtual void pruned(const std::vector<std::uint32_t>& ids) { static_cast<void>(ids); }
+  /// Inserts a node at q, to which the motion from the node `from` is valid.
+  virtual std::uint32_t insert(View q, std::uint32_t from);
+  /// The goal to which a motion from a new node at target_ is tried, or none.
+  [[nodiscard]] virtual std::optional<std::size_t> goal_to_connect() const { return std::nullopt; }
+  /// Updates the node nearest to a goal, and whether the search is solved.
+  virtual void note(std::uint32_t id);
+  /// Notes all nodes anew.
+  virtual void note_all();
+
+  [[nodiscard]] std::optional<Status> check_branches(BudgetMonitor& monitor) {
+    return repair_->check_all(*tree_, monitor, [&](std::uint32_t id) { return edge_still_valid(id); });
+  }
+  [[nodiscard]] bool branch_still_valid(std::uint32_t id) {
+    return repair_->branch_valid(*tree_, id, [&](std::uint32_t at) { return edge_still_valid(at); });
+  }
+  /// Removes the branches found invalid, and ends the repair.
+  void remove_invalid();
+
+  std::optional<Tree> tree_;
+  std::optional<TreeRepair> repair_;  ///< active after a change of the instance
+  BlockedMotions blocked_motions_;    ///< found during insertions
+  bool solved_ = false;
+  double step_;
+
+ private:
+  /// Tries the motion from the node at target_ to a goal.
+  void connect(std::uint32_t id, std::size_t goal);
+};
+
+}  // namespace trellis

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Limits of what a script can make large: each is refused before memory is taken, with the limit and the option.
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/process.hpp"
+
+using Catch::Matchers::Contains;
+using trellis::test::Place;
+
+namespace {
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr long most_memory = 8L << 20U;  // KiB; the sanitizer's own is most of it
+#else
+constexpr long most_memory = 1024L << 10U;  // KiB
+#endif
+
+const std::string helpers = R"(
+local function filled(count, value) local all = {} for i = 1, count do all[i] = value end return all end
+local function ring(count)
+  local all = {}
+  for i = 1, count do
+    local a = 2 * math.pi * i / count
+    all[i] = {5 + math.cos(a), 5 + math.sin(a)}
+  end
+  return polygon(all)
+end
+local function nested(count)
+  local strategy = rrt {}
+  for i = 1, count do strategy = identity() >> strategy end
+  return strategy
+end
+local function among(obstacles, own, start, resolution)
+  obstacles.bounds = {0, 0, 10, 10}
+  return problem {
+    world = world(obstacles), robot = own or robot.rectangle(0.6, 0.2), start = start or {1, 1, 0},
+    goal = start or {9, 9, 0}, resolution = resolution,
+  }
+end
+local plain = among { box {4, 0, 6, 4} }
+)";
+
+struct Limited {
+  std::string script;
+  std::string message;
+};
+
+}  // namespace
+
+TEST_CASE("what a script can make large is limited, and the message names the limit and the option", "[limits][slow]") {
+  const std::vector<Limited> all = {
+      {"return rrt {}, among(filled(1000001, box {4, 0, 6, 4}))", "a world has at most 1000000 obstacles, got 1000001"},
+      {"return rrt {}, among { ring(100001) }", "a polygon has at most 100000 vertices, got 100001"},
+      {"return rrt {}, among({}, robot.rigid(filled(10001, disc {0, 0, 0.1})))", "at most 10000 shapes, got 10001"},
+      {"return rrt {}, among({}, robot.arm { links = filled(201, 0.01), base = {5, 5} }, filled(201, 0.01))",
+       "at most 200 links, got 201"},
+      {"return rrt { proposals = 1e10 }, plain", "option 'proposals' must be a number in [1, 1e+09]"},
+      {"return nested(65), plain", "the hierarchy is deeper than 64 levels"},
+      {"return nested(1001), plain", "the composition would have 1001 components; at most 1000 are allowed"},
+      {"return blend(filled(2000, goal_bias(0.1))) >> rrt {}, plain", "at most 1000 are allowed"},
+      {"return experiment { problems = plain, strategies = { rrt {} }, seeds = 1000001 }",
+       "field 'seeds' must be an integer in [1, 1000000]"},
+      {"return experiment { problems = plain, strategies = { a = rrt {}, b = prm {} }, seeds = 600000 }",
+       "experiment: 1 problems x 2 strategies x 600000 seeds are 1200000 runs; at most 1000000"},
+      {"return experiment { problems = plain, strategies = { rrt {} }, measure = tube { pool = 1e8 } }",
+       "option 'pool' must be an integer in [64, 1e+07]"},
+      {"return skeleton { spacing = 1e-12 } >> rrt {}, plain", "option 'spacing' is 1e-12 m, which makes"},
+      {"return workspace { cell = 1e-9 } >> rrt {}, plain",
+       "option 'cell' is 1e-09, which makes 1e+10 cells along x; "
+       "expected at most 2000"},
+      {"return decomposition() >> rrt {}, among { box {4, 0, 6, 1e9} }", "a larger option 'size' makes fewer"},
+      {"return decomposition { size = 1e-9 } >> rrt {}, plain", "triangles of 1e-09 m would be more than 1e+06"},
+      {"return rrt {}, among({}, nil, nil, 1e-12)", "would take checks of more than 67108864 configurations"},
+      {"return rrt {}, among { box {4, 0, 6, 1e10} }", "coordinates within 1e+09 m of 0"},
+      {"return rrt { step = 1e-300 }, plain", "option 'step' must be a number at least 1e-06"},
+  };
+  const Place place;
+  for (const Limited& one : all) {
+    place.script("large.lua", helpers + one.script + "\n");
+    const auto outcome = place.run({"run", "large.lua", "--quiet"});
+    INFO(one.script << "\n" << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.err, Contains(one.message));
+    CHECK(outcome.most_memory < most_memory);
+  }
+}
+
+TEST_CASE("where the system gives no memory, one line says so") {
+#ifndef __SANITIZE_ADDRESS__  // the sanitizer reserves more than the limit
+  const Place place;
+  place.script("long.lua",
+               "return experiment { measure = false, seeds = 100000, strategies = { rrt { step = 0.01 } }, problems = "
+               "scenes.simple_passage() }\n");
+  const auto outcome = place.shell("ulimit -v 300000; $T run long.lua --quiet");
+  INFO(outcome.err);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err, Catch::Matchers::StartsWith("trellis: the system gives no more memory"));
+#endif
+}
