@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/records.hpp>
