@@ -111,6 +111,9 @@
 
 ---what a script returns to be run
 ---@class trellis.Experiment
+---@field strategies table<string, trellis.Strategy> its strategies by name
+---@field problems table<integer|string, trellis.Problem> its problems by number and by name
+---@field seeds integer[] its seeds
 
 ---what a scenario tries
 ---@class trellis.Setting
@@ -484,7 +487,7 @@
 ---@field planner? trellis.Planner a planner; default graph_search(): searches the guide's own space
 ---@field db? string the name of a file; default "experience.db": the library of solved problems, as trellis run SCRIPT --learn makes it
 ---@field candidates? integer an integer in [1, 1000] (paths); default 10: paths that are retrieved: those whose ends are nearest to start and goal, in either direction
----@field join? number a number at least 0 (m in the metric); default 0: distance within which two retrieved paths are joined, so that a path may change from one to the other; 0: the robot's bounding radius, or 2 % of the space's diameter for a point
+---@field join? number a number at least 0 (m in the metric); default 0: distance within which two retrieved paths are joined, so that a path may change from one to the other; 0: the robot's bounding radius; of the space's diameter 2 % for a point, 10 % for a robot that is fixed to its base
 ---@field repair? number a number at least 1 (metres); default 10: cost of a metre that is invalid in the present world, relative to a valid one
 ---@field robots? "same"|"any" one of "same", "any"; default "same": whose paths: "same", of the same robot in the same space; "any", of any in the same space
 ---@field paths? integer an integer in [1, 64] (paths); default 1: paths in the graph that guide at once; each search increases the cost of the paths before it
