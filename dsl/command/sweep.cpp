@@ -69,7 +69,7 @@ void begin(const Options& options, const Manifest& manifest) {
     manifest.write(options.out);
     return;
   }
-  const std::string difference = manifest.difference(Manifest::read(options.out), true);
+  const std::string difference = Manifest::read(options.out).difference(manifest, true);
   if (difference.empty()) return;
   throw Error(fmt::format("--out: '{}' holds another sweep: {} differs; name another folder", options.out, difference));
 }

@@ -106,32 +106,32 @@ TEST_CASE("a sweep that is killed at random ends with the bytes of one that is n
 
 TEST_CASE("an incomplete last record runs again, the complete ones remain byte for byte") {
   const Sweeps it;
-  REQUIRE(it.sweep("out").status == 0);
-  const std::string whole = it.text("out/runs.jsonl");
+  REQUIRE(it.sweep("swept").status == 0);
+  const std::string whole = it.text("swept/runs.jsonl");
   const std::size_t half = whole.find('\n', whole.size() / 2) + 1;
-  std::ofstream(it.place / "out/runs.jsonl") << whole.substr(0, half + 20);
-  REQUIRE(it.sweep("out").status == 0);
-  const std::string again = it.text("out/runs.jsonl");
+  std::ofstream(it.place / "swept/runs.jsonl") << whole.substr(0, half + 20);
+  REQUIRE(it.sweep("swept").status == 0);
+  const std::string again = it.text("swept/runs.jsonl");
   CHECK(again.substr(0, half) == whole.substr(0, half));
   CHECK(records(again) == records(whole));
-  const Outcome nothing = it.sweep("out");
-  CHECK(nothing.out == "32 runs in 'out', 0 of them new\n");
-  CHECK(it.text("out/runs.jsonl") == again);
+  const Outcome nothing = it.sweep("swept");
+  CHECK(nothing.out == "32 runs in 'swept', 0 of them new\n");
+  CHECK(it.text("swept/runs.jsonl") == again);
 }
 
 TEST_CASE("a folder of another sweep, and a damaged record, are refused and named") {
   const Sweeps it;
-  REQUIRE(it.sweep("out").status == 0);
-  CHECK(it.sweep("out", "1/2").err ==
-        "trellis: --out: 'out' holds another sweep: the shard (1/1 and 1/2) differs; name another folder\n");
-  std::ofstream(it.place / "out/runs.jsonl", std::ios::app) << "{}\n";
-  const Outcome damaged = it.sweep("out");
+  REQUIRE(it.sweep("swept").status == 0);
+  CHECK(it.sweep("swept", "1/2").err ==
+        "trellis: --out: 'swept' holds another sweep: the shard (1/1 and 1/2) differs; name another folder\n");
+  std::ofstream(it.place / "swept/runs.jsonl", std::ios::app) << "{}\n";
+  const Outcome damaged = it.sweep("swept");
   CHECK(damaged.status == 2);
   CHECK(
       damaged.err ==
-      "trellis: out/runs.jsonl:33: this is no record of a run; delete the line, and the same command runs it again\n");
+      "trellis: swept/runs.jsonl:33: this is no record of a run; delete the line, and the same command runs it again\n");
   it.place.script("it.lua", std::string("-- changed\n") + script);
-  CHECK(it.sweep("out").err.find("the content of the script differs") != std::string::npos);
+  CHECK(it.sweep("swept").err.find("the content of the script differs") != std::string::npos);
   CHECK(it.sweep("new", "3/2").status == 2);
   CHECK(it.sweep("new", "0/2").status == 2);
 }
@@ -161,7 +161,7 @@ TEST_CASE("merged shards equal one sweep, and gaps and contradictions are named"
 
 TEST_CASE("the results of a sweep can be compared and verified") {
   const Sweeps it;
-  REQUIRE(it.sweep("out").status == 0);
-  CHECK(it.place.run({"compare", "out/results.json", "--baseline", "plain"}).status == 0);
-  CHECK(it.place.run({"verify", "out/results.json"}).status == 0);
+  REQUIRE(it.sweep("swept").status == 0);
+  CHECK(it.place.run({"compare", "swept/results.json", "--baseline", "plain"}).status == 0);
+  CHECK(it.place.run({"verify", "swept/results.json"}).status == 0);
 }
