@@ -195,6 +195,30 @@ std::string requiring_lines(const Bench& bench, const std::string& file) {
                   bench.path));
 }
 
+/// Returns the lines of the standard library that define a field of a module, with their place; "" for none.
+std::string module_lines(const std::string& path) {
+  const std::size_t dot = path.find('.');
+  const std::string module = path.substr(0, dot);
+  const auto text = dot == std::string::npos ? std::nullopt : dsl::module_text(module);
+  if (!text) return "";
+  std::string found;
+  int number = 0;
+  for (std::size_t begin = 0; begin < text->size();) {
+    const std::size_t end = std::min(text->find('\n', begin), text->size());
+    const std::string line = text->substr(begin, end - begin);
+    begin = end + 1;
+    ++number;
+    if (found.empty()) {
+      if (!line.starts_with(path + " =") && !line.starts_with("function " + path + "(")) continue;
+      found = fmt::format("stdlib/{}.lua:{}\n", module, number);
+    }
+    found += line + "\n";
+    // A definition ends with the first line that closes it at the margin.
+    if (line.starts_with("}") || line.starts_with(")") || line.starts_with("end")) return found;
+  }
+  return found;
+}
+
 /// Implements the session commands.
 class Verbs {
  public:
@@ -332,7 +356,9 @@ class Verbs {
     const Value value = word.empty() ? call[1] : call.top();
     const auto definition = call.definition(value);
     if (!definition) {
-      if (value.type() != Type::function) {
+      if (const std::string lines = module_lines(word); !lines.empty()) {
+        say(lines);
+      } else if (value.type() != Type::function) {
         say(value_text(call, value));
       } else if (!word.empty()) {
         say(fmt::format("{0} is part of the runtime; help(\"{0}\") describes it", word));

@@ -147,10 +147,11 @@ TEST_CASE("habits of other shells do what they mean") {
     CHECK_THAT(sitting.enter("help shrink"), Contains("shrink (guide)"));
     CHECK_THAT(sitting.enter("shrink?"), Contains("shrink (guide)"));
     CHECK_THAT(sitting.enter("scenes.cup?"), Contains("scenes.cup"));
-    CHECK_THAT(sitting.enter("scenes.cup??"), Contains("stdlib/scenes.lua:") && Contains("return problem"));
-    CHECK_THAT(sitting.enter("shrink??"), Contains("part of the runtime"));
+    CHECK_THAT(sitting.enter("scenes.cup??"), Contains("stdlib/scenes.lua:") && Contains("scenes.cup = scene("));
+    CHECK_THAT(sitting.enter("shrink??"), Contains("the same world for a smaller robot"));
+    CHECK_THAT(sitting.enter("plan??"), Contains("part of the runtime"));
     sitting.enter("function twice(x) return 2 * x end");
-    CHECK_THAT(sitting.enter("twice??"), Contains("input 7:1") && Contains("return 2 * x"));
+    CHECK_THAT(sitting.enter("twice??"), Contains("input 8:1") && Contains("return 2 * x"));
     CHECK_THAT(sitting.enter("nothing_like_it?"), Contains("nothing_like_it"));
     CHECK_THAT(sitting.enter("time(rrt_connect {}, 6, scenes.cup())"),
                Contains("on cup, seeds 1 to 6: 6 of 6 solved") && Contains("CPU time, ms") && Contains(" to "));

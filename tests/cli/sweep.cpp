@@ -127,9 +127,9 @@ TEST_CASE("a folder of another sweep, and a damaged record, are refused and name
   std::ofstream(it.place / "swept/runs.jsonl", std::ios::app) << "{}\n";
   const Outcome damaged = it.sweep("swept");
   CHECK(damaged.status == 2);
-  CHECK(
-      damaged.err ==
-      "trellis: swept/runs.jsonl:33: this is no record of a run; delete the line, and the same command runs it again\n");
+  CHECK(damaged.err ==
+        "trellis: swept/runs.jsonl:33: this is no record of a run; delete the line, and the same command runs it "
+        "again\n");
   it.place.script("it.lua", std::string("-- changed\n") + script);
   CHECK(it.sweep("swept").err.find("the content of the script differs") != std::string::npos);
   CHECK(it.sweep("new", "3/2").status == 2);

@@ -635,7 +635,8 @@ TEST_CASE("a measure that makes no sense is refused before anything runs", "[sco
   CHECK_THROWS_WITH(check(experiment), "experiment: no estimator given");
   experiment = open_experiment();
   experiment.baseline = "corse";
-  CHECK_THROWS_WITH(check(experiment), "experiment: baseline 'corse' is no strategy (did you mean 'coarse'?)");
+  CHECK_THROWS_WITH(check(experiment),
+                    "experiment: baseline 'corse' is no strategy (did you mean 'coarse'?); there are: coarse, fine");
   experiment = open_experiment();
   NearOptimalSettings near;
   near.epsilon = 0.0;
