@@ -3,6 +3,18 @@
 # library. The program holds the standard library; the copies of its sources and the stubs are for readers and editors.
 include(CMakePackageConfigHelpers)
 
+get_property(layers GLOBAL PROPERTY TRELLIS_LAYERS)
+# All that is installed and has to be built.
+add_custom_target(trellis_installed DEPENDS trellis trellis_documents ${layers})
+# Before anything is copied: a build of some targets alone would be installed half.
+set(needed "$<TARGET_FILE:trellis>" "$<TARGET_FILE:trellis_testing>" "${PROJECT_BINARY_DIR}/dsl/trellis.1")
+install(CODE "foreach(file IN ITEMS \"$<JOIN:${needed},\" \">\")
+  if(NOT EXISTS \"\${file}\")
+    message(FATAL_ERROR \"Nothing was installed: \${file} is not built yet. Run 'cmake --build ${PROJECT_BINARY_DIR} \"
+                        \"--target trellis_installed', then install again.\")
+  endif()
+endforeach()" ALL_COMPONENTS)
+
 set(data ${CMAKE_INSTALL_DATADIR}/trellis)
 set(program DESTINATION ${data} COMPONENT trellis)
 
@@ -23,7 +35,6 @@ install(FILES ${printed}/trellis.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/
 install(FILES ${printed}/_trellis DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT trellis)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
-get_property(layers GLOBAL PROPERTY TRELLIS_LAYERS)
 install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
 # The public headers: <trellis/trellis.hpp>, <trellis/testing.hpp>, and those that they include.
 foreach(header trellis
