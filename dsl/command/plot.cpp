@@ -76,7 +76,7 @@ void draw(const CostData& data, const std::string& baseline, Kind kind, Plotter&
 }
 
 std::string chosen_baseline(const CostData& data, const Options& options) {
-  const std::string name = options.baseline.empty() ? data.baseline : options.baseline;
+  std::string name = options.baseline.empty() ? data.baseline : options.baseline;
   std::vector<std::string> known;
   for (const CostData::Strategy& strategy : data.strategies) known.push_back(strategy.name);
   if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 /// The folder of a sweep: a manifest, and one record a run, which remain when the program is killed.
@@ -16,7 +16,9 @@ struct RunKey {
   std::string problem;
   std::string strategy;
   std::uint64_t seed = 0;
-  auto operator<=>(const RunKey&) const = default;
+  friend bool operator<(const RunKey& a, const RunKey& b) {
+    return std::tie(a.problem, a.strategy, a.seed) < std::tie(b.problem, b.strategy, b.seed);
+  }
   [[nodiscard]] std::string text() const;
 };
 
