@@ -51,18 +51,19 @@ void put(const Quaternion& rotation, const Factor& factor, MutableView out) {
   row[3] = rotation.w;
 }
 
-std::vector<Factor> factors_of(const std::vector<Axis>& axes) {
+std::vector<Factor> factors_of(std::vector<Axis> axes) {
   std::vector<Factor> factors;
   factors.reserve(axes.size());
-  for (const Axis& axis : axes) {
-    factors.push_back({axis.periodic ? Factor::Kind::circle : Factor::Kind::line, 0, axis});
+  for (Axis& axis : axes) {
+    const auto kind = axis.periodic ? Factor::Kind::circle : Factor::Kind::line;
+    factors.push_back({kind, 0, std::move(axis)});
   }
   return factors;
 }
 
 }  // namespace
 
-Space::Space(std::string name, std::vector<Axis> axes) : Space(std::move(name), factors_of(axes)) {}
+Space::Space(std::string name, std::vector<Axis> axes) : Space(std::move(name), factors_of(std::move(axes))) {}
 
 Space::Space(std::string name, std::vector<Factor> factors) : name_(std::move(name)), factors_(std::move(factors)) {
   for (Factor& factor : factors_) {
@@ -282,20 +283,18 @@ void Space::reflect(MutableView q) const {
 }
 
 bool Space::contains(View q) const {
-  if (q.size() != dimension_) return false;
-  for (const Factor& factor : factors_) {
-    const double x = q[factor.column];
-    if (factor.kind == Factor::Kind::rotation) {
-      constexpr double rounding = 1e-9;
-      const Quaternion r = quaternion_at(q, factor);
-      // A coordinate that is not finite fails the comparison.
-      if (!(std::abs(std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w) - 1.0) <= rounding)) return false;
-      continue;
-    }
-    if (!std::isfinite(x)) return false;
-    if (factor.kind == Factor::Kind::line && (x < factor.axis.lo || x > factor.axis.hi)) return false;
-  }
-  return true;
+  return q.size() == dimension_ && std::ranges::all_of(factors_, [&](const Factor& factor) {
+           const double x = q[factor.column];
+           switch (factor.kind) {
+             case Factor::Kind::line: return x >= factor.axis.lo && x <= factor.axis.hi;
+             case Factor::Kind::circle: return std::isfinite(x);
+             case Factor::Kind::rotation: break;
+           }
+           constexpr double rounding = 1e-9;
+           const Quaternion r = quaternion_at(q, factor);
+           // A coordinate that is not finite fails the comparison.
+           return std::abs(std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w) - 1.0) <= rounding;
+         });
 }
 
 void Space::sample_uniform(Stream& stream, MutableView out) const {
