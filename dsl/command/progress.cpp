@@ -27,6 +27,14 @@ void Progress::show(const std::string& phase, std::size_t done, std::size_t all)
   draw(phase);
 }
 
+void Progress::show_experiment(std::size_t done, std::size_t all, std::size_t cells) {
+  if (done < cells || all == cells) {
+    show("planning", done, cells);
+  } else {
+    show("scoring", done - cells, all - cells);
+  }
+}
+
 void Progress::show(const std::string& what) { draw(what); }
 
 void Progress::draw(const std::string& what) {
@@ -57,7 +65,8 @@ int report_width(int otherwise) {
   if (::isatty(STDOUT_FILENO) != 1 || ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
     const char* columns = std::getenv("COLUMNS");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
     const int given = columns != nullptr ? std::atoi(columns) : 0;  // NOLINT(cert-err34-c): 0 where it is no number
-    return given > 0 ? std::clamp(given, least, most) : otherwise;
+    constexpr int least_given = 60;                                 // as --width
+    return given > 0 ? std::clamp(given, least_given, most) : otherwise;
   }
   return size.ws_col < least ? least : size.ws_col;
 }

@@ -18,6 +18,9 @@ class Progress {
   void show(std::size_t done, std::size_t all) { show("steps", done, all); }
   /// Shows a phase, "planning" or "scoring", with its own count, and an estimate of the time that it has left.
   void show(const std::string& phase, std::size_t done, std::size_t all);
+  /// Shows the steps of an experiment as its two phases.
+  /// \param cells  the number of its runs; further steps are their scoring
+  void show_experiment(std::size_t done, std::size_t all, std::size_t cells);
   /// Shows the current activity beside the bar: "drawing trap".
   void show(const std::string& what);
 

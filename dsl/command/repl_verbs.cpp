@@ -336,8 +336,10 @@ class Verbs {
     }
     const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
     const auto row = [](const char* what, const Interval& interval) {
-      const std::string range = std::isnan(interval.lo) ? "no interval from fewer than five runs"
-                                                        : fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi);
+      // The lower bound of few runs is NaN or -inf; that of runs without a solution is inf.
+      const bool bounded = interval.lo > -std::numeric_limits<double>::infinity();
+      const std::string range = bounded ? fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi)
+                                        : fmt::format("{} runs are too few for an interval", interval.n);
       return fmt::format("  {:<24} {:.3g}  ({})\n", what, interval.value, range);
     };
     say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
@@ -688,10 +690,12 @@ class Verbs {
     ExperimentResult result;
     {
       Progress progress(true);
-      progress.show(0, steps(experiment));
-      result =
-          trellis::run(experiment, {.progress = [&](std::size_t done, std::size_t all) { progress.show(done, all); },
-                                    .interrupted = bench_.interrupted});
+      const std::size_t cells = experiment.strategies.size() * experiment.seeds.size();
+      progress.show("planning", 0, cells);
+      result = trellis::run(
+          experiment,
+          {.progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
+           .interrupted = bench_.interrupted});
     }
     say(summary_text(experiment, result, width()).substr(1));
     return 0;

@@ -75,16 +75,10 @@ ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool qui
   Progress progress(!quiet);
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
   progress.show("planning", 0, cells);
-  return run(experiment, {.jobs = jobs,
-                          .progress =
-                              [&](std::size_t done, std::size_t all) {
-                                if (done < cells || all == cells) {
-                                  progress.show("planning", done, cells);
-                                } else {
-                                  progress.show("scoring", done - cells, all - cells);
-                                }
-                              },
-                          .interrupted = InterruptibleRun::requested});
+  return run(experiment,
+             {.jobs = jobs,
+              .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
+              .interrupted = InterruptibleRun::requested});
 }
 
 /// Returns the experiment restricted to some of its problems.
