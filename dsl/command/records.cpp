@@ -17,6 +17,7 @@
 
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 
@@ -33,19 +34,6 @@ std::string in(const std::string& folder, const char* name) { return (std::files
 [[noreturn]] void fail(const std::string& path, int reason) {
   throw Error(fmt::format("cannot write '{}': {}; the records before remain, and the same command continues", path,
                           std::strerror(reason)));  // NOLINT(concurrency-mt-unsafe)
-}
-
-/// Returns 0 or the error code.
-int write_all(int file, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(file, content.data(), content.size());
-    if (written >= 0) {
-      content.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      return errno;
-    }
-  }
-  return 0;
 }
 
 void remove_times(Json& json) {

@@ -31,8 +31,7 @@ std::string nearest_name(std::string_view given, std::span<const std::string> kn
   std::size_t least = 0;
   for (const auto& name : known) {
     const std::size_t longer = std::max(given.size(), name.size());
-    // In three letters two changes leave next to nothing, unless they swap letters: rtr is near rrt, foo is not near
-    // box.
+    // Two changes leave next to nothing of three letters, unless they swap them: rtr is near rrt, but foo not near box.
     const bool swapped = given.size() == name.size() && std::is_permutation(given.begin(), given.end(), name.begin());
     const std::size_t allowed = longer <= 3 && !swapped ? 1 : std::max<std::size_t>(2, longer / 3);
     const std::size_t length = std::min(given.size(), name.size());

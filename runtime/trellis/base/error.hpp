@@ -23,8 +23,8 @@ class Fault : public std::logic_error {
 };
 
 /// Returns the entry of `known` with the smallest edit distance to `given`, or "" if no entry is near enough. An entry
-/// is too far if its distance exceeds a third of the longer name (at least 2), or equals the length of the shorter
-/// name, which then shares no letter.
+/// is too far if its distance exceeds a third of the longer name (at least 2; of three letters 1, or 2 for swapped
+/// ones), or equals the length of the shorter name, which then shares no letter.
 std::string nearest_name(std::string_view given, std::span<const std::string> known);
 
 /// Returns " (did you mean 'x'?)" or "", to append to a message.

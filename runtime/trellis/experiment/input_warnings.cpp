@@ -66,7 +66,7 @@ void find_separation(const Problem& problem, std::vector<std::string>& warnings)
   const bool polygons = std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& obstacle) {
     return !std::holds_alternative<Disc>(obstacle.shape);
   });
-  constexpr std::size_t most_obstacles = 2000;
+  constexpr std::size_t most_obstacles = 1000;  // a tenth of a second
   if (!polygons || obstacles.size() > most_obstacles || problem.reach || !problem.further_goals.empty()) return;
   if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return;
   const auto [lo, hi] = scene.world.bounds();

@@ -79,15 +79,7 @@ class Tree final : public NearestIndex::Implementation {
     visit(
         q, [&] { return out.size() < k ? infinity : out.front().squared_distance; },
         [&](std::uint32_t id, double d2) {
-          const NearestIndex::Neighbour candidate{id, d2};
-          if (out.size() < k) {
-            out.push_back(candidate);
-            std::push_heap(out.begin(), out.end(), nearer);
-          } else if (nearer(candidate, out.front())) {
-            std::pop_heap(out.begin(), out.end(), nearer);
-            out.back() = candidate;
-            std::push_heap(out.begin(), out.end(), nearer);
-          }
+          offer_nearest(out, k, {id, d2});
         });
     std::sort_heap(out.begin(), out.end(), nearer);
   }

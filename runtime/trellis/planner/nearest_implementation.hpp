@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -29,6 +31,20 @@ struct NearerNeighbour {
     return a.squared_distance < b.squared_distance || (a.squared_distance == b.squared_distance && a.id < b.id);
   }
 };
+
+/// Adds a candidate to the k nearest so far, a heap with the farthest of them first.
+inline void offer_nearest(std::vector<NearestIndex::Neighbour>& nearest, std::size_t k,
+                          const NearestIndex::Neighbour& candidate) {
+  constexpr NearerNeighbour nearer;
+  if (nearest.size() < k) {
+    nearest.push_back(candidate);
+    std::push_heap(nearest.begin(), nearest.end(), nearer);
+  } else if (nearer(candidate, nearest.front())) {
+    std::pop_heap(nearest.begin(), nearest.end(), nearer);
+    nearest.back() = candidate;
+    std::push_heap(nearest.begin(), nearest.end(), nearer);
+  }
+}
 
 /// The index of a space with rotations.
 std::unique_ptr<NearestIndex::Implementation> make_rotation_index(const Space& space);

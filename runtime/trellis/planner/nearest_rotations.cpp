@@ -55,15 +55,7 @@ class RotationIndex final : public NearestIndex::Implementation {
     if (k == 0) return;
     visit(
         q, [&] { return out.size() < k ? infinity : out.front().squared_distance; },
-        [&](const NearestIndex::Neighbour& candidate) {
-          if (out.size() == k) {
-            if (!nearer(candidate, out.front())) return;
-            std::pop_heap(out.begin(), out.end(), nearer);
-            out.pop_back();
-          }
-          out.push_back(candidate);
-          std::push_heap(out.begin(), out.end(), nearer);
-        });
+        [&](const NearestIndex::Neighbour& candidate) { offer_nearest(out, k, candidate); });
     std::sort_heap(out.begin(), out.end(), nearer);
   }
 

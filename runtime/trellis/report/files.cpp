@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/files.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis {
@@ -104,19 +105,6 @@ class Draft {
   int file_ = -1;
 };
 
-/// Returns 0 or the error code.
-int write_all(int file, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(file, content.data(), content.size());
-    if (written >= 0) {
-      content.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      return errno;
-    }
-  }
-  return 0;
-}
-
 /// Waits until the disk has the content: a full disk or a quota may only fail here. Returns 0 or the error code.
 int flush(int file) {
   if (::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP) return 0;
@@ -140,6 +128,18 @@ bool is_stream(const std::string& path) {
 }
 
 }  // namespace
+
+int write_all(int file, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(file, content.data(), content.size());
+    if (written >= 0) {
+      content.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
+}
 
 void write_file(const std::string& path, const std::string& content, Flush flushed) {
   if (is_stream(path)) {
