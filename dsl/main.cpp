@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "trellis: {}\n", interrupted.what());
     return command::interrupted_status();
   } catch (const Error& error) {
-    fmt::print(stderr, "trellis: {}\n", error.what());
+    command::print_error(error);
     return command::output_closed() ? command::pipe_closed : command::their_fault;
   } catch (const std::bad_alloc&) {
     fmt::print(

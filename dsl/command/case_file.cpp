@@ -17,6 +17,7 @@
 #include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/errors.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/scene/readers.hpp>
 
@@ -60,31 +61,40 @@ class Reader {
       : file_(std::move(file)), folder_(fs::path(file_).parent_path()), scripts_(std::move(scripts)) {}
 
   Case read() {
-    parse();
+    ErrorList errors;
+    parse(errors);
     Case result;
     result.file = file_;
-    read_space(result);
-    read_path(result);
-    const Json& delta = required("delta", "a number greater than 0 (metres of the metric)");
-    if (!delta.is_number() || !(delta.get<double>() > 0.0) || !std::isfinite(delta.get<double>())) reject("delta");
-    result.tube.delta = delta.get<double>();
-    result.samples = (folder_ / text("samples", "the name of a CSV file")).string();
-    if (has("free")) {
-      result.free = text("free", "a scene of the standard library, a scene file, or a Lua script");
-      result.valid = validity(result);
+    const bool space = errors.attempt([&] { read_space(result); });
+    if (space) {
+      errors.attempt([&] { read_path(result); });
     }
+    errors.attempt([&] {
+      const Json& delta = required("delta", "a number greater than 0 (metres of the metric)");
+      if (!delta.is_number() || !(delta.get<double>() > 0.0) || !std::isfinite(delta.get<double>())) reject("delta");
+      result.tube.delta = delta.get<double>();
+    });
+    errors.attempt([&] { result.samples = (folder_ / text("samples", "the name of a CSV file")).string(); });
+    errors.attempt([&] {
+      if (!has("free")) return;
+      result.free = text("free", "a scene of the standard library, a scene file, or a Lua script");
+      if (space) result.valid = validity(result);
+    });
     result.tube.support = result.valid ? "free" : "all";
-    if (const Json* seed = find("seed", "an integer of at least 0")) {
+    errors.attempt([&] {
+      const Json* seed = find("seed", "an integer of at least 0");
+      if (seed == nullptr) return;
       if (!seed->is_number_unsigned()) reject("seed");
       result.seed = seed->get<std::uint64_t>();
-    }
+    });
+    errors.raise();
     return result;
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", file_, what)); }
 
-  void parse() {
+  void parse(ErrorList& errors) {
     const std::string bytes = dsl::read_file(file_);
     std::vector<std::string> seen;
     const Json::parser_callback_t watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
@@ -114,7 +124,9 @@ class Reader {
                                                    "path", "delta",  "samples", "free", "seed", "distance"};
     for (const auto& [key, value] : document_.items()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      fail(fmt::format("unknown key '{}'{}; the keys are: {}", key, did_you_mean(key, known), joined(known)));
+      errors.attempt([&, &name = key] {
+        fail(fmt::format("unknown key '{}'{}; the keys are: {}", name, did_you_mean(name, known), joined(known)));
+      });
     }
   }
 
@@ -166,6 +178,35 @@ class Reader {
     const Json& dim = required("dim", fmt::format("the number of coordinates, an integer in [1, {}]", most_dimensions));
     if (!dim.is_number_integer() || dim < 1 || dim > most_dimensions) reject("dim");
     const auto dimension = dim.get<std::size_t>();
+    ErrorList errors;
+    std::vector<std::string> names;
+    errors.attempt([&] { names = coordinates(dimension); });
+    std::vector<double> weights, lo, hi;
+    errors.attempt([&] { weights = numbers("weights", dimension); });
+    errors.attempt([&] { lo = numbers("lo", dimension); });
+    errors.attempt([&] { hi = numbers("hi", dimension); });
+    std::vector<bool> periodic;
+    errors.attempt([&] { periodic = wrapping(dimension); });
+    errors.raise();
+    std::vector<Axis> axes;
+    for (std::size_t j = 0; j < dimension; ++j) {
+      errors.attempt([&] {
+        if (weights[j] > 0.0) return;
+        fail(fmt::format("weights must be greater than 0 (metres of the metric per unit), got {:g} for {}", weights[j],
+                         names[j]));
+      });
+      errors.attempt([&] {
+        if (lo[j] < hi[j]) return;
+        fail(fmt::format("lo must be below hi, got lo = {:g} and hi = {:g} for {}", lo[j], hi[j], names[j]));
+      });
+      axes.push_back({names[j], lo[j], hi[j], weights[j], periodic[j]});
+    }
+    errors.raise();
+    result.space = Space(fmt::format("({})", joined(names)), std::move(axes));
+    read_distance(result, names);
+  }
+
+  std::vector<std::string> coordinates(std::size_t dimension) {
     std::vector<std::string> names;
     for (const Json& name : list("coords", "names", dimension)) {
       const bool good = name.is_string() && !name.get<std::string>().empty() &&
@@ -179,9 +220,10 @@ class Reader {
         fail(fmt::format("coords holds '{}' twice", names.back()));
       }
     }
-    const auto weights = numbers("weights", dimension);
-    const auto lo = numbers("lo", dimension);
-    const auto hi = numbers("hi", dimension);
+    return names;
+  }
+
+  std::vector<bool> wrapping(std::size_t dimension) {
     std::vector<bool> periodic;
     for (const Json& entry : list("periodic", "booleans, true where the coordinate wraps from hi to lo", dimension)) {
       if (!entry.is_boolean()) {
@@ -189,19 +231,11 @@ class Reader {
       }
       periodic.push_back(entry.get<bool>());
     }
-    std::vector<Axis> axes;
-    for (std::size_t j = 0; j < dimension; ++j) {
-      if (!(weights[j] > 0.0)) {
-        fail(fmt::format("weights must be greater than 0 (metres of the metric per unit), got {:g} for {}", weights[j],
-                         names[j]));
-      }
-      if (!(lo[j] < hi[j])) {
-        fail(fmt::format("lo must be below hi, got lo = {:g} and hi = {:g} for {}", lo[j], hi[j], names[j]));
-      }
-      axes.push_back({names[j], lo[j], hi[j], weights[j], periodic[j]});
-    }
-    result.space = Space(fmt::format("({})", joined(names)), std::move(axes));
+    return periodic;
+  }
 
+  void read_distance(Case& result, const std::vector<std::string>& names) {
+    const std::size_t dimension = names.size();
     const Json* distance = find("distance", R"("planar" or "full")");
     result.tube.distance = "full";
     if (distance == nullptr) return;
@@ -225,33 +259,39 @@ class Reader {
       fail(fmt::format("path must hold two configurations at least, got {}", path.size()));
     }
     result.path = Configurations(dimension);
-    Configuration q;
+    ErrorList errors;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      const auto wrong = [&](const std::string& what) {
-        fail(fmt::format("path: configuration {} of {} {}", i + 1, path.size(), what));
-      };
-      if (!path[i].is_array() || path[i].size() != dimension) {
-        wrong(fmt::format("must be a list of {} numbers {}, got {}", dimension, space.name(), describe(path[i])));
-      }
-      q.clear();
-      for (const Json& coordinate : path[i]) {
-        if (!coordinate.is_number() || !std::isfinite(coordinate.get<double>())) {
-          wrong(fmt::format("must hold finite numbers, got {}", describe(coordinate)));
-        }
-        q.push_back(coordinate.get<double>());
-      }
-      for (std::size_t j = 0; j < dimension; ++j) {
-        const Axis& axis = space.axes()[j];
-        if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
-        wrong(fmt::format("lies outside of the space: {} = {:g} is not in [{:g}, {:g}]", axis.name, q[j], axis.lo,
-                          axis.hi));
-      }
-      result.path.push(q);
+      errors.attempt([&] { result.path.push(configuration(path, i, space)); });
     }
+    errors.raise();
     if (!has_length(result)) {
       fail(fmt::format("path has no length{}: a tube needs two configurations that differ",
                        result.tube.distance == "planar" ? " in the position" : ""));
     }
+  }
+
+  [[nodiscard]] Configuration configuration(const Json& path, std::size_t i, const Space& space) const {
+    const std::size_t dimension = space.dimension();
+    Configuration q;
+    const auto wrong = [&](const std::string& what) {
+      fail(fmt::format("path: configuration {} of {} {}", i + 1, path.size(), what));
+    };
+    if (!path[i].is_array() || path[i].size() != dimension) {
+      wrong(fmt::format("must be a list of {} numbers {}, got {}", dimension, space.name(), describe(path[i])));
+    }
+    for (const Json& coordinate : path[i]) {
+      if (!coordinate.is_number() || !std::isfinite(coordinate.get<double>())) {
+        wrong(fmt::format("must hold finite numbers, got {}", describe(coordinate)));
+      }
+      q.push_back(coordinate.get<double>());
+    }
+    for (std::size_t j = 0; j < dimension; ++j) {
+      const Axis& axis = space.axes()[j];
+      if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
+      wrong(fmt::format("lies outside of the space: {} = {:g} is not in [{:g}, {:g}]", axis.name, q[j], axis.lo,
+                        axis.hi));
+    }
+    return q;
   }
 
   static bool has_length(const Case& c) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,6 +17,7 @@
 #include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/input_warnings.hpp>
 
 namespace trellis::command {
@@ -54,19 +57,43 @@ std::string summary(const std::string& script, const Experiment& experiment) {
                             measure.metrics ? ", with metrics of the search" : "");
 }
 
-/// Checks one script without planning; returns whether it has no fault.
+bool has_functions(const GuideSpec& guide) {
+  if (guide.kind() != GuideSpec::Kind::component) {
+    return std::any_of(guide.terms().begin(), guide.terms().end(),
+                       [](const GuideSpec::Term& term) { return has_functions(term.guide); });
+  }
+  return guide.custom() != nullptr || (guide.below() != nullptr && has_functions(*guide.below()));
+}
+
+/// Takes a strategy a few proposals far if the script's functions guide it, so that what they return is checked.
+/// \throws Error of such a function
+void try_functions(const std::string& name, const StrategySpec& strategy, const Problem& problem) {
+  if (strategy.guide() == nullptr || !has_functions(*strategy.guide())) return;
+  constexpr int few = 200;  // steps, of all levels
+  constexpr auto patience = std::chrono::seconds(2);
+  const auto begin = std::chrono::steady_clock::now();
+  int steps = 0;
+  const auto enough = [&] { return ++steps > few || std::chrono::steady_clock::now() - begin > patience; };
+  static_cast<void>(run_cell(name, strategy, problem, 1, {.interrupted = enough}));
+}
+
+/// Checks one script without planning, except for a few proposals that its functions guide; returns whether it has no
+/// fault.
 bool check_script(const std::string& script, const dsl::SessionOptions& options, std::string& text) {
   const std::string source = dsl::without_shebang(dsl::read_file(script));
   dsl::Session session(std::filesystem::path(script).parent_path().string(), options);
-  const Experiment experiment = session.load(source, script).experiment;
+  const dsl::Program program = session.load(source, script);
+  const Experiment& experiment = program.experiment;
   std::vector<std::string> faults = session.unknown_names(source, script);
-  std::vector<std::string> warnings = input_warnings(experiment);
+  std::vector<std::string> warnings = program.warnings;
+  for (std::string& warning : input_warnings(experiment)) warnings.push_back(std::move(warning));
   for (const auto& [name, strategy] : experiment.strategies) {
     std::set<std::string> spaces;  // check one problem per space
     for (const Problem& problem : experiment.problems) {
       if (!spaces.insert(problem.space.name()).second) continue;
       try {
         trellis::check(strategy, problem);
+        try_functions(name, strategy, problem);
       } catch (const Error& error) {
         faults.emplace_back(error.what());
       }
@@ -76,6 +103,7 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
     }
   }
   for (const std::string& fault : faults) fmt::print(stderr, "trellis: {}\n", fault);
+  if (faults.size() > 1) fmt::print(stderr, "trellis: {} mistakes\n", faults.size());
   for (const std::string& warning : warnings) fmt::print(stderr, "trellis: warning: {}\n", warning);
   text = summary(script, experiment);
   return faults.empty();
@@ -91,7 +119,7 @@ int check(const std::vector<std::string>& scripts, const ScriptOptions& options)
       print_all((i > 0 ? "\n" : "") + text);
     } catch (const Error& error) {
       // Continue with the other scripts.
-      fmt::print(stderr, "trellis: {}\n", error.what());
+      print_error(error);
       status = their_fault;
     }
   }

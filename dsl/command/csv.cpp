@@ -12,11 +12,13 @@
 
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/errors.hpp>
 
 namespace trellis::command {
 
 namespace {
 
+constexpr std::size_t most_faults = 1000;  // rows with one; then the file is something else
 constexpr std::size_t largest_csv = std::size_t{4} << 30U;
 
 bool is_padding(char c) { return c == ' ' || c == '\t'; }
@@ -82,10 +84,17 @@ class Reader {
     Configurations rows(columns_.size());
     rows.reserve(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')));
     Configuration row(columns_.size());
+    ErrorList errors;
     while (!lines.done() && lines.next(line)) {
-      read_row(line, lines.number(), row);
-      rows.push(row);
+      try {
+        read_row(line, lines.number(), row);
+        rows.push(row);
+      } catch (const Error& error) {
+        errors.add(error);
+        if (++faults_ == most_faults) break;
+      }
     }
+    errors.raise();
     return rows;
   }
 
@@ -171,6 +180,7 @@ class Reader {
   const std::string& path_;
   const std::vector<std::string>& columns_;
   std::string header_;
+  std::size_t faults_ = 0;
   std::vector<std::size_t> order_;  // index in `columns_` of each of the file's columns
 };
 

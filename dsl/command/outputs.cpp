@@ -10,8 +10,11 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
+#include <dsl/lua/mistakes.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/errors.hpp>
 
 namespace trellis::command {
 
@@ -83,6 +86,20 @@ OutputFolder::~OutputFolder() {
   // remove() deletes only an empty folder.
   std::error_code ignored;
   if (!made_.empty()) fs::remove(made_, ignored);
+}
+
+void print_error(const Error& error) {
+  std::vector<std::string> messages = {error.what()};
+  std::size_t count = 1;
+  if (const auto* mistakes = dynamic_cast<const lua::Mistakes*>(&error)) {
+    messages = mistakes->messages();
+    count = mistakes->count();
+  } else if (const auto* errors = dynamic_cast<const Errors*>(&error)) {
+    messages = shortened(errors->messages());
+    count = errors->messages().size();
+  }
+  for (const std::string& message : messages) fmt::print(stderr, "trellis: {}\n", message);
+  if (count > 1) fmt::print(stderr, "trellis: {} mistakes\n", count);
 }
 
 void print_all(const std::string& text) {

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <trellis/base/error.hpp>
+
 namespace trellis::command {
 
 /// Checks before a run that a file is writable. \throws Error that states why it is not.
@@ -23,6 +25,9 @@ class OutputFolder {
  private:
   std::string made_;  // the created folder, "" if it existed before
 };
+
+/// Prints the message to stderr; of several mistakes of a script one line for each, and their number.
+void print_error(const Error& error);
 
 /// Prints to stdout. \throws Error if that fails, as on a full disk.
 void print_all(const std::string& text);

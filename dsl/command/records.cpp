@@ -17,6 +17,7 @@
 
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/errors.hpp>
 #include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
@@ -132,6 +133,7 @@ std::vector<std::size_t> cells_of(const std::string& experiment, const Shard& sh
 
 Records parse_records(const std::string& text, const std::string& file, std::size_t& complete) {
   Records records;
+  ErrorList errors;
   complete = 0;
   std::size_t number = 0;
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', complete)) {
@@ -143,13 +145,14 @@ Records parse_records(const std::string& text, const std::string& file, std::siz
       const RunKey key{json.at("problem").get<std::string>(), json.at("strategy").get<std::string>(),
                        json.at("seed").get<std::uint64_t>()};
       if (!records.emplace(key, std::move(line)).second) {
-        throw Error(fmt::format("{}:{}: {} is there twice; delete one of the lines", file, number, key.text()));
+        errors.add(Error(fmt::format("{}:{}: {} is there twice; delete one of the lines", file, number, key.text())));
       }
     } catch (const Json::exception&) {
-      throw Error(fmt::format("{}:{}: this is no record of a run; delete the line, and the same command runs it again",
-                              file, number));
+      errors.add(Error(fmt::format(
+          "{}:{}: this is no record of a run; delete the line, and the same command runs it again", file, number)));
     }
   }
+  errors.raise();
   return records;
 }
 

@@ -27,7 +27,9 @@
 #include <dsl/language/tokens.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
+#include <dsl/language/words.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
 
 namespace trellis::command {
@@ -142,7 +144,8 @@ bool is_path(std::string_view text) {
   return !begins;
 }
 
-/// What users of other shells type, in the language: exit, help skeleton, skeleton?, skeleton?? and = 1 + 1.
+/// What users of other shells type, in the language: exit, help skeleton, skeleton?, skeleton??, = 1 + 1 and %time
+/// nested.
 std::string as_input(const std::string& input) {
   const std::size_t first = input.find_first_not_of(" \t");
   if (first == std::string::npos) return input;
@@ -154,6 +157,8 @@ std::string as_input(const std::string& input) {
     const std::size_t word = text.find_first_not_of(' ', help.size());
     if (is_path(text.substr(word))) return fmt::format("help(\"{}\")", text.substr(word));
   }
+  constexpr std::string_view time = "%time ";
+  if (text.starts_with(time)) return fmt::format("time(function() return {} end)", text.substr(time.size()));
   for (const auto& [mark, verb] : {std::pair{"\?\?", "source"}, std::pair{"?", "help"}}) {
     if (!text.ends_with(mark)) continue;
     const std::string word = text.substr(0, text.size() - std::string_view(mark).size());
@@ -178,16 +183,25 @@ Completion completion_in_string(const std::string& text, const std::vector<dsl::
   return found;
 }
 
-/// Returns the names of the chain before a '.' or ':', the last one first; none where it has something else.
-std::optional<std::vector<std::string>> chain_before(const std::vector<dsl::Token>& all) {
-  const auto sign = [&](std::size_t i) { return all[i].text == "." || all[i].text == ":"; };
-  std::vector<std::string> path;
-  for (std::size_t i = all.size(); i >= 2 && sign(i - 1); i -= 2) {
-    if (all[i - 2].kind != dsl::Token::Kind::name) return {};
-    path.emplace_back(all[i - 2].text);
-    if (i < 4) break;
+/// Returns the expression before a '.' or ':' at the end: names, fields and indices, as in script.problems[1]; "" for
+/// anything else, such as a call.
+std::string expression_before(const std::vector<dsl::Token>& all, const std::string& text) {
+  using Kind = dsl::Token::Kind;
+  if (all.empty() || (all.back().text != "." && all.back().text != ":")) return "";
+  const std::size_t end = all.back().begin;
+  for (std::size_t i = all.size() - 1; i > 0;) {
+    if (all[i - 1].kind == Kind::name) {
+      --i;
+      if (i < 2 || all[i - 1].text != ".") return text.substr(all[i].begin, end - all[i].begin);
+      --i;
+    } else if (all[i - 1].text == "]" && i >= 4 && all[i - 3].text == "[" &&
+               (all[i - 2].kind == Kind::number || all[i - 2].kind == Kind::string)) {
+      i -= 3;
+    } else {
+      return "";
+    }
   }
-  return path;
+  return "";
 }
 
 /// Whether the text ends with `>>`, or with a name begun after it.
@@ -198,24 +212,98 @@ bool ends_in_composition(const std::vector<dsl::Token>& all, const std::string& 
   return end > 0 && all[end - 1].text == ">>";
 }
 
-/// Returns the members of the value that a chain of names gives: fields after '.', methods after ':'.
-std::vector<std::string> members(Stack& stack, const std::vector<std::string>& path, const std::string& sign) {
-  if (path.empty()) return {};
-  stack.push_global(path.back());
-  const auto modules = dsl::module_names();
-  if (!stack.top().given() && std::find(modules.begin(), modules.end(), path.back()) != modules.end()) {
-    stack.load("return require('" + path.back() + "')", "=completion");
-    stack.call(0);
-  }
-  for (std::size_t i = path.size() - 1; i-- > 0;) {
-    if (stack.top().type() != Type::table) return {};
-    static_cast<void>(stack.top().field(path[i]));
-  }
+/// The name of a value's type in descriptions of the language, "" for others.
+std::string type_name(Value value) {
+  if (value.get<Problem>() != nullptr) return "trellis.Problem";
+  if (value.get<World>() != nullptr) return "trellis.World";
+  if (value.get<Robot>() != nullptr) return "trellis.Robot";
+  if (value.get<dsl::Program>() != nullptr) return "trellis.Experiment";
+  return dsl::as_strategy(value) ? "trellis.Strategy" : "";
+}
+
+/// Returns the members of an expression's value: fields after '.', methods after ':'; none if it has no known type.
+std::optional<std::vector<std::string>> members(Stack& stack, const std::string& expression, const std::string& sign) {
+  stack.load("return " + expression, "=completion");
+  const int before = stack.size();
+  stack.call(0);
+  if (stack.size() < before) return {};
   const Value value = stack.top();
-  if (value.type() == Type::table && sign == ".") return value.keys().names;
-  if (value.get<RunPointer>() != nullptr && sign == ".") return run_fields();
-  if (dsl::as_strategy(value) && sign == ":") return {"tree", "json", "hash"};
-  return {};
+  std::vector<std::string> names;
+  if (value.type() == Type::table) return sign == "." ? value.keys().names : names;
+  if (value.get<RunPointer>() != nullptr) return sign == "." ? run_fields() : names;
+  const std::string type = type_name(value);
+  if (type.empty()) return {};
+  for (const dsl::ObjectType& known : dsl::object_types()) {
+    if (known.name != type) continue;
+    for (const dsl::Field& member : known.members) {
+      if (member.type.starts_with("fun(self") == (sign == ":")) names.push_back(member.name);
+    }
+  }
+  return names;
+}
+
+/// A text for each difference of two sets of named things: "strategies.nested is new".
+template <class T, class Same>
+void add_differences(const std::string& of, const std::vector<std::pair<std::string, T>>& before,
+                     const std::vector<std::pair<std::string, T>>& after, const Same& same, std::string& text) {
+  const auto find = [](const auto& all, const std::string& name) {
+    return std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
+  };
+  for (const auto& [name, value] : after) {
+    const auto old = find(before, name);
+    if (old == before.end()) {
+      text += fmt::format("  {} is new\n", field_path(of, name));
+    } else if (const std::string how = same(old->second, value); !how.empty()) {
+      text += fmt::format("  {} {}\n", field_path(of, name), how);
+    }
+  }
+  for (const auto& [name, value] : before) {
+    if (find(after, name) == after.end()) text += fmt::format("  {} is gone\n", field_path(of, name));
+  }
+}
+
+/// Returns how a problem has changed, "" where it has not.
+std::string change_of(const Problem& before, const Problem& after) {
+  std::vector<std::string> parts;
+  const auto note = [&](bool same, const char* part) {
+    if (!same) parts.emplace_back(part);
+  };
+  note(identity(before.scene->world) == identity(after.scene->world), "world");
+  note(identity(before.scene->robot) == identity(after.scene->robot), "robot");
+  note(identity(before.space) == identity(after.space), "space");
+  note(before.start == after.start, "start");
+  const auto goals = [](const Problem& problem) {
+    std::vector<Configuration> all = {problem.goal};
+    for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
+      const View q = problem.further_goals[i];
+      all.emplace_back(q.begin(), q.end());
+    }
+    return all;
+  };
+  note(goals(before) == goals(after) && before.goal_tolerance == after.goal_tolerance, "goal");
+  note(before.resolution == after.resolution && before.collision == after.collision, "collision checks");
+  return parts.empty() ? "" : fmt::format("has another {}", fmt::join(parts, ", "));
+}
+
+/// Returns a line for each difference of two results of a script, "" for none.
+std::string differences(const Experiment& before, const Experiment& after) {
+  std::string text;
+  add_differences(
+      "script.strategies", before.strategies, after.strategies,
+      [](const StrategySpec& a, const StrategySpec& b) {
+        return a == b ? "" : fmt::format("is {}, and was {}", b.text(), a.text());
+      },
+      text);
+  const auto problems = [](const Experiment& experiment) {
+    std::vector<std::pair<std::string, Problem>> all;
+    for (const Problem& problem : experiment.problems) all.emplace_back(problem.name, problem);
+    return all;
+  };
+  add_differences("script.problems", problems(before), problems(after), change_of, text);
+  if (before.seeds != after.seeds) {
+    text += fmt::format("  script.seeds: {}, and were {}\n", after.seeds.size(), before.seeds.size());
+  }
+  return text;
 }
 
 }  // namespace
@@ -224,6 +312,7 @@ Console::Console(const std::string& folder, bool colour, const dsl::SessionOptio
     : session_(folder, options) {
   bench_.screen = [colour] { return screen(colour); };
   bench_.interrupted = InterruptibleSession::requested;
+  bench_.forget_interruption = InterruptibleSession::forget;
   session_.with([this](Stack& stack) {
     open_runs(stack);
     open_verbs(stack, bench_);
@@ -261,6 +350,40 @@ std::string Console::load(const std::string& path) {
   bench_.path = path;
   return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
                        : fmt::format("{} is bound to script:\n{}", path, bound);
+}
+
+void Console::reload() {
+  const std::optional<dsl::Program> before = bench_.script;
+  session_.with([](Stack& stack) {
+    // Modules run again where the script requires them; those of the standard library do not change.
+    const auto standard = dsl::module_names();
+    const Value modules = stack.push_hidden("modules");
+    for (const std::string& name : modules.keys().names) {
+      if (std::find(standard.begin(), standard.end(), name) != standard.end()) continue;
+      stack.push_nil();
+      stack.set_field(modules, name);
+    }
+  });
+  static_cast<void>(load(bench_.path));
+  std::string changes;
+  if (before && bench_.script) {
+    changes = differences(before->experiment, bench_.script->experiment);
+    for (const Problem& problem : bench_.script->experiment.problems) {
+      // The session's last problem was the script's: take the new one.
+      const auto& old = before->experiment.problems;
+      const bool scripts = std::any_of(old.begin(), old.end(), [&](const Problem& p) {
+        return bench_.problem && p.name == bench_.problem->name && p.scene == bench_.problem->scene;
+      });
+      if (scripts && problem.name == bench_.problem->name) bench_.problem = problem;
+    }
+  }
+  print_all(changes.empty()
+                ? fmt::format("{} read again: its strategies, problems and seeds are the same\n", bench_.path)
+                : fmt::format("{} read again:\n{}", bench_.path, changes));
+}
+
+void Console::print_warnings() {
+  for (const std::string& warning : session_.take_warnings()) complain("warning: " + warning);
 }
 
 Console::Verdict Console::run(const std::string& typed, bool more) {
@@ -302,8 +425,10 @@ Console::Verdict Console::run(const std::string& typed, bool more) {
       return Verdict::incomplete;
     }
     ++inputs_;
+    print_warnings();
     accept(input);
     warn_of_locals(input);
+    if (std::exchange(bench_.reloads, false)) reload();
     std::fflush(stdout);
     InterruptibleSession::forget();
     return Verdict::done;
@@ -385,12 +510,15 @@ Completion Console::complete(const std::string& text) {
     word = all.back().text;
     all.pop_back();
   }
-  const auto path = chain_before(all);
-  if (!path) return found;
-  const std::string sign(all.empty() ? "" : all.back().text);
+  const std::string expression = expression_before(all, text);
+  if (expression.empty()) return found;
+  const std::string sign(all.back().text);
   try {
     session_.with([&](Stack& stack) {
-      for (const std::string& name : members(stack, *path, sign)) {
+      const auto known_members = members(stack, expression, sign);
+      if (!known_members) return;
+      if (sign == ":") found.words.clear();  // of all types
+      for (const std::string& name : *known_members) {
         if (!name.starts_with("_") && name.starts_with(word)) found.words.push_back(name);
       }
     });

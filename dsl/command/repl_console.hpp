@@ -37,6 +37,10 @@ class Console {
  private:
   void accept(const std::string& input);
   void warn_of_locals(const std::string& input);
+  /// Prints what the input has that does something else than it seems to.
+  void print_warnings();
+  /// Runs the script again and says what has changed. \throws Error
+  void reload();
 
   Bench bench_;
   dsl::Session session_;

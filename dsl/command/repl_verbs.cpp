@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -24,6 +25,7 @@
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/experiment/partial.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
@@ -36,7 +38,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-constexpr std::array<Verb, 20> all_verbs = {{
+constexpr std::array<Verb, 21> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
      "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
      "scenes.simple_passage()"},
@@ -52,12 +54,15 @@ constexpr std::array<Verb, 20> all_verbs = {{
     {"compare", "compare(a, b, ..., { seeds = 5 })",
      "strategies side by side, paired by seed; options: problem, seeds, measure"},
     {"time", "time(strategy, 20, problem)",
-     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 99 % intervals"},
+     "runs a strategy with 20 seeds: CPU time and validity checks, medians with 99 % intervals; of a function, its "
+     "CPU time; %time EXPRESSION does either"},
     {"ablate", "ablate(strategy, { seeds = 5 })",
      "a strategy with each of its guides taken out in turn; options likewise"},
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
     {"runs", "runs()", "the runs of this session, as a list"},
     {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
+    {"reload", "reload()",
+     "reads the loaded script and its modules again, and says what has changed; the session's own values stay"},
     {"save", "save(\"file.lua\")",
      "writes the inputs that succeeded as a script that runs: it requires the loaded one, and returns what was planned "
      "last"},
@@ -316,35 +321,34 @@ class Verbs {
 
   int time(Stack& call) {
     constexpr std::uint64_t usual = 10;
-    const StrategySpec strategy = strategy_argument("time", call[1]);
     const std::uint64_t count = call[2].given() ? natural("time: the number of runs", call[2], 1) : usual;
     if (count > dsl::most_seeds) throw Error(fmt::format("time: at most {} runs, got {}", dsl::most_seeds, count));
-    const Problem problem =
-        call[3].given() ? problem_argument("time", call[3]) : usual_problem(call, of_script(strategy)).problem;
-    const std::string name = name_of(call, bench_, strategy);
-    std::vector<CensoredCost> milliseconds;
-    std::vector<CensoredCost> checks;
-    for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
-      const RunRecord run = run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted}).run;
-      if (run.status == Status::interrupted) break;
-      milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
-      checks.push_back({static_cast<double>(run.validity_checks), run.solved});
+    std::optional<Problem> given;
+    if (call[3].given()) given = problem_argument("time", call[3]);
+    Value value = call[1];
+    if (value.type() == Type::function) {
+      call.push(value);
+      call.call(0);
+      value = call.top();
+      const auto* run = value.get<RunPointer>();
+      if (run == nullptr && !dsl::as_strategy(value)) return time_calls(call, count);
+      if (run != nullptr) {
+        time_runs((*run)->strategy_name, (*run)->strategy, (*run)->problem, count);
+        return 0;
+      }
     }
-    if (milliseconds.empty()) {
-      say("interrupted before a run ended");
-      return 0;
+    const StrategySpec strategy = strategy_argument("time", value);
+    const Problem problem = given ? *given : usual_problem(call, of_script(strategy)).problem;
+    time_runs(name_of(call, bench_, strategy), strategy, problem, count);
+    return 0;
+  }
+
+  int reload(Stack& call) {
+    if (call.count() > 0) throw Error("reload: it takes nothing: reload()");
+    if (bench_.path.empty()) {
+      throw Error("reload: this session was begun without a script; trellis repl SCRIPT begins with one");
     }
-    const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
-    const auto row = [](const char* what, const Interval& interval) {
-      // The lower bound of few runs is NaN or -inf; that of runs without a solution is inf.
-      const bool bounded = interval.lo > -std::numeric_limits<double>::infinity();
-      const std::string range = bounded ? fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi)
-                                        : fmt::format("{} runs are too few for an interval", interval.n);
-      return fmt::format("  {:<24} {:.3g}  ({})\n", what, interval.value, range);
-    };
-    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
-                    checks.size(), solved, checks.size()) +
-        row("CPU time, ms", median_cost(milliseconds)) + row("validity checks", median_cost(checks)));
+    bench_.reloads = true;
     return 0;
   }
 
@@ -505,6 +509,51 @@ class Verbs {
     }
     const std::string name = std::filesystem::path(definition.chunk).stem().string();
     return dsl::module_text(name).value_or("");
+  }
+
+  static std::string time_row(const char* what, const Interval& interval) {
+    // The lower bound of few runs is NaN or -inf; that of runs without a solution is inf.
+    const bool bounded = interval.lo > -std::numeric_limits<double>::infinity();
+    const std::string range = bounded ? fmt::format("{:.3g} to {:.3g}", interval.lo, interval.hi)
+                                      : fmt::format("{} runs are too few for an interval", interval.n);
+    return fmt::format("  {:<24} {:.3g}  ({})\n", what, interval.value, range);
+  }
+
+  void time_runs(const std::string& name, const StrategySpec& strategy, const Problem& problem,
+                 std::uint64_t count) const {
+    std::vector<CensoredCost> milliseconds;
+    std::vector<CensoredCost> checks;
+    for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
+      const RunRecord run = run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted}).run;
+      if (run.status == Status::interrupted) break;
+      milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
+      checks.push_back({static_cast<double>(run.validity_checks), run.solved});
+    }
+    if (milliseconds.empty()) {
+      say("interrupted before a run ended");
+      return;
+    }
+    const auto solved = std::count_if(checks.begin(), checks.end(), [](const CensoredCost& c) { return c.solved; });
+    say(fmt::format("{} on {}, seeds 1 to {}: {} of {} solved; medians with 99 % intervals\n", name, problem.name,
+                    checks.size(), solved, checks.size()) +
+        time_row("CPU time, ms", median_cost(milliseconds)) + time_row("validity checks", median_cost(checks)));
+  }
+
+  /// Times calls of the function that is the first argument.
+  static int time_calls(Stack& call, std::uint64_t count) {
+    std::vector<CensoredCost> milliseconds;
+    const int before = call.size();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::clock_t begin = std::clock();
+      call.push(call[1]);
+      call.call(0);
+      const auto ticks = static_cast<double>(std::clock() - begin);
+      call.resize(before);
+      milliseconds.push_back({1000.0 * ticks / CLOCKS_PER_SEC, true});
+    }
+    say(fmt::format("{} calls; median with 99 % interval\n", count) +
+        time_row("CPU time, ms", median_cost(milliseconds)));
+    return 0;
   }
 
   [[nodiscard]] int width() const { return static_cast<int>(bench_.screen().columns); }
@@ -686,18 +735,24 @@ class Verbs {
     return experiment;
   }
 
-  int report(const Experiment& experiment) {
+  int report(Experiment& experiment) {
     ExperimentResult result;
+    std::string finished;
     {
       Progress progress(true);
       const std::size_t cells = experiment.strategies.size() * experiment.seeds.size();
       progress.show("planning", 0, cells);
-      result = trellis::run(
+      result = run_or_part(
           experiment,
           {.progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
-           .interrupted = bench_.interrupted});
+           .interrupted = bench_.interrupted},
+          finished);
     }
     say(summary_text(experiment, result, width()).substr(1));
+    if (!finished.empty()) {
+      say(fmt::format("interrupted; this is what was finished: {}", finished));
+      bench_.forget_interruption();
+    }
     return 0;
   }
 
@@ -771,6 +826,7 @@ void open_verbs(Stack& stack, Bench& bench) {
   add("runs", &Verbs::runs);
   add("run", &Verbs::run);
   add("edit", &Verbs::edit);
+  add("reload", &Verbs::reload);
   add("save", &Verbs::save);
   add("quit", &Verbs::quit);
   stack.push_function([&bench](Stack& call) {

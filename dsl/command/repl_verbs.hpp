@@ -29,6 +29,7 @@ std::string verbs_text(std::string_view name = "");
 struct Bench {
   std::function<Screen()> screen;
   std::function<bool()> interrupted;
+  std::function<void()> forget_interruption;
 
   std::vector<RunPointer> runs;
   RunPointer current;              ///< the default run of the commands
@@ -53,7 +54,8 @@ struct Bench {
   const void* announced = nullptr;  ///< the value that a command already printed
   std::string to_edit;              ///< the argument of edit(); see `edits`
   bool edits = false;
-  bool over = false;  ///< the session ends
+  bool reloads = false;  ///< it called reload()
+  bool over = false;     ///< the session ends
 };
 
 /// Returns the path of a table's field in an expression: script.strategies.nested, script.strategies["a b"].

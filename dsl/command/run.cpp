@@ -24,9 +24,11 @@
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
 #include <dsl/command/script_options.hpp>
+#include <dsl/command/watch.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/input_warnings.hpp>
+#include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/unused.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
@@ -67,18 +69,22 @@ struct Options {
   bool full = false;                   ///< the full report
   std::optional<std::uint64_t> width;  ///< of the report, in columns
   bool ablate = false;
+  bool watch = false;
   bool quiet = false;
 };
 
-ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
+/// Runs the experiment; after an interruption reduces it to what is finished (run_or_part).
+ExperimentResult run_cells(Experiment& experiment, unsigned jobs, bool quiet, std::string& finished) {
   const InterruptibleRun interruptible;
   Progress progress(!quiet);
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
   progress.show("planning", 0, cells);
-  return run(experiment,
-             {.jobs = jobs,
-              .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
-              .interrupted = InterruptibleRun::requested});
+  return run_or_part(
+      experiment,
+      {.jobs = jobs,
+       .progress = [&](std::size_t done, std::size_t all) { progress.show_experiment(done, all, cells); },
+       .interrupted = InterruptibleRun::requested},
+      finished);
 }
 
 /// Returns the experiment restricted to some of its problems.
@@ -140,40 +146,77 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_comparison_figures(experiment, result, (folder / "figures").string(), style);
 }
 
+/// Runs one problem with its progress among all, then draws its figures.
+class ProblemRunner {
+ public:
+  ProblemRunner(const Experiment& experiment, unsigned jobs, const Options& options, const SceneFigureOptions& drawing)
+      : jobs_(jobs), options_(options), drawing_(drawing), progress_(!options.quiet), all_(steps(experiment)) {
+    progress_.show(0, all_);
+  }
+
+  /// \param finished  receives what an interruption has left; then `one` is reduced to it
+  ExperimentResult run(Experiment& one, std::string& finished) {
+    const std::size_t own = steps(one);
+    ExperimentResult found =
+        run_or_part(one,
+                    {.jobs = jobs_,
+                     .progress = [&](std::size_t done, std::size_t) { progress_.show(before_ + done, all_); },
+                     .interrupted = InterruptibleRun::requested},
+                    finished);
+    before_ += own;
+    return found;
+  }
+  void draw(const Experiment& one, const ExperimentResult& found) {
+    progress_.show("drawing " + one.problems.front().name);
+    write_all_figures(one, found, (std::filesystem::path(options_.out) / "figures").string(), drawing_, options_.quiet);
+  }
+  void write(const Experiment& experiment, const ExperimentResult& result, const std::string& step) {
+    progress_.show(step);
+    write_out(experiment, result, options_, drawing_.style);
+  }
+
+ private:
+  unsigned jobs_;
+  const Options& options_;
+  const SceneFigureOptions& drawing_;
+  Progress progress_;
+  std::size_t all_;
+  std::size_t before_ = 0;
+};
+
 /// Runs problem by problem, so that finished results remain if a later problem fails.
 ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const Options& options,
                               const SceneFigureOptions& drawing) {
   const InterruptibleRun interruptible;
-  Progress progress(!options.quiet);
-  const std::size_t all = steps(experiment);
-  std::size_t before = 0;
-  progress.show(0, all);
+  ProblemRunner runner(experiment, jobs, options, drawing);
   ExperimentResult result;
   for (std::size_t i = 0; i < experiment.problems.size(); ++i) {
-    const Experiment one = part_of(experiment, i, 1);
+    Experiment one = part_of(experiment, i, 1);
+    std::string part;
+    ExperimentResult found;
     try {
-      ExperimentResult found =
-          run(one, {.jobs = jobs,
-                    .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
-                    .interrupted = InterruptibleRun::requested});
-      progress.show("drawing " + one.problems.front().name);
-      write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), drawing, options.quiet);
-      std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
-      result.planning_seconds += found.planning_seconds;
-      result.measuring_seconds += found.measuring_seconds;
+      found = runner.run(one, part);
     } catch (const Interrupted&) {
       if (i == 0) throw;
-      progress.show("writing what is finished");
-      write_out(part_of(experiment, 0, i), result, options, drawing.style);
+    }
+    if (found.runs.empty() || (i > 0 && !part.empty())) {
+      runner.write(part_of(experiment, 0, i), result, "writing what is finished");
       std::vector<std::string> finished;
       for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
       throw Interrupted(fmt::format("interrupted; '{}' holds all of {}; the same command makes the rest too",
                                     options.out, fmt::join(finished, ", ")));
     }
-    before += steps(one);
+    runner.draw(one, found);
+    if (!part.empty()) {
+      runner.write(one, found, "writing what is finished");
+      throw Interrupted(fmt::format("interrupted; '{}' holds {} of {}; the same command makes the rest too",
+                                    options.out, part, one.problems.front().name));
+    }
+    std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
+    result.planning_seconds += found.planning_seconds;
+    result.measuring_seconds += found.measuring_seconds;
   }
-  progress.show("writing the tables and the page");
-  write_out(experiment, result, options, drawing.style);
+  runner.write(experiment, result, "writing the tables and the page");
   return result;
 }
 
@@ -298,8 +341,8 @@ int run(const Options& options) {
   const ReportKind kind = report_kind(options);
   // Create the library before the script runs, so that a script may use a library without paths.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
-  const dsl::Program program = program_of(options);
-  const Experiment& experiment = program.experiment;
+  dsl::Program program = program_of(options);
+  Experiment& experiment = program.experiment;
 
   // A run may take hours: check first that its results can be stored.
   if (!options.json.empty()) require_writable_file(options.json);
@@ -308,11 +351,13 @@ int run(const Options& options) {
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
 
+  for (const std::string& sentence : program.warnings) fmt::print(stderr, "trellis: warning: {}\n", sentence);
   for (const std::string& sentence : input_warnings(experiment)) {
     fmt::print(stderr, "trellis: warning: {}\n", sentence);
   }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
-  const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet)
+  std::string finished;  // before an interruption
+  const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet, finished)
                                                       : run_problems(experiment, threads, options, drawing);
   samples.keep();
   figures.keep();
@@ -334,15 +379,35 @@ int run(const Options& options) {
                   [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
   warn(program, result);
   writers.finish();
+  if (!finished.empty()) {
+    throw Interrupted(
+        fmt::format("interrupted; what is finished, and is kept: {}; the same command makes the rest too", finished));
+  }
   return success;
+}
+
+/// Runs the script, and again each time that its files change, until a signal ends it.
+int run_and_watch(const Options& options) {
+  while (true) {
+    const WatchedFiles files(options.script);  // as they are before the run
+    try {
+      static_cast<void>(run(options));
+    } catch (const Error& error) {
+      print_error(error);
+    }
+    finish_output();
+    fmt::print(stderr, "trellis: watching {}; Ctrl-C ends\n", fmt::join(files.names(), ", "));
+    const std::string changed = files.wait();
+    fmt::print(stderr, "trellis: {} has changed\n", changed);
+  }
 }
 
 }  // namespace
 
 void add_run(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb =
-      line.add("run", "run a script's experiment and print the report", [options] { return run(*options); });
+  Subcommand verb = line.add("run", "run a script's experiment and print the report",
+                             [options] { return options->watch ? run_and_watch(*options) : run(*options); });
   verb.argument("SCRIPT", "FILE", options->script, "a Lua script");
   verb.integer("--seeds", "N", 1, dsl::most_seeds, options->seeds,
                "the number of consecutive seeds, instead of the script's");
@@ -374,6 +439,7 @@ void add_run(CommandLine& line) {
   verb.integer(
       "--width", "N", 60, 1000, options->width,
       "the report's width in columns (default the terminal's, else COLUMNS of the environment, else 100 or 160)");
+  verb.flag("--watch", options->watch, "run again each time that the script or a module that it requires changes");
   verb.flag("--quiet", options->quiet, "print neither report nor progress");
   add_script_options(verb, options->scripts);
 }

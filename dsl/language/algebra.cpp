@@ -49,7 +49,37 @@ void check_called(const char* symbol, Value a, Value b) {
   throw Error(fmt::format("'{}' cannot compose {} and {}: {}", symbol, describe(a), describe(b), why));
 }
 
-int nest(Stack& call) {
+/// Adds the parts of a mixture, or of another combination, that have no search of their own to guide.
+void find_unguided(const GuideSpec& guide, std::vector<std::string>& parts) {
+  if (guide.kind() == GuideSpec::Kind::component) {
+    if (guide.below() != nullptr) find_unguided(*guide.below(), parts);
+    return;
+  }
+  for (const auto& term : guide.terms()) {
+    if (term.guide.searches()) {
+      find_unguided(term.guide, parts);
+    } else {
+      parts.push_back(term.guide.text());
+    }
+  }
+}
+
+/// Warns of parts that the guide above does not guide.
+void warn_of_unguided(const Stack& call, const GuideSpec& above, const GuideSpec& guided,
+                      std::vector<std::string>& warnings) {
+  if (!guided.searches()) return;  // an error
+  std::vector<std::string> parts;
+  find_unguided(guided, parts);
+  if (parts.empty()) return;
+  const auto position = call.where();
+  std::string warning = fmt::format(
+      "{0}'{1}' does not guide {2}: it searches no space (S = {{0}}) and stays unguided; where that is meant, write "
+      "({1} >> ...) + {2}",
+      position ? position->prefix() : "", above.text(), fmt::join(parts, " + "));
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
+}
+
+int nest(Stack& call, std::vector<std::string>& warnings) {
   const Value a = call[1], b = call[2];
   check_called(">>", a, b);
   const auto* above = a.get<GuideSpec>();
@@ -64,12 +94,14 @@ int nest(Stack& call) {
   }
   if (const auto* guided = b.get<GuideSpec>()) {
     check_size(components_of(*guided) + ends_of(*guided) * components_of(*above));
+    warn_of_unguided(call, *above, *guided, warnings);
     return call.result(*above >> *guided);
   }
   const auto strategy = as_strategy(b);
   if (!strategy) reject(">>", a, b, "the right side must be a guide, a planner or a strategy");
   if (const auto* guided = strategy->guide()) {
     check_size(components_of(*guided) + ends_of(*guided) * components_of(*above));
+    warn_of_unguided(call, *above, *guided, warnings);
   }
   return call.result(*above >> *strategy);
 }
@@ -164,10 +196,12 @@ int construct(Stack& call, const ScriptPlace& place) {
   if (const auto position = call.where()) origin = {position->script, position->line};
   if (component.kind == Component::Kind::planner) {
     Given given = read_options(component, call, 2, false);
+    static_cast<void>(validated(component, given.options));
     place_files(component, given.options, place);
     return call.result(PlannerSpec::make(component.name, given.options, origin));
   }
   Given given = read_options(component, call, 2, true);
+  static_cast<void>(validated(component, given.options));
   place_files(component, given.options, place);
   return call.result(GuideSpec::make(component.name, given.options, std::move(given.planner), origin));
 }
@@ -232,12 +266,17 @@ void add_refusals(lua::Metamethods& metamethods) {
           // Lua compares a > b as b < a. A planner stands last, so before a guide it was typed after it.
           const bool order = *symbol == '<' && std::string_view(symbol) != "<<";
           const bool swapped = order && call[1].get<GuideSpec>() == nullptr && call[2].get<GuideSpec>() != nullptr;
-          if (swapped) reject(std::string_view(symbol) == "<" ? ">" : ">=", call[2], call[1], offer);
           const bool unknown = order && call[1].get<GuideSpec>() != nullptr && call[2].get<GuideSpec>() != nullptr;
-          if (unknown) {
-            reject(std::string_view(symbol) == "<" ? "<' or '>" : "<=' or '>=", call[1], call[2], offer);
+          try {
+            if (swapped) reject(std::string_view(symbol) == "<" ? ">" : ">=", call[2], call[1], offer);
+            if (unknown) {
+              reject(std::string_view(symbol) == "<" ? "<' or '>" : "<=' or '>=", call[1], call[2], offer);
+            }
+            reject(symbol, call[1], call[2], offer);
+          } catch (const Error& error) {
+            if (order) throw lua::EndingError(error.what());  // Lua makes the result a boolean
+            throw;
           }
-          reject(symbol, call[1], call[2], offer);
         });
   }
   metamethods.emplace_back(
@@ -245,16 +284,21 @@ void add_refusals(lua::Metamethods& metamethods) {
   metamethods.emplace_back("__newindex", immutable);
 }
 
-lua::Metamethods operators(lua::Callback text) {
-  lua::Metamethods all = {
-      {"__shr", nest}, {"__add", mix}, {"__mul", weigh}, {"__concat", follow}, {"__tostring", std::move(text)}};
+using Warnings = std::shared_ptr<std::vector<std::string>>;
+
+lua::Metamethods operators(lua::Callback text, const Warnings& warnings) {
+  lua::Metamethods all = {{"__shr", [warnings](Stack& call) { return nest(call, *warnings); }},
+                          {"__add", mix},
+                          {"__mul", weigh},
+                          {"__concat", follow},
+                          {"__tostring", std::move(text)}};
   add_refusals(all);
   return all;
 }
 
 template <class T>
-void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index) {
-  auto metamethods = operators(to_text<T>);
+void declare_spec(Stack& stack, lua::Callback equality, lua::Callback index, const Warnings& warnings) {
+  auto metamethods = operators(to_text<T>, warnings);
   metamethods.emplace_back("__eq", std::move(equality));
   metamethods.emplace_back("__index", std::move(index));
   metamethods.emplace_back("__call", [](Stack& call) -> int {
@@ -327,11 +371,11 @@ std::vector<ObjectType> algebra_types() {
   return types;
 }
 
-void open_algebra(Stack& stack, const ScriptPlace& place) {
-  declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect);
-  declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields);
-  declare_spec<StrategySpec>(stack, equal<StrategySpec>, inspect);
-  auto constructor = operators(constructor_text);
+void open_algebra(Stack& stack, const ScriptPlace& place, const std::shared_ptr<std::vector<std::string>>& warnings) {
+  declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect, warnings);
+  declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields, warnings);
+  declare_spec<StrategySpec>(stack, equal<StrategySpec>, inspect, warnings);
+  auto constructor = operators(constructor_text, warnings);
   constructor.emplace_back("__call", [place](Stack& call) { return construct(call, place); });
   constructor.emplace_back("__index", no_fields);
   stack.declare<Constructor>(constructor);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,9 @@ namespace trellis::dsl {
 /// Registers the specs and their operators, a constructor for each planner and guide of the registry, and functions of
 /// complete strategies. Files in their options are relative to the script's folder, and must lie there unless the
 /// script is trusted.
-void open_algebra(lua::Stack& stack, const ScriptPlace& place);
+/// \param warnings  receives what an operator leaves out, with its line
+void open_algebra(lua::Stack& stack, const ScriptPlace& place,
+                  const std::shared_ptr<std::vector<std::string>>& warnings);
 
 /// ablations(strategy).
 const Construct& ablations_construct();

@@ -78,14 +78,18 @@ const Construct& split_construct() {
 std::vector<GuideSpec> read_parts(const char* name, const Arguments& arguments) {
   std::vector<GuideSpec> parts;
   std::size_t components = 0;
+  lua::Faults faults;
   arguments.each([&](std::size_t i, Value value) {
-    const auto* guide = value.get<GuideSpec>();
-    if (guide == nullptr) {
-      throw Error(fmt::format("{}: element {} must be a guide, got {}", name, i, describe(value)));
-    }
-    parts.push_back(*guide);
-    components += components_of(*guide);
+    faults.attempt([&] {
+      const auto* guide = value.get<GuideSpec>();
+      if (guide == nullptr) {
+        throw Error(fmt::format("{}: element {} must be a guide, got {}", name, i, describe(value)));
+      }
+      parts.push_back(*guide);
+      components += components_of(*guide);
+    });
   });
+  faults.raise();
   if (parts.empty()) throw Error(fmt::format("{}: it needs at least one guide", name));
   check_size(components);
   return parts;

@@ -108,11 +108,23 @@ class OptionReader {
     if (!keys.odd.empty()) {
       throw Error(fmt::format("{}: options are named, or given in order; got {}", component_.name, keys.odd));
     }
-    table.each([&](std::size_t, Value value) { unnamed_option(value); });
-    for (const auto& name : keys.names) named(name, table.field(name));
+    bool in_order = true;  // after one positional option that is no such, the others' meaning is unknown
+    table.each(
+        [&](std::size_t, Value value) { in_order = in_order && faults_.attempt([&] { unnamed_option(value); }); });
+    for (const auto& name : keys.names) {
+      faults_.attempt([&] { named(name, table.field(name)); });
+    }
   }
 
-  Given take() { return std::move(given_); }
+  Given take() {
+    if (!faults_.none()) {
+      for (const auto& entry : given_.options) {
+        faults_.attempt([&] { Options::validate(component_, {entry}); });
+      }
+    }
+    faults_.raise();
+    return std::move(given_);
+  }
 
  private:
   /// Adds an element of the list that ends the positional options.
@@ -153,35 +165,64 @@ class OptionReader {
   bool takes_planner_;
   std::size_t next_ = 0;  // index of the next positional option
   Given given_;
+  lua::Faults faults_;
 };
 
 }  // namespace
 
 Arguments::Arguments(const Construct& construct, lua::Stack& call) : construct_(construct), call_(call) {
-  const auto fail = [&](const std::string& fault) -> void { throw Error(construct.name + ": " + fault); };
-  if (call.count() == 1 && call[1].type() == Type::table) {
-    table_ = call[1];
-    const lua::Keys keys = table_->keys();
-    if (!keys.odd.empty()) fail(fmt::format("fields have names, elements the numbers 1, 2, ...; got {}", keys.odd));
-    count_ = keys.length;
-    const auto known = names_of(construct);
-    for (const auto& name : keys.names) {
-      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-      fail(fmt::format("unknown field '{}'{}{}", name, did_you_mean(name, known),
-                       known.empty() ? "; it has none" : "; its fields are: " + joined(known)));
-    }
-  } else {
-    count_ = static_cast<std::size_t>(call.count());
+  lua::Faults faults;
+  read(faults);
+  if (faults.none()) return;
+  if (readable_ && !construct.options.options.empty()) {
+    faults.attempt([&] { static_cast<void>(options()); });
   }
-  if (count_ > 0 && construct.list.empty()) {
-    std::string first;
-    each([&](std::size_t i, Value value) { first = i == 1 ? describe(value) : first; });
-    fail(fmt::format("takes named fields only, as in {}; got {}", construct.usage, first));
-  }
-  for (const auto& field : construct.fields) {
-    if (field.required && !(*this)[field.name].given()) {
-      fail(fmt::format("field '{}' is missing: {}, {}", field.name, field.expects, field.doc));
+  faults.raise();
+}
+
+Arguments::Arguments(const Construct& construct, lua::Stack& call, lua::Faults& faults)
+    : construct_(construct), call_(call) {
+  read(faults);
+}
+
+void Arguments::read(lua::Faults& faults) {
+  readable_ = faults.attempt([&] {
+    if (call_.count() == 1 && call_[1].type() == Type::table) {
+      table_ = call_[1];
+      read_keys(faults);
+    } else {
+      count_ = static_cast<std::size_t>(call_.count());
     }
+    if (count_ > 0 && construct_.list.empty()) {
+      std::string first;
+      each([&](std::size_t i, Value value) { first = i == 1 ? describe(value) : first; });
+      throw Error(
+          fmt::format("{}: takes named fields only, as in {}; got {}", construct_.name, construct_.usage, first));
+    }
+  });
+  if (!readable_) return;
+  for (const auto& field : construct_.fields) {
+    const bool misspelt = std::find(misspelt_.begin(), misspelt_.end(), field.name) != misspelt_.end();
+    if (field.required && !misspelt && !(*this)[field.name].given()) {
+      faults.add(
+          fmt::format("{}: field '{}' is missing: {}, {}", construct_.name, field.name, field.expects, field.doc));
+    }
+  }
+}
+
+void Arguments::read_keys(lua::Faults& faults) {
+  const lua::Keys keys = table_->keys();
+  if (!keys.odd.empty()) {
+    throw Error(
+        fmt::format("{}: fields have names, elements the numbers 1, 2, ...; got {}", construct_.name, keys.odd));
+  }
+  count_ = keys.length;
+  const auto known = names_of(construct_);
+  for (const auto& name : keys.names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    misspelt_.push_back(nearest_name(name, known));
+    faults.add(fmt::format("{}: unknown field '{}'{}{}", construct_.name, name, did_you_mean(name, known),
+                           known.empty() ? "; it has none" : "; its fields are: " + joined(known)));
   }
 }
 
@@ -208,12 +249,28 @@ std::optional<std::string> Arguments::string(const std::string& name) const {
 }
 
 Options Arguments::options() const {
+  lua::Faults faults;
   std::vector<Options::Entry> given;
   for (const auto& option : construct_.options.options) {
     const Value value = (*this)[option.name];
-    if (value.given()) read_option(construct_.options, option.name, value, given);
+    if (!value.given()) continue;
+    faults.attempt([&] { read_option(construct_.options, option.name, value, given); });
   }
-  return Options::validate(construct_.options, given);
+  if (faults.none()) return validated(construct_.options, given);
+  for (const auto& entry : given) {
+    faults.attempt([&] { Options::validate(construct_.options, {entry}); });
+  }
+  faults.raise();
+  return {};
+}
+
+Options validated(const Component& component, const std::vector<Options::Entry>& given) {
+  lua::Faults faults;
+  for (const auto& entry : given) {
+    faults.attempt([&] { Options::validate(component, {entry}); });
+  }
+  faults.raise();
+  return Options::validate(component, given);
 }
 
 void Arguments::reject(const std::string& name) const {

@@ -8,6 +8,7 @@
 
 #include <dsl/language/script_place.hpp>
 #include <dsl/language/types.hpp>
+#include <dsl/lua/mistakes.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
@@ -44,8 +45,11 @@ struct Construct {
 /// The arguments of a construct's call: one table, or only positional elements.
 class Arguments {
  public:
-  /// \throws Error for unknown fields, keys that are no names, and missing required fields.
+  /// \throws Error for unknown fields, keys that are no names, missing required fields, and invalid options beside
+  /// them.
   Arguments(const Construct& construct, lua::Stack& call);
+  /// The same; records these faults and does not throw them.
+  Arguments(const Construct& construct, lua::Stack& call, lua::Faults& faults);
 
   /// Calls `visit` with each positional element and its number, from 1.
   void each(const std::function<void(std::size_t, lua::Value)>& visit) const;
@@ -56,14 +60,21 @@ class Arguments {
   [[nodiscard]] std::optional<std::string> string(const std::string& name) const;
   /// Returns the validated options of the construct.
   [[nodiscard]] Options options() const;
+  /// Whether the call is a table, or a list of the construct's elements, so that its fields can be read.
+  [[nodiscard]] bool readable() const { return readable_; }
   /// \throws Error that the field has an invalid value.
   [[noreturn]] void reject(const std::string& name) const;
 
  private:
+  void read(lua::Faults& faults);
+  void read_keys(lua::Faults& faults);
+
   const Construct& construct_;
   lua::Stack& call_;
   std::optional<lua::Value> table_;
   std::size_t count_ = 0;
+  bool readable_ = true;
+  std::vector<std::string> misspelt_;  ///< the fields that unknown ones seem to mean
 };
 
 /// The options of a component in a call, from argument `first`: positional ones by the component's `positional`, then
@@ -74,6 +85,9 @@ struct Given {
 };
 /// \param planner  whether the component accepts a planner for its own search, as `planner = ...`
 Given read_options(const Component& component, lua::Stack& call, int first, bool planner);
+
+/// Validates each of the options, so that every one that is invalid has its message. \throws Error, SeveralFaults
+Options validated(const Component& component, const std::vector<Options::Entry>& given);
 
 /// Reads the value of an option. Options::validate checks later that the option exists, and has the better message.
 void read_option(const Component& component, const std::string& name, lua::Value value,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <dsl/language/algebra.hpp>
+#include <trellis/experiment/baseline.hpp>
 
 namespace trellis::dsl {
 
@@ -68,8 +69,12 @@ class ProblemReader {
       throw Error(fmt::format("{}lists of problems are nested over {} deep", prefix_, deepest_list));
     }
     within_.push_back(list);
-    value.each([&](std::size_t i, Value element) { read(fmt::format("element {} of {}", i, what), element); });
+    lua::Faults faults;
+    value.each([&](std::size_t i, Value element) {
+      faults.attempt([&] { read(fmt::format("element {} of {}", i, what), element); });
+    });
     within_.pop_back();
+    faults.raise();
   }
 
   std::vector<Problem> take() { return std::move(problems_); }
@@ -220,28 +225,63 @@ void read_groups(const Arguments& arguments, Experiment& experiment) {
   });
 }
 
+/// Checks the baseline of an experiment with other faults, which `check` does not see.
+void check_baseline(const Arguments& arguments, const std::string& baseline, lua::Faults& faults) {
+  const Value strategies = arguments["strategies"];
+  if (baseline.empty() || strategies.type() != Type::table) return;
+  const lua::Keys keys = strategies.keys();
+  if (keys.length > 0 || keys.names.empty()) return;
+  if (std::find(keys.names.begin(), keys.names.end(), baseline) != keys.names.end()) return;
+  faults.add(unknown_baseline(baseline, keys.names));
+}
+
+/// Reads how the runs are scored and compared.
+void read_comparison(const Arguments& arguments, Experiment& experiment, lua::Faults& faults) {
+  faults.attempt([&] {
+    experiment.baseline = arguments.string("baseline").value_or("");
+    if (experiment.baseline.empty() && arguments["baseline"].given()) arguments.reject("baseline");
+  });
+  faults.attempt([&] {
+    if (const auto* published = arguments["published"].get<Publication>()) {
+      experiment.published = *published;
+    } else if (arguments["published"].given()) {
+      arguments.reject("published");
+    }
+  });
+}
+
 int make_experiment(Stack& call) {
-  const Arguments arguments(experiment_construct(), call);
-  const auto settings = experiment_settings().read(arguments.options());
+  lua::Faults faults;
+  const Arguments arguments(experiment_construct(), call, faults);
+  if (!arguments.readable()) faults.raise();
+  ExperimentSettings settings;
+  const bool valid = faults.attempt([&] { settings = experiment_settings().read(arguments.options()); });
   Program program;
   program.seed = static_cast<std::uint64_t>(settings.seed);
   Experiment& experiment = program.experiment;
-  ProblemReader problems;
-  problems.read("field 'problems'", arguments["problems"]);
-  experiment.problems = problems.take();
-  experiment.strategies = read_strategies(arguments, "experiment");
-  experiment.seeds = read_seeds(arguments, "experiment", program.seed, 1);
   experiment.shortcut = settings.shortcut;
-  experiment.measure = read_measure(arguments, settings);
-  experiment.baseline = arguments.string("baseline").value_or("");
-  if (experiment.baseline.empty() && arguments["baseline"].given()) arguments.reject("baseline");
-  if (const auto* published = arguments["published"].get<Publication>()) {
-    experiment.published = *published;
-  } else if (arguments["published"].given()) {
-    arguments.reject("published");
+  bool problems_read = false, strategies_read = false;
+  if (const Value given = arguments["problems"]; given.given()) {
+    ProblemReader problems;
+    problems_read = faults.attempt([&] { problems.read("field 'problems'", given); });
+    experiment.problems = problems.take();
   }
-  read_groups(arguments, experiment);
-  read_ablate(arguments, experiment);
+  if (arguments["strategies"].given()) {
+    strategies_read = faults.attempt([&] { experiment.strategies = read_strategies(arguments, "experiment"); });
+  }
+  faults.attempt([&] { experiment.seeds = read_seeds(arguments, "experiment", program.seed, 1); });
+  if (valid) {
+    faults.attempt([&] { experiment.measure = read_measure(arguments, settings); });
+  }
+  read_comparison(arguments, experiment, faults);
+  if (problems_read) {
+    faults.attempt([&] { read_groups(arguments, experiment); });
+  }
+  if (strategies_read) {
+    faults.attempt([&] { read_ablate(arguments, experiment); });
+  }
+  if (!faults.none()) check_baseline(arguments, experiment.baseline, faults);
+  faults.raise();
   check(experiment);
   return call.result(std::move(program));
 }
@@ -320,7 +360,8 @@ std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Argument
     throw Error(fmt::format("{}: field 'strategies' maps names to strategies, got {}", of, keys.odd));
   }
   std::vector<std::pair<std::string, StrategySpec>> strategies;
-  table.each([&](std::size_t i, Value element) {
+  lua::Faults faults;
+  const auto read = [&](std::size_t i, Value element) {
     const std::string what = fmt::format("{}: strategy {}", of, i);
     if (element.type() != Type::table) {
       auto strategy = read_strategy(what, element, table.identity());
@@ -348,11 +389,15 @@ std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Argument
           element.identity() == table.identity() ? "the table that it stands in (a cycle)" : describe(element)));
     }
     strategies.emplace_back(*name, std::move(*strategy));
-  });
+  };
+  table.each([&](std::size_t i, Value element) { faults.attempt([&] { read(i, element); }); });
   for (const auto& name : keys.names) {
-    strategies.emplace_back(
-        name, read_strategy(fmt::format("{}: strategy '{}'", of, name), table.field(name), table.identity()));
+    faults.attempt([&] {
+      strategies.emplace_back(
+          name, read_strategy(fmt::format("{}: strategy '{}'", of, name), table.field(name), table.identity()));
+    });
   }
+  faults.raise();
   return strategies;
 }
 

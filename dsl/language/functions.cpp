@@ -234,13 +234,18 @@ int call_defined(const Defined& defined, Stack& call) {
   defined.defaults.push(call);
   overlay(call.top());
   if (given) {
-    const Arguments arguments(construct, call);
-    for (const Field& field : construct.fields) check_field(construct, field, arguments);
-    static_cast<void>(arguments.options());
+    lua::Faults faults;
+    const Arguments arguments(construct, call, faults);
+    if (!arguments.readable()) faults.raise();
+    for (const Field& field : construct.fields) {
+      faults.attempt([&] { check_field(construct, field, arguments); });
+    }
+    faults.attempt([&] { static_cast<void>(arguments.options()); });
+    faults.raise();
     overlay(call[1]);
   }
   call.resize(kept);
-  call.call(1);
+  call.call_protected(1);
   return call.size() - before;
 }
 

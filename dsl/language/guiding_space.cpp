@@ -378,7 +378,7 @@ int make_along(Stack& call) {
         fmt::format("along: its first argument must be a path, a list of configurations, got {}", describe(list)));
   }
   const Component& component = along_settings().component();
-  const Options options = Options::validate(component, read_options(component, call, 2, false).options);
+  const Options options = validated(component, read_options(component, call, 2, false).options);
   const lua::Keys keys = list.keys();
   if (!keys.names.empty() || !keys.odd.empty()) {
     throw Error(fmt::format("along: a path is a list of configurations, got a table with {}",

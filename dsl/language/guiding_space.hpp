@@ -86,6 +86,8 @@ struct GuideBook {
   std::size_t first = 0;                 ///< number of definitions before that script
   std::vector<std::shared_ptr<const GuideDefinition>> definitions;
   std::shared_ptr<std::recursive_mutex> mutex = std::make_shared<std::recursive_mutex>();
+  /// Parts of scripts that do something else than they seem to, with their lines.
+  std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 };
 
 /// Registers user-defined guides, and the distributions of which their heuristics are composed.

@@ -316,7 +316,7 @@ std::vector<ObjectType> measure_types() {
 }
 
 int make_target(const Component& component, Stack& call) {
-  const Options options = Options::validate(component, read_options(component, call, 2, false).options);
+  const Options options = validated(component, read_options(component, call, 2, false).options);
   const auto made = [&](const auto& settings) { return call.result(TargetSpec(settings.read(options))); };
   if (&component == &tube_settings().component()) return made(tube_settings());
   if (&component == &near_optimal_settings().component()) return made(near_optimal_settings());
@@ -325,7 +325,9 @@ int make_target(const Component& component, Stack& call) {
 }
 
 int make_estimator(const Component& component, Stack& call) {
-  return call.result(EstimatorSpec::make(component.name, read_options(component, call, 2, false).options));
+  const std::vector<Options::Entry> given = read_options(component, call, 2, false).options;
+  static_cast<void>(validated(component, given));
+  return call.result(EstimatorSpec::make(component.name, given));
 }
 
 std::string text_of(const TargetSpec& target) {

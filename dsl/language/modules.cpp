@@ -184,7 +184,7 @@ std::vector<Construct> module_functions() {
   return functions;
 }
 
-std::vector<std::string> unknown_names(Stack& stack, const std::string& text, const std::string& script) {
+std::vector<lua::Mistake> unknown_names(Stack& stack, const std::string& text, const std::string& script) {
   const auto uses = lua::global_uses(stack, text, "@" + script);
   const int before = stack.size();
   auto known = module_names();
@@ -193,13 +193,15 @@ std::vector<std::string> unknown_names(Stack& stack, const std::string& text, co
   for (const auto& use : uses) {
     if (use.set) known.push_back(use.name);
   }
-  std::vector<std::string> messages;
+  std::vector<lua::Mistake> mistakes;
   for (const auto& use : uses) {
     if (use.name.empty() || std::find(known.begin(), known.end(), use.name) != known.end()) continue;
-    messages.push_back(
-        fmt::format("{}:{}: unknown name '{}'{}", script, use.line, use.name, did_you_mean(use.name, known)));
+    const lua::Position position{script, use.line};
+    mistakes.push_back(
+        {script, use.line,
+         fmt::format("{}unknown name '{}'{}", position.prefix(), use.name, did_you_mean(use.name, known))});
   }
-  return messages;
+  return mistakes;
 }
 
 std::string without_shebang(std::string text) {

@@ -7,6 +7,7 @@
 
 #include <dsl/language/construct.hpp>
 #include <dsl/language/script_place.hpp>
+#include <dsl/lua/mistakes.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
@@ -27,9 +28,9 @@ const Construct& require_construct();
 /// summary. Loads every module in a separate interpreter.
 std::vector<Construct> module_functions();
 
-/// Returns a message with its line for each name in a script that is no global: neither present nor set anywhere in the
+/// Returns a mistake for each name in a script that is no global: neither present nor set anywhere in the
 /// script. Includes code that never runs. Call it after the script has run.
-std::vector<std::string> unknown_names(lua::Stack& stack, const std::string& text, const std::string& script);
+std::vector<lua::Mistake> unknown_names(lua::Stack& stack, const std::string& text, const std::string& script);
 
 /// Returns a script's text without its shebang line; line numbers stay the same.
 std::string without_shebang(std::string text);

@@ -105,32 +105,52 @@ void read_goals(Value value, Problem& problem) {
   });
 }
 
-int make_problem(Stack& call) {
-  const Arguments arguments(problem_construct(), call);
+/// Reads the world, the robot and the motion model, which say what the coordinates are.
+void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& faults) {
   const auto* world = arguments["world"].get<World>();
-  if (world == nullptr) arguments.reject("world");
   const auto* robot = arguments["robot"].get<Robot>();
-  if (robot == nullptr) arguments.reject("robot");
-  const auto settings = problem_settings().read(arguments.options());
-
-  Problem problem;
-  problem.name = arguments.string("name").value_or("problem");
-  if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
+  const auto* motion = arguments["motion"].get<Motion>();
+  for (const auto& [name, missing] :
+       {std::pair{"world", world == nullptr}, {"robot", robot == nullptr}, {"motion", motion == nullptr}}) {
+    if (missing && arguments[name].given()) {
+      faults.attempt([&, name = name] { arguments.reject(name); });
+    }
+  }
+  ProblemSettings settings;
+  faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
+  if (!faults.none() && (world == nullptr || robot == nullptr)) return;
   problem.scene = std::make_shared<const Scene>(Scene{*world, *robot});
   problem.space = default_space(*robot, *world, settings.weight);
-  const Value motion = arguments["motion"];
-  if (motion.given()) {
-    const auto* model = motion.get<Motion>();
-    if (model == nullptr) arguments.reject("motion");
-    problem.motion_model = *model;
-    problem.space = state_space(problem.space, **model);
+  if (motion != nullptr) {
+    problem.motion_model = *motion;
+    problem.space = state_space(problem.space, **motion);
   }
-  problem.start = read_configuration(arguments["start"], "field 'start'", problem.space);
-  read_goals(arguments["goal"], problem);
-  problem.goal_tolerance =
-      motion.given() && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance : settings.goal_tolerance;
+  problem.goal_tolerance = motion != nullptr && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance
+                                                                                     : settings.goal_tolerance;
   problem.resolution = settings.resolution;
   problem.collision = settings.collision;
+}
+
+int make_problem(Stack& call) {
+  lua::Faults faults;
+  const Arguments arguments(problem_construct(), call, faults);
+  if (!arguments.readable()) faults.raise();
+  Problem problem;
+  read_scene(arguments, problem, faults);
+  faults.attempt([&] {
+    problem.name = arguments.string("name").value_or("problem");
+    if (problem.name.empty()) throw Error("problem: field 'name' must not be empty");
+  });
+  const bool motion = arguments["motion"].given();
+  if (problem.scene && motion == static_cast<bool>(problem.motion_model)) {
+    if (const Value start = arguments["start"]; start.given()) {
+      faults.attempt([&] { problem.start = read_configuration(start, "field 'start'", problem.space); });
+    }
+    if (const Value goal = arguments["goal"]; goal.given()) {
+      faults.attempt([&] { read_goals(goal, problem); });
+    }
+  }
+  faults.raise();
   check(problem);
   return call.result(std::move(problem));
 }
@@ -322,7 +342,7 @@ lua::Callback scene_loader(std::string script_folder, bool trust) {
     const std::string path = find_scene(file, folder);
     if (path.empty()) throw Error("scenes.load: " + missing_scene(file, folder));
     const Given given = read_options(load_settings().component(), call, 2, false);
-    const auto settings = load_settings().read(Options::validate(load_settings().component(), given.options));
+    const auto settings = load_settings().read(validated(load_settings().component(), given.options));
     auto problems = read_problems(
         path, {settings.weight, settings.resolution, settings.collision, settings.motion, settings.goal_tolerance});
     const Value list = call.push_table();

@@ -25,6 +25,8 @@ struct Program {
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
   /// Call it after the experiment: returns the functions of the script that were never called.
   std::function<std::vector<Uncalled>()> uncalled;
+  /// Parts of the script that do something else than they seem to, with their lines.
+  std::vector<std::string> warnings;
 };
 
 inline constexpr std::uint64_t most_seeds = trial::most_seeds;

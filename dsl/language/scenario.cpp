@@ -271,7 +271,7 @@ int make_has_efficiency(Stack& call) {
   const Criterion nats = criterion_argument("has_efficiency", usage, call[2]);
   const auto& component = efficiency_settings().component();
   const auto settings =
-      efficiency_settings().read(Options::validate(component, read_options(component, call, 3, false).options));
+      efficiency_settings().read(validated(component, read_options(component, call, 3, false).options));
   trial::Level level(name);
   if (settings.role == "expansion") level = level.expansion();
   if (settings.target == "root") level = level.lifted();

@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -32,6 +36,33 @@ lua::Position last_line(const std::string& text, const std::string& name) {
   auto lines = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
   if (text.empty() || !text.ends_with('\n')) ++lines;
   return {name, lines};
+}
+
+/// Returns the line in "script.lua:3: ...".
+std::optional<int> line_of(const std::string& message, const std::string& script) {
+  if (!message.starts_with(script + ':')) return {};
+  const char* begin = message.c_str() + script.size() + 1;
+  char* end = nullptr;
+  const long line = std::strtol(begin, &end, 10);
+  return end != begin && *end == ':' ? std::optional(static_cast<int>(line)) : std::nullopt;
+}
+
+/// Whether a mistake of the same line is about the same unknown name: of `io` and its like there is more to say.
+bool is_reported(const lua::Mistake& unknown, const std::vector<lua::Mistake>& mistakes) {
+  const std::size_t begin = std::min(unknown.message.find('\''), unknown.message.size());
+  const std::string name = unknown.message.substr(begin, unknown.message.find('\'', begin + 1) + 1 - begin);
+  return std::any_of(mistakes.begin(), mistakes.end(), [&](const lua::Mistake& mistake) {
+    return mistake.line == unknown.line && mistake.script == unknown.script &&
+           mistake.message.find(name) != std::string::npos;
+  });
+}
+
+/// Whether Lua reports an operation with the result of a call that had a mistake.
+bool follows_a_mistake(const std::string& message) {
+  constexpr std::array<std::string_view, 4> signs = {lua::TypeName<lua::Unmade>::value, "'for' initial value must be",
+                                                     "'for' limit must be", "'for' step must be"};
+  return std::any_of(signs.begin(), signs.end(),
+                     [&](std::string_view sign) { return message.find(sign) != std::string::npos; });
 }
 
 lua::State::Options state_options(const SessionOptions& options) {
@@ -66,8 +97,9 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   if (!book) book = std::make_shared<GuideBook>();
   book->each = call_limits(options.instructions);
   open_libraries(stack, options.trust);
+  declare_unmade(stack);
   book->random = open_random(stack, options.seed);
-  open_algebra(stack, {folder, options.trust});
+  open_algebra(stack, {folder, options.trust}, book->warnings);
   open_world(stack);
   open_motion(stack);
   open_problem(stack);
@@ -100,6 +132,7 @@ Program Session::load(const std::string& text, const std::string& name) {
       };
     }
   }
+  program.warnings = take_warnings();
   program.uncalled = [given = book_->given] {
     std::vector<Uncalled> sentences;
     for (const Callback& callback : *given) {
@@ -164,26 +197,49 @@ void Session::silence(const std::shared_ptr<const bool>& quiet) {
 }
 
 void Session::run(const std::string& text, const std::string& name, const std::function<void(lua::Stack&)>& read) {
-  as_script(text, name, [&] {
-    interpreter_->run(
-        [&](lua::Stack& stack) {
-          stack.load(text, "@" + name);
-          stack.call(0);
-          try {
-            read(stack);
-          } catch (const Error& error) {
-            throw lua::Located(last_line(text, name).prefix() + error.what());
-          }
-        },
-        loading());
+  std::vector<lua::Mistake> mistakes;
+  try {
+    as_script(text, name, [&] {
+      interpreter_->run(
+          [&](lua::Stack& stack) {
+            stack.load(text, "@" + name);
+            stack.call(0);
+            if (!mistakes.empty() && stack.size() == 0) return;  // the value that it would return may be unmade
+            try {
+              read(stack);
+            } catch (const Error& error) {
+              throw lua::Located(last_line(text, name).prefix() + error.what());
+            }
+          },
+          loading(), &mistakes);
+    });
+  } catch (const Error& error) {
+    if (mistakes.empty()) throw;
+    const std::string message = error.what();
+    const bool limit = dynamic_cast<const lua::Exhausted*>(&error) != nullptr;
+    if (!limit && !follows_a_mistake(message)) {
+      mistakes.push_back({name, line_of(message, name).value_or(last_line(text, name).line), message});
+    }
+  }
+  if (mistakes.empty()) return;
+  // Names in functions that the script did not call, too.
+  interpreter_->run([&](lua::Stack& stack) {
+    for (lua::Mistake& mistake : dsl::unknown_names(stack, text, name)) {
+      if (!is_reported(mistake, mistakes)) mistakes.push_back(std::move(mistake));
+    }
   });
+  throw lua::Mistakes(std::move(mistakes), name);
 }
 
 std::vector<std::string> Session::unknown_names(const std::string& text, const std::string& name) {
   std::vector<std::string> messages;
-  interpreter_->run([&](lua::Stack& stack) { messages = dsl::unknown_names(stack, text, name); });
+  interpreter_->run([&](lua::Stack& stack) {
+    for (lua::Mistake& mistake : dsl::unknown_names(stack, text, name)) messages.push_back(std::move(mistake.message));
+  });
   return messages;
 }
+
+std::vector<std::string> Session::take_warnings() { return std::exchange(*book_->warnings, {}); }
 
 std::vector<std::string> Session::evaluate(const std::string& text, const std::string& name) {
   std::vector<std::string> results;

@@ -64,6 +64,8 @@ class Session {
   std::vector<Problem> problems(const std::string& text, const std::string& name);
   /// Returns a message for each undefined name in a script that has run, even in functions without a call.
   std::vector<std::string> unknown_names(const std::string& text, const std::string& name);
+  /// Returns what scripts of this session have that does something else than it seems to, and forgets it.
+  std::vector<std::string> take_warnings();
   /// Runs a piece of script and returns the texts of its results.
   std::vector<std::string> evaluate(const std::string& text, const std::string& name);
   /// Runs `body` in the interpreter, as lua::State::run does.

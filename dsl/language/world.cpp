@@ -245,11 +245,19 @@ class ShapeReader {
 };
 
 int make_world(Stack& call) {
-  const Arguments arguments(world_construct, call);
-  const auto bounds = read_numbers(arguments["bounds"], "world: field 'bounds'");
-  if (bounds.size() != 4) arguments.reject("bounds");
+  lua::Faults faults;
+  const Arguments arguments(world_construct, call, faults);
+  if (!arguments.readable()) faults.raise();
+  std::vector<double> bounds;
+  if (const Value given = arguments["bounds"]; given.given()) {
+    faults.attempt([&] {
+      bounds = read_numbers(given, "world: field 'bounds'");
+      if (bounds.size() != 4) arguments.reject("bounds");
+    });
+  }
   ShapeReader reader(world_construct.name);
-  arguments.each([&](std::size_t i, Value value) { reader.read(i, value); });
+  arguments.each([&](std::size_t i, Value value) { faults.attempt([&] { reader.read(i, value); }); });
+  faults.raise();
   std::vector<Obstacle> obstacles;
   for (const auto& [name, text, shape] : reader.shapes()) {
     obstacles.push_back({fmt::format("obstacle {} ({})", obstacles.size() + 1, name.empty() ? text : name), shape});

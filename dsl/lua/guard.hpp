@@ -18,6 +18,13 @@ struct Guard {
   static void spend(lua_State* state, std::uint64_t instructions) { State::of(state).spend(state, instructions); }
   /// Continues to end the script if it is being ended. Call it after catching an error in place of the script.
   static void pass_on(lua_State* state);
+  /// A function that catches errors begins and ends: within it callbacks raise them (State::run, `mistakes`).
+  static void begin_catching(lua_State* state) { ++State::of(state).work_.catching; }
+  static void end_catching(lua_State* state) {
+    if (State::of(state).work_.catching > 0) --State::of(state).work_.catching;
+  }
+  /// Pushes the value that a call with a mistake returns.
+  static void push_unmade(lua_State* state);
   [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).work_.ended; }
   [[nodiscard]] static std::size_t longest_string(lua_State* state) { return State::of(state).budget_.longest_string; }
 };

@@ -14,6 +14,7 @@ namespace {
 /// Ends a call of Lua's own function: the end of a script, which the function may have caught, continues.
 int pass_on(lua_State* state, int status, lua_KContext context) {
   static_cast<void>(status), static_cast<void>(context);
+  Guard::end_catching(state);
   Guard::pass_on(state);
   // A failed call may have done much work in few instructions.
   constexpr std::uint64_t failure = 1000;
@@ -25,6 +26,7 @@ int pass_on(lua_State* state, int status, lua_KContext context) {
 int catching(lua_State* state) {
   lua_pushvalue(state, lua_upvalueindex(1));
   lua_insert(state, 1);
+  Guard::begin_catching(state);
   lua_callk(state, lua_gettop(state) - 1, LUA_MULTRET, 0, pass_on);
   return pass_on(state, LUA_OK, 0);
 }
@@ -133,7 +135,9 @@ int wrapped(lua_State* state) {
   int results = 0;
   if (lua_checkstack(coroutine, count) == 0) return luaL_error(state, "too many arguments to resume");
   lua_xmove(state, coroutine, count);
+  Guard::begin_catching(state);  // its errors are raised where it is resumed
   int status = lua_resume(coroutine, state, count, &results);
+  Guard::end_catching(state);
   Guard::pass_on(state);
   Guard::spend(state, 1);
   if (status == LUA_OK || status == LUA_YIELD) {

@@ -9,6 +9,7 @@
 
 #include <dsl/lua/collect.hpp>
 #include <dsl/lua/guard.hpp>
+#include <dsl/lua/syntax_hint.hpp>
 
 namespace trellis::lua {
 
@@ -29,25 +30,6 @@ int call_back(lua_State* state) {
   const auto& object = *static_cast<const std::unique_ptr<Object>*>(lua_touserdata(state, lua_upvalueindex(1)));
   if (!object) return luaL_error(state, "the interpreter is closing");
   return Guard::run(state, static_cast<const Boxed<Callback>&>(*object).value);
-}
-
-/// What other languages write where Lua's parser stops; "" if nothing is known. An input that ends too early gets none:
-/// sessions recognise it by its end.
-std::string syntax_hint(std::string_view message) {
-  const auto says = [&](std::string_view words) { return message.find(words) != std::string_view::npos; };
-  if (says("<eof>")) return "";
-  if (says("near '!'")) return "; Lua writes ~= for 'not equal', and not x for the opposite of x";
-  if (says("near '&'")) return "; Lua writes 'and'";
-  if (says("near '|'")) return "; Lua writes 'or'";
-  if (says("syntax error near '+'") || says("unexpected symbol near '+'")) {
-    return "; Lua has neither '++' nor '+=': write x = x + 1";
-  }
-  if ((says("'then' expected") || says("'do' expected")) && says("near '='")) return "; '==' compares, '=' assigns";
-  if (says("'}' expected") || says("')' expected")) {
-    const std::size_t at = message.rfind("near ");
-    return fmt::format("; is a comma missing before {}?", message.substr(at + std::string_view("near ").size()));
-  }
-  return "";
 }
 
 void room(lua_State* state, int slots = 2) { luaL_checkstack(state, slots, "too many values"); }
@@ -172,10 +154,24 @@ void Stack::load(std::string_view text, const std::string& chunk) {
   if (luaL_loadbufferx(state_, text.data(), text.size(), chunk.c_str(), "t") == LUA_OK) return;
   const std::string message = top().text();
   lua_pop(state_, 1);
-  throw Located(message + syntax_hint(message));
+  throw Located(message + syntax_hint(message, text, !chunk.ends_with(".lua")));
 }
 
 void Stack::call(int arguments) { lua_call(state_, arguments, LUA_MULTRET); }
+
+void Stack::call_protected(int arguments) {
+  const int handler = lua_gettop(state_) - arguments;
+  lua_pushcfunction(state_, [](lua_State* state) { return Guard::explain(state); });
+  lua_insert(state_, handler);
+  const int status = lua_pcall(state_, arguments, LUA_MULTRET, handler);
+  lua_remove(state_, handler);
+  if (status == LUA_OK) return;
+  Guard::pass_on(state_);
+  if (status == LUA_ERRMEM) lua_error(state_);
+  std::size_t size = 0;
+  const char* text = lua_tolstring(state_, -1, &size);
+  throw Located(text != nullptr ? std::string(text, size) : "an error was thrown that cannot be shown");
+}
 
 void Stack::push_object(std::unique_ptr<Object> object, const char* type) {
   room(state_, 3);

@@ -106,6 +106,8 @@ class Stack {
   void load(std::string_view text, const std::string& chunk);
   /// Calls the function below the top `arguments` values with these; leaves all results.
   void call(int arguments);
+  /// The same. \throws Located for an error in it, so that the caller's callback has failed.
+  void call_protected(int arguments);
 
   /// Declares a type. Call it once per type, before the first object.
   template <class T>

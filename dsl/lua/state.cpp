@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <dsl/lua/guard.hpp>
+#include <trellis/base/errors.hpp>
 
 namespace trellis::lua {
 
@@ -70,24 +71,46 @@ int Guard::run(lua_State* state, const Callback& body) {
   constexpr std::uint64_t least = 50;  // minimal cost of a call between Lua and C++, in instructions
   spend(state, least);
   std::string message;
+  bool noted = false;
   try {
     Stack stack(state);
     return body(stack);
+  } catch (const Unmade&) {
+    noted = true;
   } catch (const Located& error) {
     message = error.what();
+    noted = State::of(state).note(state, {message}, true);
+  } catch (const EndingError& error) {
+    const auto position = Stack(state).where();
+    message = (position ? position->prefix() : "") + error.what();
+  } catch (const SeveralFaults& faults) {
+    const auto position = Stack(state).where();
+    message = (position ? position->prefix() : "") + faults.what();
+    noted = State::of(state).note(state, faults.messages(), false);
+  } catch (const Errors& errors) {
+    const auto position = Stack(state).where();
+    message = (position ? position->prefix() : "") + errors.what();
+    noted = State::of(state).note(state, errors.messages(), false);
   } catch (const Error& error) {
     const auto position = Stack(state).where();
     message = (position ? position->prefix() : "") + error.what();
+    noted = State::of(state).note(state, {error.what()}, false);
   } catch (const std::exception& error) {
     State::of(state).work_.fault = std::current_exception();
     State::of(state).work_.ended = true;
     message = error.what();
   }
-  State::of(state).work_.raised = message;
   lua_settop(state, 0);
+  if (noted) {
+    push_unmade(state);
+    return 1;
+  }
+  State::of(state).work_.raised = message;
   lua_pushlstring(state, message.data(), message.size());
   return lua_error(state);
 }
+
+void Guard::push_unmade(lua_State* state) { Stack(state).push_object(Unmade()); }
 
 void Guard::pass_on(lua_State* state) {
   if (State::of(state).work_.ended) State::unwind(state);
@@ -172,7 +195,7 @@ void State::look_around(lua_State* state) {
   if (work_.ended) unwind(state);
   if (work_.limits == nullptr) return;  // no run: the state is closing
   work_.looked = Clock::now();
-  if (work_.spent > work_.limits->instructions) {
+  if (work_.spent > std::min(work_.last, work_.limits->instructions)) {
     end(state, fmt::format("{} has spent {} instructions and does not terminate{}", work_.limits->subject,
                            work_.limits->instructions, work_.limits->advice));
   }
@@ -200,6 +223,27 @@ bool State::worked_too_long() {
   if (work_.begin_cpu < 0.0) work_.begin_cpu = processor_seconds(CLOCK_THREAD_CPUTIME_ID);
   return passed > work_.limits->seconds &&
          processor_seconds(CLOCK_THREAD_CPUTIME_ID) - work_.begin_cpu > work_.limits->seconds;
+}
+
+bool State::note(lua_State* state, const std::vector<std::string>& messages, bool located) {
+  constexpr std::size_t most = 1000;
+  constexpr std::uint64_t afterwards = 50'000'000;  // instructions after the first mistake
+  if (work_.mistakes == nullptr || work_.catching > 0 || work_.ended) return false;
+  // Code between the user's and this call, such as the standard library's, expects an error to end it.
+  lua_Debug frame{};
+  for (int level = 0; lua_getstack(state, level, &frame) != 0; ++level) {
+    lua_getinfo(state, "Sl", &frame);
+    if (frame.currentline > 0) break;
+    frame = {};
+  }
+  if (frame.currentline <= 0 || frame.source[0] != '@') return false;
+  if (work_.mistakes->empty()) work_.last = work_.spent + afterwards;
+  const Position position{frame.source + 1, frame.currentline};
+  for (const std::string& message : messages) {
+    if (work_.mistakes->size() >= most) break;
+    work_.mistakes->push_back({position.script, position.line, (located ? "" : position.prefix()) + message});
+  }
+  return true;
 }
 
 void State::end(lua_State* state, const std::string& why) {
@@ -246,11 +290,12 @@ void State::watch(const std::stop_token& stop) {
   }
 }
 
-void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
+void State::run(const std::function<void(Stack&)>& body, const Limits& limits, std::vector<Mistake>* mistakes) {
   constexpr std::size_t longest_line = 1000;  // longer first lines are cut
   if (lua_checkstack(state_, 3) == 0) throw Error(out_of_memory());
   Work outer = std::exchange(work_, Work());
   work_.limits = &limits;
+  work_.mistakes = mistakes;
   work_.begin = work_.looked = Clock::now();
   const auto watch = [this] {
     watched_seconds_ = work_.limits->seconds;
@@ -292,6 +337,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   }
   lua_settop(state_, before);
   if (done.fault) std::rethrow_exception(done.fault);
+  if (done.ended || status == LUA_ERRMEM) throw Exhausted(message);
   throw Located(message);
 }
 

@@ -14,7 +14,9 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include <dsl/lua/mistakes.hpp>
 #include <dsl/lua/stack.hpp>
 
 struct lua_Debug;
@@ -49,8 +51,11 @@ class State : public std::enable_shared_from_this<State> {
   /// did. Exceptions of other types, from `body`, a callback or Options::poll, pass through. Ends a script that has
   /// reached its limits, even if it catches the error. If the script still does not stop, calls Options::stuck, which
   /// must not return. `body` may call run() again on the same thread: the inner run has its own counts and limits.
-  /// \param limits  must outlive the call
-  void run(const std::function<void(Stack&)>& body, const Limits& limits = {});
+  /// \param limits    must outlive the call
+  /// \param mistakes  receives the Errors of callbacks that a file of the user calls, except within pcall: such a call
+  ///                  then raises nothing and returns a value that other calls accept (declare_unmade)
+  void run(const std::function<void(Stack&)>& body, const Limits& limits = {},
+           std::vector<Mistake>* mistakes = nullptr);
 
  private:
   friend struct Guard;
@@ -71,6 +76,8 @@ class State : public std::enable_shared_from_this<State> {
   void look_around(lua_State* state);
   [[nodiscard]] bool worked_too_long();
   void end(lua_State* state, const std::string& why);
+  /// Records the faults of a callback. Returns false if they are to be raised.
+  bool note(lua_State* state, const std::vector<std::string>& messages, bool located);
   [[noreturn]] static void unwind(lua_State* state);
   [[nodiscard]] std::string out_of_memory() const;
   void watch(const std::stop_token& stop);
@@ -78,10 +85,13 @@ class State : public std::enable_shared_from_this<State> {
   /// The state of one run.
   struct Work {
     const Limits* limits = nullptr;
+    std::vector<Mistake>* mistakes = nullptr;
+    unsigned catching = 0;     ///< calls of pcall and its like
     std::exception_ptr fault;  ///< an exception from a callback that is no Error; scripts cannot suppress it
     std::string raised;        ///< Trellis' last message; it needs no traceback
     std::uint64_t spent = 0;   ///< instructions
-    unsigned calls = 0;        ///< calls of `spend` since the last clock check
+    std::uint64_t last = std::numeric_limits<std::uint64_t>::max();  ///< a further limit of `spent`
+    unsigned calls = 0;                                              ///< calls of `spend` since the last clock check
     Clock::time_point begin;
     Clock::time_point looked;  ///< time of the last clock check
     bool ended = false;        ///< the script is being ended and cannot prevent it
@@ -120,6 +130,12 @@ class Reference {
  private:
   std::weak_ptr<State> interpreter_;
   int key_ = -2;  // in Lua's registry; LUA_NOREF at first
+};
+
+/// The message of State::run for a script that has reached its limits or used up its memory.
+class Exhausted : public Located {
+ public:
+  using Located::Located;
 };
 
 /// Opens the safe parts of Lua's library: base, table, string, math, utf8, coroutine; no files, processes, bytecode,

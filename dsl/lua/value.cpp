@@ -9,6 +9,7 @@
 #include <memory>
 
 #include <dsl/lua/collect.hpp>
+#include <dsl/lua/mistakes.hpp>
 
 namespace trellis::lua {
 
@@ -74,6 +75,7 @@ std::string Value::describe() const {
     }
     default: break;
   }
+  if (get<Unmade>() != nullptr) throw Unmade();
   const int top = lua_gettop(state_);
   std::string name = luaL_typename(state_, index_);
   if (luaL_getmetafield(state_, index_, "__name") == LUA_TSTRING) name = lua_tostring(state_, -1);

@@ -394,3 +394,84 @@ TEST_CASE("lines that are piped are run without prompts") {
   CHECK(wrong.out == "2\n");
   CHECK_THAT(wrong.err, Contains("unknown name 'boom'") && Contains("near <eof>"));
 }
+
+TEST_CASE("Tab completes the fields of what an index gives, by its type") {
+  const Place place;
+  place.script("two.lua",
+               "return experiment { problems = { scenes.cup() }, strategies = { fast = rrt { step = 0.5 } } }\n");
+  Sitting sitting(place, {"two.lua"});
+  sitting.terminal.type("script.problems[1].resol\t\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt),
+             Contains("script.problems[1].resolution") && Contains("\n0.05"));
+  sitting.terminal.type("script.problems['cup'].world.bou\t\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("].world.bounds"));
+  sitting.terminal.type("script.problems[1].robot:sc\t(0.5)\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("robot:scaled(0.5)") && Contains("robot '"));
+  sitting.terminal.type("script.strategies.fast:ha\t()\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("fast:hash()"));
+}
+
+TEST_CASE("%time times a strategy, a run and any expression") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("fast = rrt { step = 0.5 }");
+  CHECK_THAT(sitting.enter("%time fast"), Contains("fast on simple_passage, seeds 1 to 10") &&
+                                              Contains("CPU time, ms") && Contains("validity checks"));
+  CHECK_THAT(sitting.enter("%time plan(fast, scenes.cup())"), Contains("fast on cup, seeds 1 to 10"));
+  CHECK_THAT(sitting.enter("%time 1 + 1"), Contains("10 calls; median with 99 % interval") && !Contains("checks"));
+  CHECK_THAT(sitting.enter("time(function() return scenes.cup() end, 20)"), Contains("20 calls; median"));
+}
+
+TEST_CASE("reload reads the script again, says what changed and keeps the session's values") {
+  const Place place;
+  place.script("size.lua", "return 0.4\n");
+  const std::string first =
+      "return experiment { problems = { scenes.cup() }, seeds = 2, strategies = { fast = rrt { step = require 'size' "
+      "}, "
+      "old = rrt {} } }\n";
+  place.script("two.lua", first);
+  Sitting sitting(place, {"two.lua"});
+  sitting.enter("mine = script.strategies.fast");
+  CHECK_THAT(sitting.enter("reload()"),
+             Contains("two.lua read again: its strategies, problems and seeds are the same"));
+  place.script("size.lua", "return 0.25\n");
+  CHECK_THAT(sitting.enter("reload()"),
+             Contains("script.strategies.fast is rrt { step = 0.25 }, and was rrt { step = 0.4 }") && !Contains("old"));
+  place.script("two.lua",
+               "local p = scenes.trap()\nreturn experiment { problems = { p }, seeds = 3, strategies = { fast = rrt { "
+               "step = 0.25 }, new = rrt {} } }\n");
+  CHECK_THAT(sitting.enter("reload()"),
+             Contains("script.strategies.new is new") && Contains("script.strategies.old is gone") &&
+                 Contains("script.problems.trap is new") && Contains("script.problems.cup is gone") &&
+                 Contains("script.seeds: 3, and were 2"));
+  CHECK_THAT(sitting.enter("mine"), Contains("rrt { step = 0.4 }"));
+  CHECK_THAT(sitting.enter("script.strategies.new"), Contains("rrt()"));
+  place.script("two.lua", "return shrink(2) >> rrtt {}, scenes.cup()\n");
+  CHECK_THAT(sitting.enter("reload()"),
+             Contains("two.lua:1: shrink: option 'scale'") && Contains("unknown name 'rrtt'"));
+  CHECK_THAT(sitting.enter("script.strategies.new"), Contains("rrt()"));
+  CHECK(pipe(place, "reload()\n").err.find("begun without a script") != std::string::npos);
+}
+
+TEST_CASE("Ctrl-C in compare keeps the seeds that are finished") {
+  const Place place;
+  Sitting sitting(place);
+  sitting.enter("slow = rrt { step = 0.001, proposals = 3e5 }");
+  sitting.enter(
+      "closed = problem { world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, "
+      "robot = robot.point(), start = {1, 1}, goal = {9, 9} }");
+  sitting.terminal.type("compare(rrt { proposals = 10 }, slow, { problem = closed, seeds = 1000, measure = false })\n");
+  sitting.terminal.wait_for("planning 4/2000");
+  sitting.terminal.type(ctrl_c);
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt),
+             Contains("interrupted; this is what was finished: seed") && Contains(" of 1000"));
+  CHECK_THAT(sitting.enter("7"), Contains("\n7\r\n"));
+}
+
+TEST_CASE("a session warns of a part that nothing guides, and prints the weight that was given") {
+  const Place place;
+  Sitting sitting(place);
+  CHECK_THAT(sitting.enter("m = skeleton() >> (shrink(0.5) + bridge_test())"),
+             Contains("warning: input 1:1: 'skeleton()' does not guide bridge_test(0.5)"));
+  CHECK_THAT(sitting.enter("0.3 * skeleton()"), Contains("0.3 x skeleton()"));
+}

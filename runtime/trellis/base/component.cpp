@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 namespace trellis {
 
@@ -149,6 +152,29 @@ OptionValue checked(const Component& component, const Option& option, const Opti
 
 }  // namespace
 
+namespace {
+
+/// Suggests the option of another library's name, such as OMPL's `range`, else the nearest name.
+std::string suggestion(const std::string& given, const std::vector<std::string>& known) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> meanings = {{{"time", "seconds"},
+                                                                                       {"timeout", "seconds"},
+                                                                                       {"max_time", "seconds"},
+                                                                                       {"time_limit", "seconds"},
+                                                                                       {"iterations", "proposals"},
+                                                                                       {"max_iterations", "proposals"},
+                                                                                       {"samples", "proposals"},
+                                                                                       {"range", "step"},
+                                                                                       {"max_distance", "step"},
+                                                                                       {"step_size", "step"}}};
+  for (const auto& [name, option] : meanings) {
+    const bool there = std::find(known.begin(), known.end(), option) != known.end();
+    if (given == name && there) return fmt::format(" (did you mean '{}'?)", option);
+  }
+  return did_you_mean(given, known);
+}
+
+}  // namespace
+
 Options Options::validate(const Component& component, const std::vector<Entry>& given) {
   for (const auto& [name, value] : given) {
     if (component.find(name) == nullptr) {
@@ -157,7 +183,7 @@ Options Options::validate(const Component& component, const std::vector<Entry>& 
       std::string all;
       for (const auto& k : known) all += (all.empty() ? "" : ", ") + k;
       const std::string offer = known.empty() ? "; it has no options" : "; its options are: " + all;
-      throw Error(fmt::format("{}: unknown option '{}'{}{}", component.name, name, did_you_mean(name, known), offer));
+      throw Error(fmt::format("{}: unknown option '{}'{}{}", component.name, name, suggestion(name, known), offer));
     }
   }
   Options result;

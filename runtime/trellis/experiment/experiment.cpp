@@ -15,7 +15,9 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
 #include <trellis/base/random.hpp>
+#include <trellis/experiment/baseline.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/strategy/ablation.hpp>
 
@@ -168,6 +170,11 @@ void check(const Publication& published, const std::set<std::string>& problems,
 
 }  // namespace
 
+std::string unknown_baseline(const std::string& baseline, const std::vector<std::string>& strategies) {
+  return fmt::format("experiment: baseline '{}' is no strategy{}; there are: {}", baseline,
+                     did_you_mean(baseline, strategies), fmt::join(strategies, ", "));
+}
+
 void check(const Experiment& experiment) {
   if (experiment.problems.empty()) throw Error("experiment: no problem given");
   if (experiment.strategies.empty()) throw Error("experiment: no strategy given");
@@ -188,66 +195,226 @@ void check(const Experiment& experiment) {
   if (experiment.measure) check(*experiment.measure);
   if (!experiment.baseline.empty() && !strategies.contains(experiment.baseline)) {
     const std::vector<std::string> known(strategies.begin(), strategies.end());
-    throw Error(fmt::format("experiment: baseline '{}' is no strategy{}; there are: {}", experiment.baseline,
-                            did_you_mean(experiment.baseline, known), fmt::join(known, ", ")));
+    throw Error(unknown_baseline(experiment.baseline, known));
   }
   for (const auto& problem : experiment.problems) check(problem);
   if (experiment.published) check(*experiment.published, problems, strategies);
 }
 
-ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {
-  check(experiment);
+namespace {
 
-  const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
-  if (cells > most_runs) {
-    throw Error(fmt::format("experiment: {} problems x {} strategies x {} seeds are {} runs; at most {}",
-                            experiment.problems.size(), experiment.strategies.size(), experiment.seeds.size(), cells,
-                            most_runs));
-  }
-  ExperimentResult result;
-  result.runs.resize(cells);
-
-  std::atomic<bool> stop{false};  // a failure in one cell stops the planning of the others
-  const std::function<bool()> interrupted = [&] {
-    return stop.load(std::memory_order_relaxed) || (options.interrupted && options.interrupted());
-  };
-  std::mutex mutex;  // guards what follows
-  std::size_t done = 0;
-  const std::function<void()> progress = [&] {
-    const std::scoped_lock lock(mutex);
-    ++done;
-    if (options.progress && !stop.load()) options.progress(done, steps(experiment));
-  };
-
-  const auto begin = std::chrono::steady_clock::now();
-  const std::vector<std::size_t> order = order_of_cells(experiment);
-  in_parallel(cells, options.jobs, [&](std::size_t turn) {
-    const std::size_t index = order[turn];
-    try {
-      if (interrupted()) throw Interrupted();
-      // Each cell writes to its own element: threads share no data, and their speed does not affect the order.
-      const Cell cell(experiment, index);
-      RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
-                               {experiment.shortcut, interrupted, {}});
-      if (run.run.status == Status::interrupted) throw Interrupted();
-      if (!experiment.measure) release(run);
-      result.runs[index] = std::move(run);
-      progress();
-    } catch (...) {
-      stop.store(true);
-      throw;
+/// Runs the cells of an experiment, then scores them.
+class Runner {
+ public:
+  Runner(const Experiment& experiment, const ExperimentOptions& options)
+      : experiment_(experiment), options_(options), begin_(std::chrono::steady_clock::now()) {
+    check(experiment);
+    const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
+    if (cells > most_runs) {
+      throw Error(fmt::format("experiment: {} problems x {} strategies x {} seeds are {} runs; at most {}",
+                              experiment.problems.size(), experiment.strategies.size(), experiment.seeds.size(), cells,
+                              most_runs));
     }
-  });
-  const auto planned = std::chrono::steady_clock::now();
-  result.planning_seconds = std::chrono::duration<double>(planned - begin).count();
-  if (experiment.measure) {
-    const unsigned all = std::max(1U, std::thread::hardware_concurrency());
-    score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted);
+    result_.runs.resize(cells);
+    finished_.resize(cells, 0);
   }
-  // No later step uses the checkers, scenes and guides of the levels.
-  for (RunResult& cell : result.runs) release(cell);
-  result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned).count();
-  return result;
+
+  /// \throws Interrupted
+  void plan() {
+    const std::vector<std::size_t> order = order_of_cells(experiment_);
+    in_parallel(order.size(), options_.jobs, [&](std::size_t turn) {
+      const std::size_t index = order[turn];
+      try {
+        if (interrupted()) throw Interrupted();
+        // Each cell writes to its own element: threads share no data, and their speed does not affect the order.
+        const Cell cell(experiment_, index);
+        RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
+                                 {experiment_.shortcut, [this] { return interrupted(); }, {}});
+        if (run.run.status == Status::interrupted) throw Interrupted();
+        if (!experiment_.measure) release(run);
+        result_.runs[index] = std::move(run);
+        finished_[index] = 1;
+        progress();
+      } catch (...) {
+        stop_.store(true);
+        throw;
+      }
+    });
+    planned_ = std::chrono::steady_clock::now();
+    result_.planning_seconds = std::chrono::duration<double>(planned_ - begin_).count();
+  }
+
+  /// \throws Interrupted
+  void measure() {
+    if (experiment_.measure) {
+      score(
+          experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); });
+    }
+  }
+
+  ExperimentResult take() {
+    // No later step uses the checkers, scenes and guides of the levels.
+    for (RunResult& cell : result_.runs) release(cell);
+    result_.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned_).count();
+    return std::move(result_);
+  }
+  /// What `plan` has finished before an interruption.
+  ExperimentResult take_unmeasured() {
+    result_.planning_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    return std::move(result_);
+  }
+  [[nodiscard]] const std::vector<char>& finished() const { return finished_; }
+
+  static unsigned scoring_jobs(const ExperimentOptions& options) {
+    return options.scoring_jobs > 0 ? options.scoring_jobs : std::max(1U, std::thread::hardware_concurrency());
+  }
+
+ private:
+  [[nodiscard]] bool interrupted() const {
+    return stop_.load(std::memory_order_relaxed) || (options_.interrupted && options_.interrupted());
+  }
+  void progress() {
+    const std::scoped_lock lock(mutex_);
+    ++done_;
+    if (options_.progress && !stop_.load()) options_.progress(done_, steps(experiment_));
+  }
+
+  const Experiment& experiment_;
+  const ExperimentOptions& options_;
+  std::chrono::steady_clock::time_point begin_;
+  std::chrono::steady_clock::time_point planned_;
+  ExperimentResult result_;
+  std::vector<char> finished_;     ///< by cell, written by the threads, each to its own
+  std::atomic<bool> stop_{false};  ///< a failure in one cell stops the planning of the others
+  std::mutex mutex_;               ///< guards `done_`
+  std::size_t done_ = 0;
+};
+
+/// Problems and seeds of an experiment, by their indices.
+struct Part {
+  std::vector<std::size_t> problems;
+  std::vector<std::size_t> seeds;
+};
+
+/// The largest part of which every run is finished: the seeds of some problem, for all problems that have finished
+/// them.
+Part largest_part(const Experiment& experiment, const std::vector<char>& finished) {
+  const std::size_t strategies = experiment.strategies.size();
+  const std::size_t seeds = experiment.seeds.size();
+  std::vector<std::vector<std::size_t>> of_problem(experiment.problems.size());
+  for (std::size_t p = 0; p < of_problem.size(); ++p) {
+    for (std::size_t s = 0; s < seeds; ++s) {
+      bool all = true;
+      for (std::size_t k = 0; k < strategies; ++k) all = all && finished[(p * strategies + k) * seeds + s] != 0;
+      if (all) of_problem[p].push_back(s);
+    }
+  }
+  Part best;
+  for (const auto& wanted : of_problem) {
+    Part part{{}, wanted};
+    for (std::size_t p = 0; p < of_problem.size(); ++p) {
+      const auto& has = of_problem[p];
+      if (std::includes(has.begin(), has.end(), wanted.begin(), wanted.end())) part.problems.push_back(p);
+    }
+    if (part.problems.size() * part.seeds.size() > best.problems.size() * best.seeds.size()) best = std::move(part);
+  }
+  return best;
+}
+
+std::string text_of(const Part& part, const Experiment& experiment) {
+  std::vector<std::uint64_t> seeds;
+  for (const std::size_t s : part.seeds) seeds.push_back(experiment.seeds[s]);
+  const bool all = seeds.size() == experiment.seeds.size();
+  const bool row = !seeds.empty() && seeds.back() - seeds.front() + 1 == seeds.size();
+  std::string text = seeds.size() == 1 ? fmt::format("seed {}", seeds.front())
+                     : row             ? fmt::format("seeds {} to {}", seeds.front(), seeds.back())
+                                       : fmt::format("seeds {}", fmt::join(seeds, ", "));
+  if (!all) text += fmt::format(" of {}", experiment.seeds.size());
+  if (experiment.problems.size() == 1) return text;
+  std::vector<std::string> problems;
+  for (const std::size_t p : part.problems) problems.push_back(experiment.problems[p].name);
+  return fmt::format("{} of the problem{} {}", text, problems.size() == 1 ? "" : "s", fmt::join(problems, ", "));
+}
+
+/// Reduces an experiment and its runs to a part of it.
+void reduce(Experiment& experiment, ExperimentResult& result, const Part& part) {
+  const std::size_t strategies = experiment.strategies.size();
+  const std::size_t seeds = experiment.seeds.size();
+  std::vector<RunResult> runs;
+  std::vector<Problem> problems;
+  std::vector<std::uint64_t> kept;
+  for (const std::size_t p : part.problems) {
+    problems.push_back(experiment.problems[p]);
+    for (std::size_t k = 0; k < strategies; ++k) {
+      for (const std::size_t s : part.seeds) {
+        runs.push_back(std::move(result.runs[(p * strategies + k) * seeds + s]));
+      }
+    }
+  }
+  for (const std::size_t s : part.seeds) kept.push_back(experiment.seeds[s]);
+  const bool complete = problems.size() == experiment.problems.size();
+  experiment.problems = std::move(problems);
+  experiment.seeds = std::move(kept);
+  // The published claims refer to the complete experiment.
+  experiment.published.reset();
+  if (!complete) experiment.groups.clear();
+  result.runs = std::move(runs);
+}
+
+/// Removes the scores that an interrupted scoring left.
+void forget_scores(ExperimentResult& result) {
+  result.pooled.clear();
+  for (RunResult& run : result.runs) {
+    run.target = {};
+    for (LevelResult& level : run.levels) {
+      LevelRecord record = std::move(level.record);
+      level = {};
+      level.record = std::move(record);
+    }
+    release(run);
+  }
+}
+
+}  // namespace
+
+ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {
+  Runner runner(experiment, options);
+  runner.plan();
+  runner.measure();
+  return runner.take();
+}
+
+ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& options, std::string& finished) {
+  finished.clear();
+  Runner runner(experiment, options);
+  bool planned = false;
+  try {
+    runner.plan();
+    planned = true;
+    runner.measure();
+    return runner.take();
+  } catch (const Interrupted&) {
+    const Part part = largest_part(experiment, runner.finished());
+    if (part.seeds.empty()) throw;
+    ExperimentResult result = runner.take_unmeasured();
+    if (planned) {
+      finished = "all runs, without their efficiencies";
+      forget_scores(result);
+      experiment.measure.reset();
+      experiment.published.reset();
+      return result;
+    }
+    finished = text_of(part, experiment);
+    reduce(experiment, result, part);
+    if (experiment.measure) {
+      const auto begin = std::chrono::steady_clock::now();
+      score(
+          experiment, result, Runner::scoring_jobs(options), [] {}, [] { return false; });
+      result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+    for (RunResult& cell : result.runs) release(cell);
+    return result;
+  }
 }
 
 }  // namespace trellis

@@ -6,11 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <numbers>
 #include <optional>
+#include <system_error>
+#include <utility>
 #include <variant>
 
 #include <trellis/base/error.hpp>
+#include <trellis/memory/identity.hpp>
+#include <trellis/memory/library.hpp>
 #include <trellis/scene/triangulation.hpp>
 
 namespace trellis {
@@ -82,6 +87,85 @@ void find_separation(const Problem& problem, std::vector<std::string>& warnings)
   }
 }
 
+void add_once(std::string warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
+}
+
+/// Warns of joints {1, 2} on a rigid body, whose axes are no joints.
+void find_numbered_axes(const GuideSpec& guide, const Problem& problem, const std::string& where,
+                        std::vector<std::string>& warnings) {
+  const auto* axes = std::get_if<std::vector<std::string>>(&guide.options().at("axes"));
+  const Robot& robot = problem.scene->robot;
+  if (axes == nullptr || robot.bodies().size() != 1 || !robot.translates()) return;
+  std::vector<std::string> kept;
+  for (const std::string& axis : *axes) {
+    const double number = parse_number(axis);
+    if (!(number >= 1.0) || number > static_cast<double>(problem.space.dimension())) return;  // a name, or an error
+    kept.push_back(problem.space.axes()[static_cast<std::size_t>(number) - 1].name);
+  }
+  if (kept.empty()) return;
+  add_once(
+      fmt::format("{}: the robot of problem '{}' is a rigid body and has no joints; 1 is its axis {}{}. If S is to "
+                  "keep {}, write joints {{ \"{}\" }}",
+                  where, problem.name, problem.space.axes().front().name,
+                  problem.space.dimension() > 1 ? fmt::format(", 2 is {}", problem.space.axes()[1].name) : "",
+                  fmt::join(kept, ", "), fmt::join(kept, "\", \"")),
+      warnings);
+}
+
+bool is_missing(const std::string& file) {
+  std::error_code ignored;
+  return !std::filesystem::exists(file, ignored);
+}
+
+/// Warns of a library that is not there, or has no path that can guide.
+void find_library(const GuideSpec& guide, const Problem& problem, const std::string& where,
+                  std::vector<std::string>& warnings) {
+  const auto& file = std::get<std::string>(guide.options().at("db"));
+  if (is_missing(file)) {
+    add_once(fmt::format("{}: there is no library '{}', so it guides nothing; trellis run SCRIPT --learn {} makes it",
+                         where, file, file),
+             warnings);
+    return;
+  }
+  std::vector<StoredPath> paths;
+  try {
+    paths = Library(file).paths();
+  } catch (const Error&) {
+    return;  // the guide itself reports it
+  }
+  const bool any_robot = std::get<std::string>(guide.options().at("robots")) == "any";
+  const std::uint64_t space = identity(problem.space);
+  const std::uint64_t robot = identity(problem.scene->robot);
+  const auto fits = [&](const StoredPath& p) { return p.space == space && (any_robot || p.robot == robot); };
+  if (paths.empty() || std::any_of(paths.begin(), paths.end(), fits)) return;
+  std::vector<std::string> others;
+  for (const StoredPath& path : paths) {
+    std::string other = fmt::format("that of problem '{}' in {}", path.problem, path.space_name);
+    if (std::find(others.begin(), others.end(), other) == others.end()) others.push_back(std::move(other));
+  }
+  constexpr std::size_t most = 3;
+  const std::size_t more = others.size() > most ? others.size() - most : 0;
+  others.resize(others.size() - more);
+  const bool same_space =
+      std::any_of(paths.begin(), paths.end(), [&](const StoredPath& p) { return p.space == space; });
+  add_once(fmt::format(
+               "{}: the library '{}' has no path of the robot '{}' of problem '{}' in {}, so it guides nothing there; "
+               "its robots are {}{}{}",
+               where, file, problem.scene->robot.name(), problem.name, problem.space.name(), fmt::join(others, ", "),
+               more > 0 ? fmt::format(" and {} more", more) : "",
+               same_space && !any_robot ? "; robots = \"any\" uses the paths of other robots" : ""),
+           warnings);
+}
+
+void find_model(const GuideSpec& guide, const std::string& where, std::vector<std::string>& warnings) {
+  const auto& file = std::get<std::string>(guide.options().at("model"));
+  if (!is_missing(file)) return;
+  add_once(fmt::format("{}: there is no model '{}', so it guides nothing; trellis train makes it (trellis help train)",
+                       where, file),
+           warnings);
+}
+
 void find_useless(const GuideSpec& guide, const Problem& problem, const std::string& strategy,
                   std::vector<std::string>& warnings) {
   if (guide.kind() != GuideSpec::Kind::component) {
@@ -92,6 +176,12 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
     warnings.push_back(
         fmt::format("{} in strategy '{}': the robot of problem '{}' is a point, which has nothing to shrink",
                     guide.text_alone(), strategy, problem.name));
+  }
+  if (!guide.custom()) {
+    const std::string where = fmt::format("{} in strategy '{}'", guide.text_alone(), strategy);
+    if (guide.name() == "joints") find_numbered_axes(guide, problem, where, warnings);
+    if (guide.name() == "experience") find_library(guide, problem, where, warnings);
+    if (guide.name() == "learned") find_model(guide, where, warnings);
   }
   if (guide.below() != nullptr) find_useless(*guide.below(), problem, strategy, warnings);
 }

@@ -6,9 +6,12 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
+#include <trellis/base/errors.hpp>
 #include <trellis/scene/reader_formats.hpp>
 
 namespace trellis {
@@ -204,14 +207,18 @@ World world_of(const Entry& environment) {
     throw max.error(fmt::format("'max' is [{}, {}], expected more than 'min', [{}, {}]", bounds.hi.x, bounds.hi.y,
                                 bounds.lo.x, bounds.lo.y));
   }
+  ErrorList errors;
   std::vector<Obstacle> obstacles;
   for (const Entry& obstacle : environment.at("obstacles").list()) {
-    obstacle.at("type").require("box");
-    const Vec2 centre = obstacle.at("center").point(), size = obstacle.at("size").extents();
+    Vec2 centre, size;
+    errors.attempt([&] { obstacle.at("type").require("box"); });
+    errors.attempt([&] { centre = obstacle.at("center").point(); });
+    errors.attempt([&] { size = obstacle.at("size").extents(); });
     obstacles.push_back({fmt::format("obstacle {} (box at {} {}, size {} {})", obstacles.size() + 1, centre.x, centre.y,
                                      size.x, size.y),
                          box_about(centre, size)});
   }
+  errors.raise();
   return {bounds, std::move(obstacles)};
 }
 
@@ -219,18 +226,25 @@ World world_of(const Entry& environment) {
 
 std::vector<Problem> read_dynobench(const SourceText& text, const ReadOptions& options) {
   const Entry file = Entry::root(text);
-  World world = world_of(file.at("environment"));
-
-  const Entry robots = file.at("robots");
-  if (robots.list().empty()) throw robots.error("'robots' is empty, expected at least one robot");
-  const Entry robot = robots.list().front();
-  const Kind& kind = kind_of(robot.at("type"));
-  Configuration start = robot.at("start").numbers(kind.state, kind.meaning);
-  Configuration goal = robot.at("goal").numbers(kind.state, kind.meaning);
+  ErrorList errors;
+  std::optional<World> world;
+  errors.attempt([&] { world = world_of(file.at("environment")); });
+  const Kind* known = nullptr;
+  Configuration start, goal;
+  errors.attempt([&] {
+    const Entry robots = file.at("robots");
+    if (robots.list().empty()) throw robots.error("'robots' is empty, expected at least one robot");
+    const Entry robot = robots.list().front();
+    known = &kind_of(robot.at("type"));
+    errors.attempt([&] { start = robot.at("start").numbers(known->state, known->meaning); });
+    errors.attempt([&] { goal = robot.at("goal").numbers(known->state, known->meaning); });
+  });
+  errors.raise();
+  const Kind& kind = *known;
 
   const SourceText model_text = model_of(kind, text.path);
   const Entry model = Entry::root(model_text);
-  const auto scene = std::make_shared<const Scene>(Scene{std::move(world), robot_of(kind, model)});
+  const auto scene = std::make_shared<const Scene>(Scene{std::move(*world), robot_of(kind, model)});
   const auto motion = options.motion ? motion_of(kind, model) : nullptr;
   const std::size_t dimension = motion ? motion->dimension() : scene->robot.dimension();
   start.resize(dimension);

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include <trellis/base/errors.hpp>
 #include <trellis/scene/reader_formats.hpp>
 
 namespace trellis {
@@ -28,6 +29,7 @@ constexpr const char* grid_heading = "environment:";
 class ArmFile {
  public:
   explicit ArmFile(const SourceText& text) : text_(text) {
+    ErrorList errors;
     std::size_t i = 0;
     for (; i < text.lines.size(); ++i) {
       auto words = words_of(text.lines[i]);
@@ -35,15 +37,17 @@ class ArmFile {
       if (words[0] == grid_heading) break;
       const auto* const known = std::find(headings.begin(), headings.end(), words[0]);
       if (known == headings.end()) {
-        throw text.error(
-            i + 1, fmt::format("'{}', expected one of {} or {}", words[0], fmt::join(headings, ", "), grid_heading));
+        errors.add(text.error(
+            i + 1, fmt::format("'{}', expected one of {} or {}", words[0], fmt::join(headings, ", "), grid_heading)));
+        continue;
       }
       const std::string heading = words[0];
       words.erase(words.begin());
       if (!fields_.emplace(heading, Field{i + 1, std::move(words)}).second) {
-        throw text.error(i + 1, fmt::format("'{}' for the second time", heading));
+        errors.add(text.error(i + 1, fmt::format("'{}' for the second time", heading)));
       }
     }
+    errors.raise();
     if (i == text.lines.size()) throw text.error(std::max<std::size_t>(i, 1), fmt::format("no '{}'", grid_heading));
     grid_line_ = i + 2;
     for (++i; i < text.lines.size(); ++i) {
@@ -93,18 +97,23 @@ class ArmFile {
     }
     std::vector<std::vector<bool>> taken;
     taken.reserve(rows);
+    ErrorList errors;
     for (const auto& [line, words] : grid_) {
       if (words.size() != columns) {
-        throw text_.error(line, fmt::format("a row of {} cells, expected {}", words.size(), columns));
+        errors.add(text_.error(line, fmt::format("a row of {} cells, expected {}", words.size(), columns)));
+        continue;
       }
       std::vector<bool> row;
       row.reserve(columns);
       for (const auto& word : words) {
-        if (word != "0" && word != "1") throw text_.error(line, fmt::format("a cell is '{}', expected 0 or 1", word));
+        if (word != "0" && word != "1") {
+          errors.add(text_.error(line, fmt::format("a cell is '{}', expected 0 or 1", word)));
+        }
         row.push_back(word == "1");
       }
       taken.push_back(std::move(row));
     }
+    errors.raise();
     return taken;
   }
 
@@ -151,6 +160,18 @@ std::vector<Obstacle> obstacles_of(std::vector<std::vector<bool>> taken, double 
   return obstacles;
 }
 
+/// \throws Error for all fields that do not hold their numbers
+void check_fields(const ArmFile& file) {
+  ErrorList errors;
+  std::size_t links = 0;
+  errors.attempt([&] { links = file.numbers(headings[3], 0).size(); });
+  for (const auto& [heading, count] : {std::pair{0, std::size_t{2}}, {1, 2}, {2, 1}, {4, links}, {5, 2}}) {
+    errors.attempt(
+        [&, h = heading, n = count] { static_cast<void>(file.numbers(headings[static_cast<std::size_t>(h)], n)); });
+  }
+  errors.raise();
+}
+
 }  // namespace
 
 bool is_sbpl_arm(const SourceText& text) {
@@ -161,6 +182,7 @@ bool is_sbpl_arm(const SourceText& text) {
 
 std::vector<Problem> read_sbpl_arm(const SourceText& text, const ReadOptions& options) {
   const ArmFile file(text);
+  check_fields(file);
   const auto size = file.numbers(headings[0], 2);
   if (!(size[0] > 0.0) || !(size[1] > 0.0)) throw file.error(headings[0], "the size must be greater than 0");
   const auto cells = file.numbers(headings[1], 2);

@@ -78,8 +78,10 @@ double total_weight(const GuideSpec& guide) {
   return total;
 }
 
-/// The normalised weights of a mixture, with enough digits to parse to an equal mixture.
+/// The normalised weights of a mixture, with enough digits to parse to an equal mixture. A single part has the weight
+/// that it was given, because its share is always 1.
 std::vector<std::string> written_weights(const GuideSpec& guide) {
+  if (guide.terms().size() == 1) return {to_string(OptionValue(guide.terms().front().weight))};
   const double total = total_weight(guide);
   const auto write = [&](const char* format) {
     std::vector<std::string> written;
@@ -525,7 +527,8 @@ void draw(const GuideSpec& guide, const std::string& label, const std::string& i
     }
     head(line);
   }
-  const double total = total_weight(guide);
+  // A single part has the weight that it was given (written_weights).
+  const double total = guide.terms().size() == 1 ? 1.0 : total_weight(guide);
   for (std::size_t i = 0; i < guide.terms().size(); ++i) {
     const auto& term = guide.terms()[i];
     const std::string name = mixture ? fmt::format("{:.3g} x ", term.weight / total) : fmt::format("{}. ", i + 1);

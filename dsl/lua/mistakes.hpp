@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <dsl/lua/value.hpp>
+#include <trellis/base/error.hpp>
+
+namespace trellis::lua {
+
+class Stack;
+
+/// One mistake of a script.
+struct Mistake {
+  std::string script;  ///< "" if no line is known
+  int line = 0;
+  std::string message;  ///< with its position as a prefix
+};
+
+/// All mistakes of one script, one line of the message for each.
+class Mistakes : public Error {
+ public:
+  /// Sorts the mistakes of each file by line. \param script  the file whose mistakes come first
+  Mistakes(std::vector<Mistake> mistakes, const std::string& script);
+
+  /// The messages, in order; of very many the first, and a line on the others.
+  [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
+  /// How many there are.
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  explicit Mistakes(std::vector<std::string> messages);
+
+  std::size_t count_;
+  std::vector<std::string> messages_;
+};
+
+/// Several faults of one call. Its message is the first of them.
+class SeveralFaults : public Error {
+ public:
+  explicit SeveralFaults(std::vector<std::string> messages) : Error(messages.front()), messages_(std::move(messages)) {}
+  [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
+
+ private:
+  std::vector<std::string> messages_;
+};
+
+/// A call received a value that an earlier mistake left unmade. That mistake has been recorded: nothing else is.
+class Unmade : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return "a value that could not be made"; }
+};
+
+template <>
+struct TypeName<Unmade> {
+  static constexpr const char* value = "value that could not be made";
+};
+
+/// An Error that ends the script, because what follows depends on the call's result.
+class EndingError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Collects the faults of one call, so that one that follows another is not hidden by it.
+class Faults {
+ public:
+  /// Calls `body` and records its Error. Returns whether there was none.
+  bool attempt(const std::function<void()>& body);
+  void add(std::string message) { messages_.push_back(std::move(message)); }
+  [[nodiscard]] bool none() const { return messages_.empty() && !unmade_; }
+  /// \throws Error, SeveralFaults or Unmade if `attempt` recorded one.
+  void raise() const;
+
+ private:
+  std::vector<std::string> messages_;
+  bool unmade_ = false;
+};
+
+/// Declares the type of the value that a call with a mistake returns: every operation with it gives another such value,
+/// as a list it has one element, and Value::describe throws Unmade for it.
+void declare_unmade(Stack& stack);
+
+}  // namespace trellis::lua
