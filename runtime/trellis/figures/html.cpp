@@ -200,7 +200,7 @@ std::string summary_table(const Experiment& experiment, const ExperimentResult& 
     columns.push_back({"above uniform, expansion", paths});
   }
   columns.push_back({"medians", {"checks", "time, ms"}});
-  columns.push_back({"", {"path, m"}});
+  columns.push_back({"mean", {"path, m"}});
   std::size_t width = 1;
   for (const auto& group : columns) width += group.names.size();
 
