@@ -62,7 +62,7 @@ int merge(const Options& options) {
   for (const std::string& folder : options.folders) {
     const std::string difference = manifest.difference(Manifest::read(folder), false);
     if (!difference.empty()) {
-      throw Error(fmt::format("merge: '{}' and '{}' are of different sweeps: {} differs", options.folders.front(),
+      throw Error(fmt::format("merge: '{}' and '{}' are of different sweeps: {}", options.folders.front(),
                               folder, difference));
     }
     add_records(records, folder);
@@ -70,7 +70,7 @@ int merge(const Options& options) {
   manifest.shard = {};
   check_complete(manifest, records);
   OutputFolder out(options.out);
-  if (std::filesystem::exists(std::filesystem::path(options.out) / "manifest.json")) {
+  if (Manifest::exists(options.out)) {
     throw Error(fmt::format("--out: '{}' holds a sweep already; name another folder", options.out));
   }
   write_results(options.out, manifest, records);

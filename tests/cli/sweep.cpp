@@ -122,8 +122,10 @@ TEST_CASE("an incomplete last record runs again, the complete ones remain byte f
 TEST_CASE("a folder of another sweep, and a damaged record, are refused and named") {
   const Sweeps it;
   REQUIRE(it.sweep("swept").status == 0);
-  CHECK(it.sweep("swept", "1/2").err ==
-        "trellis: --out: 'swept' holds another sweep: the shard (1/1 and 1/2) differs; name another folder\n");
+  CHECK(
+      it.sweep("swept", "1/2").err ==
+      "trellis: --out: 'swept' holds other runs: the shard differs (1/1 and 1/2); name another folder, or start again "
+      "with --restart, which deletes their records\n");
   std::ofstream(it.place / "swept/runs.jsonl", std::ios::app) << "{}\n";
   const Outcome damaged = it.sweep("swept");
   CHECK(damaged.status == 2);
