@@ -411,7 +411,7 @@ void add_run(CommandLine& line) {
   verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
   verb.text("--out", "FOLDER", options->out,
             "write tables, the document and figures into a folder, problem by problem; continues when repeated");
-  verb.flag("--restart", options->restart, "with --out: delete the folder's records and start again");
+  verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");
   verb.text("--learn", "FILE", options->learn, "add the paths that were found and are new to a library of paths");
   verb.number("--novelty", "METRES", 0.0, options->novelty,
               "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis run --out: runs and scores are stored one by one, survive the death of the program, and the same command
 // continues.
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 #include <sys/wait.h>
 #include <unistd.h>
 
