@@ -42,9 +42,7 @@ std::set<std::string> files_in(const std::string& folder) {
 }  // namespace
 
 Resume::Resume(std::string folder, const Manifest& manifest, bool restart)
-    : folder_(std::move(folder)),
-      runs_(folder_, runs_file, restart),
-      scores_(folder_, scores_file, restart) {
+    : folder_(std::move(folder)), runs_(folder_, runs_file, restart), scores_(folder_, scores_file, restart) {
   if (restart || !Manifest::exists(folder_)) manifest.write(folder_);
 }
 

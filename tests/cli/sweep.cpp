@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis sweep and trellis merge: runs are stored one by one, survive the death of the program, and join.
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 #include <sys/wait.h>
 #include <unistd.h>
 
