@@ -19,6 +19,7 @@
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
+#include <trellis/experiment/store.hpp>
 #include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
@@ -206,8 +207,9 @@ namespace {
 /// Runs the cells of an experiment, then scores them.
 class Runner {
  public:
-  Runner(const Experiment& experiment, const ExperimentOptions& options)
-      : experiment_(experiment), options_(options), begin_(std::chrono::steady_clock::now()) {
+  /// \param store  nullptr: none
+  Runner(const Experiment& experiment, const ExperimentOptions& options, RunStore* store)
+      : experiment_(experiment), options_(options), store_(store), begin_(std::chrono::steady_clock::now()) {
     check(experiment);
     const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
     if (cells > most_runs) {
@@ -231,6 +233,7 @@ class Runner {
         RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                  {experiment_.shortcut, [this] { return interrupted(); }, {}});
         if (run.run.status == Status::interrupted) throw Interrupted();
+        if (store_ != nullptr) store_->planned(run);
         if (!experiment_.measure) release(run);
         result_.runs[index] = std::move(run);
         finished_[index] = 1;
@@ -246,10 +249,9 @@ class Runner {
 
   /// \throws Interrupted
   void measure() {
-    if (experiment_.measure) {
-      score(
-          experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); });
-    }
+    if (!experiment_.measure) return;
+    score(
+        experiment_, result_, scoring_jobs(options_), [this] { progress(); }, [this] { return interrupted(); }, store_);
   }
 
   ExperimentResult take() {
@@ -281,6 +283,7 @@ class Runner {
 
   const Experiment& experiment_;
   const ExperimentOptions& options_;
+  RunStore* store_;
   std::chrono::steady_clock::time_point begin_;
   std::chrono::steady_clock::time_point planned_;
   ExperimentResult result_;
@@ -378,7 +381,14 @@ void forget_scores(ExperimentResult& result) {
 }  // namespace
 
 ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {
-  Runner runner(experiment, options);
+  Runner runner(experiment, options, nullptr);
+  runner.plan();
+  runner.measure();
+  return runner.take();
+}
+
+ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options, RunStore& store) {
+  Runner runner(experiment, options, &store);
   runner.plan();
   runner.measure();
   return runner.take();
@@ -386,7 +396,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
 
 ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& options, std::string& finished) {
   finished.clear();
-  Runner runner(experiment, options);
+  Runner runner(experiment, options, nullptr);
   bool planned = false;
   try {
     runner.plan();
@@ -409,7 +419,7 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
     if (experiment.measure) {
       const auto begin = std::chrono::steady_clock::now();
       score(
-          experiment, result, Runner::scoring_jobs(options), [] {}, [] { return false; });
+          experiment, result, Runner::scoring_jobs(options), [] {}, [] { return false; }, nullptr);
       result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
     for (RunResult& cell : result.runs) release(cell);
