@@ -97,7 +97,8 @@ TEST_CASE("a run that is killed at random ends with the bytes of one that is not
     REQUIRE(turn < 20 * kills);
     const std::string folder = "killed" + std::to_string(turn);
     for (bool ended = false; !ended;) {
-      const pid_t child = it.place.start({"run", "it.lua", "--quiet", "--out", folder});
+      const std::string jobs = turn % 2 == 0 ? "1" : "2";
+      const pid_t child = it.place.start({"run", "it.lua", "--quiet", "--out", folder, "--jobs", jobs});
       if (killed < kills) {
         ::usleep(static_cast<useconds_t>(random() % static_cast<unsigned>(duration.count())));
         ::kill(child, by_signal % 4 == 3 ? SIGINT : SIGKILL);
