@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -183,7 +184,12 @@ TEST_CASE("a run continues after a full disk") {
         "command continues\n");
   const std::string before = it.text("made/runs.jsonl");
   REQUIRE_FALSE(before.empty());
-  REQUIRE(it.run("made").status == 0);
+  const std::string records = it.text("made/runs.jsonl");
+  const auto held = std::count(records.begin(), records.end(), '\n');
+  const Outcome rest = it.place.run({"run", "it.lua", "--out", "made"});
+  REQUIRE(rest.status == 0);
+  CHECK(rest.err.find("trellis: continues 'made', which holds " + std::to_string(held) +
+                      " of 12 runs; --restart starts again\n") != std::string::npos);
   it.require_uninterrupted("made");
 }
 
