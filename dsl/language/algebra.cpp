@@ -49,7 +49,8 @@ void check_called(const char* symbol, Value a, Value b) {
   throw Error(fmt::format("'{}' cannot compose {} and {}: {}", symbol, describe(a), describe(b), why));
 }
 
-/// Adds the parts of a mixture, or of another combination, that have no search of their own to guide.
+/// Adds the parts of mixtures that have no search of their own to guide. (A part of another combination could not stand
+/// outside of it.)
 void find_unguided(const GuideSpec& guide, std::vector<std::string>& parts) {
   if (guide.kind() == GuideSpec::Kind::component) {
     if (guide.below() != nullptr) find_unguided(*guide.below(), parts);
@@ -58,7 +59,7 @@ void find_unguided(const GuideSpec& guide, std::vector<std::string>& parts) {
   for (const auto& term : guide.terms()) {
     if (term.guide.searches()) {
       find_unguided(term.guide, parts);
-    } else {
+    } else if (guide.kind() == GuideSpec::Kind::mixture) {
       parts.push_back(term.guide.text());
     }
   }
