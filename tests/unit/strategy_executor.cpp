@@ -47,8 +47,12 @@ void check_run(const Problem& problem, const RunRecord& run) {
     checks += level.search.checks.validity;
     CHECK(level.root_nodes().size() == level.search.nodes.size());
     CHECK(level.root_proposals().size() == level.search.proposals.size());
-    for (std::size_t i = 0; i < level.root_nodes().size(); i += 17)
+    for (std::size_t i = 0; i < level.root_nodes().size(); i += 17) {
       CHECK(problem.space.contains(level.root_nodes()[i]));
+    }
+    // The root's rows are stored once.
+    CHECK((&level.root_nodes() == &level.search.nodes) == (level.parent < 0));
+    CHECK((&level.root_proposals() == &level.search.proposals) == (level.parent < 0));
     for (const auto source : level.search.proposal_sources) REQUIRE(source < level.search.sources.size());
     // Each solve after the first one has a reason.
     CAPTURE(level.name);
