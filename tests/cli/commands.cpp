@@ -556,7 +556,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   ::kill(child, SIGINT);
   const auto outcome = place.finish(child);
   CHECK(outcome.status == 130);
-  CHECK(outcome.err.ends_with("trellis: interrupted; 'kept' holds all of cup; the same command makes the rest too\n"));
+  CHECK(outcome.err.ends_with(
+      "trellis: interrupted; 'kept' holds 2 of 4 runs and the results of cup; the same command continues\n"));
   CHECK(outcome.err.starts_with("trellis: warning: problem 'wall': obstacles separate start and goal"));
   const std::string table = content(place / "kept/table.md");
   CHECK(table.find("1 problem, 1 strategy, 2 seeds") != std::string::npos);
@@ -565,7 +566,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(place / "kept")) left.push_back(entry.path().filename().string());
   std::sort(left.begin(), left.end());
-  CHECK(left == std::vector<std::string>{"figures", "report.html", "results.json", "table.csv", "table.md"});
+  CHECK(left == std::vector<std::string>{"figures", "manifest.json", "report.html", "results.json", "runs.jsonl",
+                                         "scores.jsonl", "table.csv", "table.md"});
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 
@@ -659,4 +661,27 @@ TEST_CASE("every example is valid") {
   const auto outcome = place.run(arguments);
   INFO(outcome.err);
   CHECK(outcome.status == 0);
+}
+
+TEST_CASE("each part of a mixture has a row, and parts of a split table name their rows") {
+  const Place place;
+  place.script("mixed.lua", R"(
+local mixed = (0.7*skeleton() + 0.2*goal_bias(0.2) + 0.1*bridge_test()) >> rrt { step = 0.5 }
+return experiment { problems = { scenes.cup() }, strategies = { mixed = mixed, rrt = rrt { step = 0.5 } }, seeds = 5 }
+)");
+  const Outcome overview = place.run({"run", "mixed.lua", "--width", "100"});
+  CHECK_THAT(overview.out, Catch::Matchers::Matches("(.|\n)*0 root .*\n"
+                                                    "  \\+ goal_bias\\(0.2\\) +draws [0-9]+ % of proposals\n"
+                                                    "  \\+ bridge_test\\(0.5\\) +draws [0-9]+ % of proposals\n"
+                                                    "1 └ skeleton\\(\\)(.|\n)*"));
+  CHECK_THAT(overview.out, Contains("median  mean"));
+
+  const Outcome narrow = place.run({"run", "mixed.lua", "--width", "60", "--report", "full"});
+  std::istringstream lines(narrow.out);
+  std::size_t named = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("0 root") && line.find(" tree ") != std::string::npos) ++named;
+  }
+  CHECK(named >= 4);  // in two strategies, each table in several parts
+  CHECK_THAT(narrow.out, Contains("medians over the runs: those of the levels do not"));
 }

@@ -16,6 +16,7 @@
 #include <trellis/report/summary.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis {
 
@@ -482,6 +483,10 @@ Json summary_json(const RunsSummary& summary, const Json& problem, const std::st
     levels.push_back({{"level", i},
                       {"key", level.key},
                       {"name", level.name},
+                      {"parent", level.parent < 0 ? Json(nullptr) : Json(level.parent)},
+                      {"space", level.space},
+                      {"dimension", level.dimension},
+                      {"planner", level.planner},
                       {"runs", level.runs},
                       {"solved", level.solved},
                       {"verdict", verdict_json(found, i)},
@@ -593,6 +598,7 @@ Json experiment_json(const Experiment& experiment) {
     measure["cross"] = m.cross;
     measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;
+    measure["text"] = target_text(m.target);
   }
   Json ablations = Json::array();
   for (const auto& link : experiment.ablations) {
