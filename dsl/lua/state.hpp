@@ -89,9 +89,10 @@ class State : public std::enable_shared_from_this<State> {
     unsigned catching = 0;     ///< calls of pcall and its like
     std::exception_ptr fault;  ///< an exception from a callback that is no Error; scripts cannot suppress it
     std::string raised;        ///< Trellis' last message; it needs no traceback
-    std::uint64_t spent = 0;   ///< instructions
+    std::uint64_t spent = 0;   ///< instructions, in whole intervals of the hook
     std::uint64_t last = std::numeric_limits<std::uint64_t>::max();  ///< a further limit of `spent`
     unsigned calls = 0;                                              ///< calls of `spend` since the last clock check
+    int partial = 0;  ///< instructions of the interval that is not whole yet
     Clock::time_point begin;
     Clock::time_point looked;  ///< time of the last clock check
     bool ended = false;        ///< the script is being ended and cannot prevent it
