@@ -20,6 +20,7 @@
 #include <dsl/language/random.hpp>
 #include <dsl/language/scenario.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/language/tuning.hpp>
 #include <dsl/language/world.hpp>
 #include <dsl/lua/state.hpp>
 
@@ -75,6 +76,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_guiding_space(stack, book);
   open_publication(stack);
   open_experiment(stack);
+  open_tuning(stack);
   open_scenario(stack, {folder, options.trust}, options.scenarios);
   open_help(stack, options.print);
   open_modules(stack, {folder, options.trust}, std::move(described));
