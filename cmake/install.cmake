@@ -38,7 +38,7 @@ install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.
         PATTERN "*.slurm")
 install(PROGRAMS examples/cluster/sweep-parallel DESTINATION ${data}/examples/cluster COMPONENT trellis)
 install(FILES .luacheckrc ${program} RENAME luacheckrc)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis PATTERN site EXCLUDE)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT trellis RENAME copyright)
 
 set(printed ${PROJECT_BINARY_DIR}/dsl)

@@ -36,8 +36,8 @@ int compare(const Options& options) {
   OutputFolder out(options.out);
   CostData data;
   for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
-  const std::string baseline = options.baseline.empty() ? data.baseline : options.baseline;
-  if (baseline.empty()) throw Error("compare: the files name no baseline; --baseline says which strategy it is");
+  const std::string baseline = options.baseline.empty() ? data.reference() : options.baseline;
+  if (baseline.empty()) throw Error("compare: the files have one strategy, so there is nothing to compare it with");
   const auto width =
       static_cast<std::size_t>(options.width.value_or(static_cast<std::uint64_t>(report_width(unbounded_width))));
   print_all(costs_text(data, baseline, width));

@@ -10,6 +10,7 @@
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
+#include <dsl/command/export.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/records.hpp>
 #include <dsl/language/stdlib.hpp>
@@ -23,7 +24,9 @@ constexpr std::size_t largest_file = std::size_t{4} << 30U;
 
 struct Options {
   std::vector<std::string> folders;  ///< of trellis sweep
-  std::string out;
+  std::string out;                   ///< "" if not given
+  std::string sqlite;                ///< a file, "" if not given
+  std::string pdt;                   ///< a folder, "" if not given
 };
 
 /// Adds a folder's records. Records of one run must be equal, except for times; the first one remains.
@@ -56,27 +59,56 @@ void check_complete(const Manifest& manifest, const Records& records) {
   }
 }
 
+void write_folder(const Options& options, const Manifest& manifest, const Records& records) {
+  OutputFolder out(options.out);
+  // The same command replaces what it wrote.
+  const std::string difference =
+      Manifest::exists(options.out) ? Manifest::read(options.out).difference(manifest, true) : "";
+  if (!difference.empty()) {
+    throw Error(fmt::format("--out: '{}' holds other runs: {}; name another folder", options.out, difference));
+  }
+  write_results(options.out, manifest, records);
+  manifest.write(options.out);
+  out.keep();
+}
+
 int merge(const Options& options) {
+  if (options.out.empty() && options.sqlite.empty() && options.pdt.empty()) {
+    throw Error("merge: name an output: --out FOLDER, --sqlite FILE or --pdt FOLDER");
+  }
+  if (!options.sqlite.empty()) {
+    require_writable_file(options.sqlite);
+    require_replaceable_database(options.sqlite);
+  }
   Manifest manifest = Manifest::read(options.folders.front());
   Records records;
   for (const std::string& folder : options.folders) {
     const std::string difference = manifest.difference(Manifest::read(folder), false);
     if (!difference.empty()) {
-      throw Error(fmt::format("merge: '{}' and '{}' are of different sweeps: {} differs", options.folders.front(),
-                              folder, difference));
+      throw Error(
+          fmt::format("merge: '{}' and '{}' are of different sweeps: {}", options.folders.front(), folder, difference));
     }
     add_records(records, folder);
   }
   manifest.shard = {};
   check_complete(manifest, records);
-  OutputFolder out(options.out);
-  if (std::filesystem::exists(std::filesystem::path(options.out) / "manifest.json")) {
-    throw Error(fmt::format("--out: '{}' holds a sweep already; name another folder", options.out));
+  std::vector<std::string> written;
+  if (!options.out.empty()) {
+    write_folder(options, manifest, records);
+    written.push_back(fmt::format("'{}'", options.out));
   }
-  write_results(options.out, manifest, records);
-  manifest.write(options.out);
-  out.keep();
-  print_all(fmt::format("{} runs of {} folders in '{}'\n", records.size(), options.folders.size(), options.out));
+  if (!options.sqlite.empty()) {
+    write_database(options.sqlite, manifest, records);
+    written.push_back(fmt::format("'{}'", options.sqlite));
+  }
+  if (!options.pdt.empty()) {
+    OutputFolder folder(options.pdt);
+    write_pdt(options.pdt, manifest, records);
+    folder.keep();
+    written.push_back(fmt::format("'{}'", options.pdt));
+  }
+  print_all(fmt::format("{} runs of {} folder{} in {}\n", records.size(), options.folders.size(),
+                        options.folders.size() == 1 ? "" : "s", fmt::join(written, ", ")));
   return success;
 }
 
@@ -84,10 +116,13 @@ int merge(const Options& options) {
 
 void add_merge(CommandLine& line) {
   const auto options = std::make_shared<Options>();
-  Subcommand verb = line.add("merge", "join the shards of a sweep, checked for missing and contradictory runs",
-                             [options] { return merge(*options); });
-  verb.arguments("FOLDER", "FOLDER", options->folders, "folders that trellis sweep wrote");
-  verb.text("--out", "FOLDER", options->out, "the folder of the joined sweep", true);
+  Subcommand verb = line.add(
+      "merge", "join the shards of a sweep into a folder or a database, checked for missing and contradictory runs",
+      [options] { return merge(*options); });
+  verb.arguments("FOLDER", "FOLDER", options->folders, "folders that trellis sweep or trellis run --out wrote");
+  verb.text("--out", "FOLDER", options->out, "the folder of the joined sweep");
+  verb.text("--sqlite", "FILE", options->sqlite, "one SQLite file with all runs, also for Planner Arena");
+  verb.text("--pdt", "FOLDER", options->pdt, "a CSV file for each problem, for Planner Developer Tools (PDT)");
 }
 
 }  // namespace trellis::command

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,9 +19,11 @@
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/figures/costs_figures.hpp>
+#include <trellis/figures/figures.hpp>
 #include <trellis/figures/pictures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/stored_summaries.hpp>
 
 namespace trellis::command {
 
@@ -27,12 +31,14 @@ namespace {
 
 constexpr std::size_t largest = std::size_t{4} << 30U;
 
+/// In the order of figure_names().
+enum class Kind : std::uint8_t { success, length, ratios, waterfall, profile, strip, plane, waterfalls };
+
 const std::vector<std::string>& figure_names() {
-  static const std::vector<std::string> names = {"success", "length", "ratios"};
+  static const std::vector<std::string> names = {"success", "length", "ratios", "waterfall",
+                                                 "profile", "strip",  "plane",  "waterfalls"};
   return names;
 }
-
-enum class Kind : std::uint8_t { success, length, ratios };
 
 struct Options {
   std::vector<std::string> files;  ///< documents of trellis run --json
@@ -40,43 +46,101 @@ struct Options {
   std::string baseline;  ///< a strategy, "" for the one that the documents name
   std::string out;
   FigureOptions style;
+
+  [[nodiscard]] bool draws(Kind kind) const { return !figure || static_cast<Kind>(*figure) == kind; }
+};
+
+/// What the documents contain.
+struct Stored {
+  CostData costs;
+  /// By problem, in the documents' order; none that two documents have both.
+  std::map<std::string, std::vector<StoredSummary>> summaries;
+  std::vector<std::string> repeated;  ///< "nested on cup", in two documents
+
+  void add(const std::string& document, const std::string& file) {
+    costs.add(document, file);
+    for (StoredSummary& one : read_stored_summaries(document, file)) {
+      if (one.problem.empty()) continue;
+      std::vector<StoredSummary>& there = summaries[one.problem];
+      if (std::any_of(there.begin(), there.end(), [&](const auto& s) { return s.strategy == one.strategy; })) {
+        repeated.push_back(fmt::format("{} on {}", one.strategy, one.problem));
+      } else {
+        there.push_back(std::move(one));
+      }
+    }
+  }
 };
 
 /// Draws figures into a folder, and lists the files without their endings.
 class Plotter {
  public:
-  Plotter(std::string folder, FigureStyle style) : folder_(std::move(folder)), style_(style) {}
+  Plotter(const Options& options, FigureStyle style) : options_(options), style_(style) {}
 
-  template <class F>
-  void draw(const std::optional<F>& figure, const std::string& problem, const std::string& name) {
-    if (!figure) return;
-    const std::filesystem::path place = problem.empty() ? folder_ : folder_ / directories_(problem);
-    make_directory(place.string());
-    stems_.push_back((place / name).string());
-    write_figure(*figure, style_, stems_.back());
+  void comparisons(const CostData& data, const std::string& baseline) {
+    for (std::size_t p = 0; p < data.problems.size(); ++p) {
+      const std::filesystem::path place = folder(data.problems[p].name);
+      if (options_.draws(Kind::success)) draw(success_figure(data, baseline, p), place / "success");
+      if (options_.draws(Kind::length)) draw(length_figure(data, baseline, p), place / "length");
+      if (options_.draws(Kind::ratios)) draw(ratio_figure(data.on(p), baseline), place / "ratios");
+    }
+    if (options_.draws(Kind::ratios) && data.problems.size() > 1) {
+      draw(ratio_figure(data, baseline), std::filesystem::path(options_.out) / "ratios");
+    }
   }
+
+  /// Draws the figures of the measure.
+  void measures(const std::string& problem, const std::vector<StoredSummary>& summaries) {
+    Directories strategies;
+    std::vector<NamedSummary> named;
+    for (const StoredSummary& one : summaries) {
+      const std::filesystem::path place = folder(problem) / strategies(one.strategy);
+      if (!one.ablation) named.push_back({one.strategy, &one.summary});
+      const StrategyFigures figures = strategy_figures(problem, one.strategy, one.summary);
+      if (options_.draws(Kind::waterfall)) draw(figures.waterfall, place / "waterfall");
+      if (options_.draws(Kind::profile)) draw(figures.profile, place / "profile");
+      if (options_.draws(Kind::strip)) draw(figures.strip, place / "strip");
+      if (options_.draws(Kind::plane)) draw(figures.plane, place / "plane");
+    }
+    if (options_.draws(Kind::waterfalls)) draw(waterfalls_figure(problem, named), folder(problem) / "waterfalls");
+  }
+
   [[nodiscard]] const std::vector<std::string>& stems() const { return stems_; }
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path folder(const std::string& problem) {
+    return std::filesystem::path(options_.out) / directories_(problem);
+  }
+  template <class F>
+  void draw(const std::optional<F>& figure, const std::filesystem::path& stem) {
+    if (!figure) return;
+    make_directory(stem.parent_path().string());
+    stems_.push_back(stem.string());
+    write_figure(*figure, style_, stems_.back());
+  }
+
+  const Options& options_;
   FigureStyle style_;
   Directories directories_;
   std::vector<std::string> stems_;
 };
 
-void draw(const CostData& data, const std::string& baseline, Kind kind, Plotter& plotter) {
-  const std::string& name = figure_names()[static_cast<std::size_t>(kind)];
-  for (std::size_t p = 0; p < data.problems.size(); ++p) {
-    const std::string& problem = data.problems[p].name;
-    if (kind == Kind::success) plotter.draw(success_figure(data, baseline, p), problem, name);
-    if (kind == Kind::length) plotter.draw(length_figure(data, baseline, p), problem, name);
-    if (kind == Kind::ratios) plotter.draw(ratio_figure(data.on(p), baseline), problem, name);
+/// Why a figure was not drawn.
+std::string nothing_text(const Options& options) {
+  if (!options.figure) return "plot: the files have no run with a path, so there is nothing to draw";
+  const std::string name = "--figure " + figure_names()[*options.figure];
+  switch (static_cast<Kind>(*options.figure)) {
+    case Kind::success:
+    case Kind::ratios: return name + ": the files have no run with a path, so there is nothing to draw";
+    case Kind::length: return name + ": no strategy of the files improves its path, so there is nothing to draw";
+    case Kind::plane: return name + ": the files have no scored strategy with a guide, so there is nothing to draw";
+    case Kind::waterfalls:
+      return name + ": no problem of the files has two scored strategies with guides, so there is nothing to draw";
+    default: return name + ": the files have no scored strategy, as of `measure = false` or of a sweep";
   }
-  if (kind == Kind::ratios && data.problems.size() > 1) plotter.draw(ratio_figure(data, baseline), "", name);
 }
 
 std::string chosen_baseline(const CostData& data, const Options& options) {
-  std::string name = options.baseline.empty() ? data.baseline : options.baseline;
+  std::string name = options.baseline.empty() ? data.reference() : options.baseline;
   std::vector<std::string> known;
   for (const CostData::Strategy& strategy : data.strategies) known.push_back(strategy.name);
   if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) {
@@ -89,23 +153,30 @@ std::string chosen_baseline(const CostData& data, const Options& options) {
 int plot(const Options& options) {
   check_format(options.style, false);
   const FigureStyle style = figure_style(options.style, true);
-  CostData data;
-  for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
-  const std::string baseline = chosen_baseline(data, options);
-  const auto only = options.figure;
-  if (only && static_cast<Kind>(*only) == Kind::ratios && baseline.empty()) {
-    throw Error("--figure ratios: the files name no baseline; --baseline says which strategy it is");
+  Stored stored;
+  for (const std::string& file : options.files) stored.add(dsl::read_file(file, largest), file);
+  stored.costs = stored.costs.without_ablations();
+  const std::string baseline = chosen_baseline(stored.costs, options);
+  if (options.figure && options.draws(Kind::ratios) && baseline.empty()) {
+    throw Error("--figure ratios: the files have one strategy, so there is nothing to compare it with");
+  }
+  const bool measured = !options.figure || *options.figure >= static_cast<std::size_t>(Kind::waterfall);
+  if (measured && !stored.repeated.empty()) {
+    const std::string text =
+        fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",
+                    stored.repeated.front());
+    if (options.figure) throw Error("--figure " + figure_names()[*options.figure] + ": " + text);
+    fmt::print(stderr, "trellis: note: {}\n", text);
   }
   OutputFolder out(options.out);
-  Plotter plotter(options.out, style);
-  for (std::size_t i = 0; i < figure_names().size(); ++i) {
-    if (!only || *only == i) draw(data, baseline, static_cast<Kind>(i), plotter);
+  Plotter plotter(options, style);
+  plotter.comparisons(stored.costs, baseline);
+  if (measured && stored.repeated.empty()) {
+    for (const CostData::Problem& problem : stored.costs.problems) {
+      plotter.measures(problem.name, stored.summaries[problem.name]);
+    }
   }
-  if (plotter.stems().empty()) {
-    throw Error(only && static_cast<Kind>(*only) == Kind::length
-                    ? "--figure length: no strategy of the files improves its path, so there is nothing to draw"
-                    : "plot: the files have no run with a path, so there is nothing to draw");
-  }
+  if (plotter.stems().empty()) throw Error(nothing_text(options));
   out.keep();
   for (const std::string& stem : plotter.stems()) print_all(fmt::format("{}.svg, .png, .pdf\n", stem));
   return success;
@@ -118,8 +189,10 @@ void add_plot(CommandLine& line) {
   Subcommand verb =
       line.add("plot", "draw stored results of trellis run, without planning", [options] { return plot(*options); });
   verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
-  verb.choice("--figure", figure_names(), options->figure,
-              "the figure of this name alone: success, length or ratios (default all that the results suffice for)");
+  verb.choice(
+      "--figure", figure_names(), options->figure,
+      "the figure of this name alone (default all that the results suffice for); those of samples and of motions "
+      "need the samples, which trellis run --figures has");
   verb.text("--baseline", "NAME", options->baseline,
             "the strategy that the others are compared with, instead of the experiment's");
   verb.text("--out", "FOLDER", options->out, "the folder of the figures", true);

@@ -15,8 +15,11 @@
 #include <string_view>
 #include <utility>
 
+#include <dsl/language/session.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/version.hpp>
+#include <trellis/memory/identity.hpp>
 #include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
@@ -43,6 +46,18 @@ void remove_times(Json& json) {
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);
   }
+}
+
+/// Returns the first name whose hash differs, "" for none.
+std::string first_difference(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b) {
+  for (const auto& [name, hash] : a) {
+    const auto other = b.find(name);
+    if (other == b.end() || other->second != hash) return name;
+  }
+  for (const auto& [name, hash] : b) {
+    if (!a.contains(name)) return name;
+  }
+  return "";
 }
 
 std::uint64_t number_of(std::string_view text, std::string_view whole) {
@@ -80,28 +95,61 @@ Manifest Manifest::read(const std::string& folder) {
     return {json.at("version").get<std::string>(),
             json.at("script").get<std::string>(),
             json.at("script_hash").get<std::string>(),
+            json.at("files").get<std::map<std::string, std::string>>(),
+            json.at("worlds").get<std::map<std::string, std::string>>(),
             json.at("options").get<std::string>(),
             Shard::parse(json.at("shard").get<std::string>()),
             json.at("experiment").dump()};
   } catch (const Json::exception&) {
-    throw Error(fmt::format("{}: this is no manifest that trellis sweep writes", path));
+    throw Error(
+        fmt::format("{}: this is no manifest of this version of trellis ({}); name another folder, or start "
+                    "again with --restart",
+                    path, trellis::version()));
   }
 }
 
+bool Manifest::exists(const std::string& folder) { return std::filesystem::exists(in(folder, "manifest.json")); }
+
 void Manifest::write(const std::string& folder) const {
-  const Json json = {{"version", version}, {"script", script},      {"script_hash", script_hash},
-                     {"options", options}, {"shard", shard.text()}, {"experiment", Json::parse(experiment)}};
+  const Json json = {{"version", version},         {"script", script},
+                     {"script_hash", script_hash}, {"files", files},
+                     {"worlds", worlds},           {"options", options},
+                     {"shard", shard.text()},      {"experiment", Json::parse(experiment)}};
   write_file(in(folder, "manifest.json"), json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 std::string Manifest::difference(const Manifest& other, bool shards) const {
-  if (version != other.version) return fmt::format("the version of trellis ({} and {})", version, other.version);
-  if (script_hash != other.script_hash) return "the content of the script";
-  if (options != other.options) return fmt::format("the options ({} and {})", options, other.options);
-  if (shards && shard.text() != other.shard.text()) {
-    return fmt::format("the shard ({} and {})", shard.text(), other.shard.text());
+  if (version != other.version)
+    return fmt::format("the version of trellis differs ({} and {})", version, other.version);
+  if (script_hash != other.script_hash) return "the content of the script differs";
+  if (const std::string file = first_difference(files, other.files); !file.empty()) {
+    return fmt::format("the content of '{}', which the script reads, differs", file);
   }
-  return experiment != other.experiment ? "the experiment" : "";
+  if (options != other.options) return fmt::format("the options differ ({} and {})", options, other.options);
+  if (shards && shard.text() != other.shard.text()) {
+    return fmt::format("the shard differs ({} and {})", shard.text(), other.shard.text());
+  }
+  if (experiment != other.experiment) return "the experiment differs";
+  const std::string world = first_difference(worlds, other.worlds);
+  return world.empty() ? "" : fmt::format("the world or the robot of problem '{}' differs", world);
+}
+
+ScriptFiles::ScriptFiles(dsl::SessionOptions& session)
+    : files_(std::make_shared<std::map<std::string, std::string>>()) {
+  session.watch = [files = files_](const std::string& name, const std::string& path) {
+    (*files)[name] = hash_of(dsl::read_file(path, largest_file));
+  };
+}
+
+Manifest ScriptFiles::manifest(const std::string& script, const std::string& options, Shard shard,
+                               const Experiment& experiment) const {
+  std::map<std::string, std::string> worlds;
+  for (const Problem& problem : experiment.problems) {
+    worlds[utf8(problem.name)] =
+        fmt::format("{:016x}{:016x}", identity(problem.scene->world), identity(problem.scene->robot));
+  }
+  return {std::string(version()),     script, hash_of(dsl::read_file(script)), *files_, worlds, options, shard,
+          experiment_line(experiment)};
 }
 
 std::vector<RunKey> keys_of(const std::string& experiment) {
@@ -142,7 +190,10 @@ Records parse_records(const std::string& text, const std::string& file, std::siz
       const Json json = Json::parse(line);
       const RunKey key{json.at("problem").get<std::string>(), json.at("strategy").get<std::string>(),
                        json.at("seed").get<std::uint64_t>()};
-      if (!records.emplace(key, std::move(line)).second) {
+      // Without a strategy it is of a whole problem, and a later record replaces it.
+      const bool known = records.contains(key);
+      records.insert_or_assign(key, std::move(line));
+      if (known && !key.strategy.empty()) {
         throw Error(fmt::format("{}:{}: {} is there twice; delete one of the lines", file, number, key.text()));
       }
     } catch (const Json::exception&) {
@@ -157,6 +208,10 @@ std::string without_times(const std::string& line) {
   Json json = Json::parse(line);
   remove_times(json);
   return json.dump();
+}
+
+std::string utf8(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
 std::string hash_of(const std::string& bytes) {
@@ -177,7 +232,17 @@ void write_results(const std::string& folder, const Manifest& manifest, const Re
   write_file(in(folder, "results.json"), runs_document(manifest.script, manifest.experiment, lines));
 }
 
-RecordFile::RecordFile(const std::string& folder) : path_(in(folder, "runs.jsonl")) {
+void require_same(const std::string& folder, const Manifest& manifest) {
+  if (!Manifest::exists(folder)) return;
+  const std::string difference = Manifest::read(folder).difference(manifest, true);
+  if (difference.empty()) return;
+  throw Error(fmt::format(
+      "--out: '{}' holds other runs: {}; name another folder, or start again with --restart, which deletes their "
+      "records",
+      folder, difference));
+}
+
+RecordFile::RecordFile(const std::string& folder, const char* name, bool restart) : path_(in(folder, name)) {
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file_ < 0) fail(path_, errno);
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
@@ -185,6 +250,7 @@ RecordFile::RecordFile(const std::string& folder) : path_(in(folder, "runs.jsonl
     throw Error(fmt::format("'{}' is in use by another process; wait for its end, or use another folder", path_));
   }
   try {
+    if (restart && ::ftruncate(file_, 0) != 0) fail(path_, errno);
     records_ = parse_records(dsl::read_file(path_, largest_file), path_, size_);
     if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail(path_, errno);
   } catch (...) {
@@ -205,7 +271,7 @@ void RecordFile::append(const RunKey& key, const std::string& line) {
     fail(path_, reason);
   }
   size_ += line.size() + 1;
-  records_.emplace(key, line);
+  records_.insert_or_assign(key, line);
 }
 
 }  // namespace trellis::command

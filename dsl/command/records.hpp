@@ -4,12 +4,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <tuple>
 #include <vector>
 
-/// The folder of a sweep: a manifest, and one record a run, which remain when the program is killed.
+/// The folder of a sweep or of a run: a manifest, and one record a run, which remain when the program is killed.
+namespace trellis {
+struct Experiment;
+}
+namespace trellis::dsl {
+struct SessionOptions;
+}
+
 namespace trellis::command {
 
 struct RunKey {
@@ -37,15 +45,32 @@ struct Manifest {
   std::string version;      ///< of the program
   std::string script;       ///< path as given
   std::string script_hash;  ///< of the file's bytes
-  std::string options;      ///< those of the command line that change the runs
+  /// The hashes of the modules, scenes, libraries and models that the script names, by name.
+  std::map<std::string, std::string> files;
+  std::map<std::string, std::string> worlds;  ///< hashes of world and robot, by problem
+  std::string options;                        ///< those of the command line that change the runs
   Shard shard;
   std::string experiment;  ///< a result of experiment_line()
 
   /// \throws Error that names the file
   static Manifest read(const std::string& folder);
+  static bool exists(const std::string& folder);
   void write(const std::string& folder) const;
-  /// Returns the first field that differs, "" for none. Ignores the path of the script.
+  /// Returns a clause with the first difference, "" for none. Ignores the path of the script.
   [[nodiscard]] std::string difference(const Manifest& other, bool shards) const;
+};
+
+/// Collects the hashes of the files that a script names while it loads.
+class ScriptFiles {
+ public:
+  /// Sets the session's `watch`.
+  explicit ScriptFiles(dsl::SessionOptions& session);
+  /// Describes the runs of a script that has loaded.
+  [[nodiscard]] Manifest manifest(const std::string& script, const std::string& options, Shard shard,
+                                  const Experiment& experiment) const;
+
+ private:
+  std::shared_ptr<std::map<std::string, std::string>> files_;
 };
 
 /// Returns the runs of an experiment, by problem, strategy, seed.
@@ -62,23 +87,31 @@ Records parse_records(const std::string& text, const std::string& file, std::siz
 /// Returns a record without times, which differ from run to run.
 std::string without_times(const std::string& line);
 
+/// Returns a text as JSON stores it: bytes that are no UTF-8 become U+FFFD.
+std::string utf8(const std::string& text);
+
 /// Returns a hash of a file's bytes, 16 hexadecimal digits.
 std::string hash_of(const std::string& bytes);
 
 /// Stores the results of a complete sweep: the records in the order of the runs, and results.json.
 void write_results(const std::string& folder, const Manifest& manifest, const Records& records);
 
-/// The file of records, locked against other processes.
+/// Checks that a folder has no manifest, or an equal one. \throws Error that names the difference
+void require_same(const std::string& folder, const Manifest& manifest);
+
+/// A file of records, locked against other processes.
 class RecordFile {
  public:
   /// Opens or creates the file, and removes an incomplete last line.
-  explicit RecordFile(const std::string& folder);
+  /// \param restart  removes all records
+  RecordFile(const std::string& folder, const char* name, bool restart);
   ~RecordFile();
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
   [[nodiscard]] const Records& records() const { return records_; }
-  /// Appends a record and syncs it. A failure leaves the records before it. Thread-safe. \throws Error
+  /// Appends a record, or one that replaces the key's, and syncs it. A failure leaves the records before it.
+  /// Thread-safe. \throws Error
   void append(const RunKey& key, const std::string& line);
 
  private:

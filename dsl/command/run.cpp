@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include <dsl/command/learn.hpp>
 #include <dsl/command/outputs.hpp>
 #include <dsl/command/progress.hpp>
+#include <dsl/command/resume.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
@@ -33,6 +35,7 @@
 #include <trellis/figures/html.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
+#include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 
@@ -68,6 +71,7 @@ struct Options {
   std::optional<std::uint64_t> width;  ///< of the report, in columns
   bool ablate = false;
   bool quiet = false;
+  bool restart = false;
 };
 
 ExperimentResult run_cells(const Experiment& experiment, unsigned jobs, bool quiet) {
@@ -140,9 +144,41 @@ void write_out(const Experiment& experiment, const ExperimentResult& result, con
   write_comparison_figures(experiment, result, (folder / "figures").string(), style);
 }
 
+/// The options that change the runs or their scores.
+std::string options_text(const Options& options) {
+  std::string text = "run";
+  for (const auto& [name, value] : {std::pair{"seeds", options.seeds}, std::pair{"seed", options.seed},
+                                    std::pair{"only", options.only}, std::pair{"cross", options.cross}}) {
+    if (value) text += fmt::format(" --{} {}", name, *value);
+  }
+  if (!options.problem.empty()) text += fmt::format(" --problem '{}'", options.problem);
+  if (!options.strategy.empty()) text += fmt::format(" --strategy '{}'", options.strategy);
+  return options.ablate ? text + " --ablate" : text;
+}
+
+/// The options that change the figures.
+std::string style_text(const Options& options) {
+  const FigureOptions& style = options.style;
+  return fmt::format("palette {}, column {}, untitled {}, serif {}, scale bar {}", options.palette.value_or(0),
+                     style.column ? std::to_string(*style.column) : "none", style.untitled, style.serif,
+                     style.scale_bar);
+}
+
+/// Writes what is finished after an interruption. Returns what remains.
+Interrupted interrupted_after(std::size_t problems, const Experiment& experiment, const ExperimentResult& result,
+                              const Options& options, const FigureStyle& style, std::size_t runs) {
+  std::vector<std::string> finished;
+  if (problems > 0) write_out(part_of(experiment, 0, problems), result, options, style);
+  for (std::size_t k = 0; k < problems; ++k) finished.push_back(experiment.problems[k].name);
+  return Interrupted(fmt::format("interrupted; '{}' holds {} of {} runs{}{}; the same command continues", options.out,
+                                 runs,
+                                 experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size(),
+                                 finished.empty() ? "" : " and the results of ", fmt::join(finished, ", ")));
+}
+
 /// Runs problem by problem, so that finished results remain if a later problem fails.
 ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const Options& options,
-                              const SceneFigureOptions& drawing) {
+                              const SceneFigureOptions& drawing, Resume& resume) {
   const InterruptibleRun interruptible;
   Progress progress(!options.quiet);
   const std::size_t all = steps(experiment);
@@ -153,27 +189,29 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
     const Experiment one = part_of(experiment, i, 1);
     try {
       ExperimentResult found =
-          run(one, {.jobs = jobs,
-                    .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
-                    .interrupted = InterruptibleRun::requested});
-      progress.show("drawing " + one.problems.front().name);
-      write_all_figures(one, found, (std::filesystem::path(options.out) / "figures").string(), drawing, options.quiet);
+          run(one,
+              {.jobs = jobs,
+               .progress = [&](std::size_t done, std::size_t) { progress.show(before + done, all); },
+               .interrupted = InterruptibleRun::requested},
+              resume);
+      const std::string& name = one.problems.front().name;
+      progress.show("drawing " + name);
+      const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
+      resume.draw(name, style_text(options), (figures / Directories()(name)).string(),
+                  [&] { write_all_figures(one, found, figures.string(), drawing, options.quiet); });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
+      std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
       result.planning_seconds += found.planning_seconds;
       result.measuring_seconds += found.measuring_seconds;
     } catch (const Interrupted&) {
-      if (i == 0) throw;
       progress.show("writing what is finished");
-      write_out(part_of(experiment, 0, i), result, options, drawing.style);
-      std::vector<std::string> finished;
-      for (std::size_t k = 0; k < i; ++k) finished.push_back(experiment.problems[k].name);
-      throw Interrupted(fmt::format("interrupted; '{}' holds all of {}; the same command makes the rest too",
-                                    options.out, fmt::join(finished, ", ")));
+      throw interrupted_after(i, experiment, result, options, drawing.style, resume.runs());
     }
     before += steps(one);
   }
   progress.show("writing the tables and the page");
   write_out(experiment, result, options, drawing.style);
+  resume.finish(result);
   return result;
 }
 
@@ -193,7 +231,8 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
 }
 
 /// Warns on stderr about unused inputs.
-void warn(const dsl::Program& program, const ExperimentResult& result) {
+/// \param scored  whether this process computed all scores
+void warn(const dsl::Program& program, const ExperimentResult& result, bool scored) {
   for (const std::string& sentence : unused_guides(program.experiment, result)) {
     fmt::print(stderr, "trellis: warning: {}\n", sentence);
   }
@@ -203,6 +242,7 @@ void warn(const dsl::Program& program, const ExperimentResult& result) {
                         ? "the experiment is measured by another target (field 'measure')"
                         : "the experiment is measured by another target, or no run found a path";
   for (const auto& [function, guides] : program.uncalled()) {
+    if (!guides && !scored) continue;
     if (guides) {
       fmt::print(stderr, "trellis: warning: {} was never called in any run\n", function);
     } else {
@@ -242,13 +282,13 @@ void check_combination(const Options& options) {
   if (options.only && (options.seeds || options.seed)) {
     throw Error("--only: it is one seed; leave out --seed and --seeds");
   }
+  if (options.restart && options.out.empty()) throw Error("--restart: nothing is stored without --out");
   if (options.novelty && options.learn.empty()) throw Error("--novelty: nothing is learnt without --learn");
   check_format(options.style, !options.out.empty());
 }
 
 /// Loads the script and applies the options to its experiment.
-dsl::Program program_of(const Options& options) {
-  dsl::SessionOptions session = session_options(options.scripts);
+dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
@@ -298,7 +338,9 @@ int run(const Options& options) {
   const ReportKind kind = report_kind(options);
   // Create the library before the script runs, so that a script may use a library without paths.
   if (!options.learn.empty()) static_cast<void>(Library(options.learn, Library::Mode::write));
-  const dsl::Program program = program_of(options);
+  dsl::SessionOptions session = session_options(options.scripts);
+  const ScriptFiles files(session);
+  const dsl::Program program = program_of(options, session);
   const Experiment& experiment = program.experiment;
 
   // A run may take hours: check first that its results can be stored.
@@ -307,17 +349,24 @@ int run(const Options& options) {
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
   OutputFolder out(options.out);
+  std::optional<Resume> resume;
+  if (!options.out.empty()) {
+    check(experiment);
+    const Manifest manifest = files.manifest(options.script, options_text(options), {}, experiment);
+    if (!options.restart) require_same(options.out, manifest);
+    resume.emplace(options.out, manifest, options.restart);
+    out.keep();
+  }
 
   for (const std::string& sentence : input_warnings(experiment)) {
     fmt::print(stderr, "trellis: warning: {}\n", sentence);
   }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
-  const ExperimentResult result = options.out.empty() ? run_cells(experiment, threads, options.quiet)
-                                                      : run_problems(experiment, threads, options, drawing);
+  const ExperimentResult result = resume ? run_problems(experiment, threads, options, drawing, *resume)
+                                         : run_cells(experiment, threads, options.quiet);
   samples.keep();
   figures.keep();
-  out.keep();
-  if (!options.out.empty()) tell_unsolved(experiment, result);
+  if (resume) tell_unsolved(experiment, result);
 
   Writers writers;
   writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
@@ -332,7 +381,7 @@ int run(const Options& options) {
   });
   writers.attempt(!options.learn.empty(),
                   [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
-  warn(program, result);
+  warn(program, result, !resume || !resume->restored());
   writers.finish();
   return success;
 }
@@ -361,7 +410,8 @@ void add_run(CommandLine& line) {
   verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
   verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
   verb.text("--out", "FOLDER", options->out,
-            "write tables, the document and figures into a folder, problem by problem");
+            "write tables, the document and figures into a folder, problem by problem; continues when repeated");
+  verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");
   verb.text("--learn", "FILE", options->learn, "add the paths that were found and are new to a library of paths");
   verb.number("--novelty", "METRES", 0.0, options->novelty,
               "how far from all that the library has a path is new, in metres (default the robot's bounding radius)");

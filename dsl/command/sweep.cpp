@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,10 +18,8 @@
 #include <dsl/command/records.hpp>
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
-#include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
-#include <trellis/base/version.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/report/records.hpp>
 
@@ -41,11 +38,11 @@ struct Options {
   std::string out;
   std::string shard;  ///< "I/N", "" for all
   bool ablate = false;
+  bool restart = false;
   bool quiet = false;
 };
 
-dsl::Program program_of(const Options& options) {
-  dsl::SessionOptions session = session_options(options.scripts);
+dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
   dsl::Program program = dsl::load_script(options.script, session);
   dsl::override_seeds(program, options.seeds, options.seed);
@@ -53,25 +50,11 @@ dsl::Program program_of(const Options& options) {
   return program;
 }
 
-Manifest manifest_of(const Options& options, const Experiment& experiment) {
-  const auto text = [](const std::optional<std::uint64_t>& value) { return value ? std::to_string(*value) : "none"; };
-  return {std::string(version()),
-          options.script,
-          hash_of(dsl::read_file(options.script)),
-          fmt::format("seeds {}, seed {}, ablate {}", text(options.seeds), text(options.seed), options.ablate),
-          Shard::parse(options.shard),
-          experiment_line(experiment)};
-}
-
-/// Stores the manifest, or checks that the folder's is equal.
-void begin(const Options& options, const Manifest& manifest) {
-  if (!std::filesystem::exists(std::filesystem::path(options.out) / "manifest.json")) {
-    manifest.write(options.out);
-    return;
-  }
-  const std::string difference = Manifest::read(options.out).difference(manifest, true);
-  if (difference.empty()) return;
-  throw Error(fmt::format("--out: '{}' holds another sweep: {} differs; name another folder", options.out, difference));
+std::string options_text(const Options& options) {
+  std::string text = "sweep";
+  if (options.seeds) text += fmt::format(" --seeds {}", *options.seeds);
+  if (options.seed) text += fmt::format(" --seed {}", *options.seed);
+  return options.ablate ? text + " --ablate" : text;
 }
 
 /// Runs the missing cells.
@@ -107,14 +90,18 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
 
 int sweep(const Options& options) {
   if (options.out.empty()) throw Error("--out: name the folder of the records");
-  const dsl::Program program = program_of(options);
+  dsl::SessionOptions session = session_options(options.scripts);
+  const ScriptFiles files(session);
+  const dsl::Program program = program_of(options, session);
   const Experiment& experiment = program.experiment;
   check(experiment);
   OutputFolder out(options.out);
-  const Manifest manifest = manifest_of(options, experiment);
-  begin(options, manifest);
+  const Manifest manifest =
+      files.manifest(options.script, options_text(options), Shard::parse(options.shard), experiment);
+  if (!options.restart) require_same(options.out, manifest);
+  RecordFile file(options.out, "runs.jsonl", options.restart);
+  if (options.restart || !Manifest::exists(options.out)) manifest.write(options.out);
   out.keep();
-  RecordFile file(options.out);
   const std::vector<RunKey> keys = keys_of(manifest.experiment);
   const std::vector<std::size_t> cells = cells_of(manifest.experiment, manifest.shard);
   std::vector<std::size_t> missing;
@@ -150,6 +137,7 @@ void add_sweep(CommandLine& line) {
   verb.integer("--jobs", "N", 1, most_jobs, options->jobs,
                "runs at the same time (default 1, so that their times compare)");
   verb.flag("--ablate", options->ablate, "run every strategy with each of its guides taken out, too");
+  verb.flag("--restart", options->restart, "delete the records of the folder and start again");
   verb.flag("--quiet", options->quiet, "print neither result nor progress");
   add_script_options(verb, options->scripts);
 }

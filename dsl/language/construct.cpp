@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include <dsl/language/measure.hpp>
 
@@ -278,7 +279,8 @@ void place_files(const Component& component, std::vector<Options::Entry>& given,
       throw Error(fmt::format("{}: option '{}': there is no file '{}': {}", component.name, option.name, path.string(),
                               option.doc));
     }
-    *file = path.string();
+    const std::string name = std::exchange(*file, path.string());
+    if (place.watch && std::filesystem::is_regular_file(path, ignored)) place.watch(name, *file);
   }
 }
 

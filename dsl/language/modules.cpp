@@ -53,7 +53,7 @@ struct Source {
 class Modules {
  public:
   Modules(const ScriptPlace& place, std::function<void(const Construct&)> described)
-      : folder_(place.folder), trust_(place.trust), described_(std::move(described)) {}
+      : place_(place), described_(std::move(described)) {}
 
   /// Pushes the module's value. `loaded` is the table of the modules that have run.
   void require(Stack& stack, const std::string& name) {
@@ -105,25 +105,29 @@ class Modules {
     if (!is_module_name(name)) {
       throw Error(fmt::format("require: '{}' is no module name (letters, digits, '_', parts separated by '.')", name));
     }
-    if (auto text = module_text(name)) return {std::move(*text), "=stdlib/" + name + ".lua", true};
+    if (auto text = module_text(name)) {
+      if (const auto path = module_path(name); path && place_.watch) place_.watch(name + ".lua", *path);
+      return {std::move(*text), "=stdlib/" + name + ".lua", true};
+    }
     std::string file = name;
     std::replace(file.begin(), file.end(), '.', '/');
-    const auto path = (std::filesystem::path(folder_) / (file + ".lua")).lexically_normal().string();
+    const auto path = (std::filesystem::path(place_.folder) / (file + ".lua")).lexically_normal().string();
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) {
       const auto standard = module_names();
       throw Error(fmt::format("require: no module '{}'{}: neither in the standard library nor at '{}'", name,
                               did_you_mean(name, standard), path));
     }
+    if (place_.watch) place_.watch(file + ".lua", path);
     return {without_shebang(read_file(path)), "@" + path, false};
   }
 
   /// Pushes the functions that only the standard library receives.
   void push_natives(Stack& stack) const {
     const Value natives = stack.push_table();
-    stack.push_function(scene_loader(folder_, trust_));
+    stack.push_function(scene_loader(place_));
     stack.set_field(natives, "load_scene");
-    stack.push_function(scene_finder(folder_, trust_));
+    stack.push_function(scene_finder(place_.folder, place_.trust));
     stack.set_field(natives, "scene_exists");
     stack.push_function(definer(described_));
     stack.set_field(natives, "define");
@@ -134,8 +138,7 @@ class Modules {
   /// Returns the table of loaded modules, which scripts cannot access.
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
-  std::string folder_;
-  bool trust_;
+  ScriptPlace place_;
   std::function<void(const Construct&)> described_;
   std::vector<std::string> loading_;
 };

@@ -315,12 +315,13 @@ std::string missing_scene(const std::string& file, const std::string& script_fol
                      no_scenes ? "; the environment's TRELLIS_SCENES names no folder of scenes" : "");
 }
 
-lua::Callback scene_loader(std::string script_folder, bool trust) {
-  return [folder = std::move(script_folder), trust](Stack& call) {
+lua::Callback scene_loader(ScriptPlace place) {
+  return [place = std::move(place)](Stack& call) {
     const std::string file = file_argument(call, "scenes.load");
-    if (!trust) require_within("scenes.load", file, folder);
-    const std::string path = find_scene(file, folder);
-    if (path.empty()) throw Error("scenes.load: " + missing_scene(file, folder));
+    if (!place.trust) require_within("scenes.load", file, place.folder);
+    const std::string path = find_scene(file, place.folder);
+    if (path.empty()) throw Error("scenes.load: " + missing_scene(file, place.folder));
+    if (place.watch) place.watch(file, path);
     const Given given = read_options(load_settings().component(), call, 2, false);
     const auto settings = load_settings().read(Options::validate(load_settings().component(), given.options));
     auto problems = read_problems(

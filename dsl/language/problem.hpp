@@ -4,6 +4,7 @@
 #include <string>
 
 #include <dsl/language/construct.hpp>
+#include <dsl/language/script_place.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::dsl {
@@ -26,9 +27,9 @@ std::string find_scene(const std::string& file, const std::string& script_folder
 /// The message for a file that find_scene does not find: the paths that it tried.
 std::string missing_scene(const std::string& file, const std::string& script_folder);
 
-/// scenes.load(file, options): returns a list of problems. The callback stores the script's folder.
-/// \param trust  allows files outside of that folder and the folder of scenes
-lua::Callback scene_loader(std::string script_folder, bool trust);
+/// scenes.load(file, options): returns a list of problems. Without the place's trust, the file lies in the script's
+/// folder or in the folder of scenes.
+lua::Callback scene_loader(ScriptPlace place);
 /// scenes.exists(file).
 lua::Callback scene_finder(std::string script_folder, bool trust);
 

@@ -66,9 +66,10 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
                    std::function<void(const Construct&)> described, std::shared_ptr<GuideBook> book) {
   if (!book) book = std::make_shared<GuideBook>();
   book->each = call_limits(options.instructions);
+  const ScriptPlace place{folder, options.trust, options.watch};
   open_libraries(stack, options.trust);
   book->random = open_random(stack, options.seed);
-  open_algebra(stack, {folder, options.trust});
+  open_algebra(stack, place);
   open_world(stack);
   open_motion(stack);
   open_problem(stack);
@@ -77,9 +78,9 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_publication(stack);
   open_experiment(stack);
   open_tuning(stack);
-  open_scenario(stack, {folder, options.trust}, options.scenarios);
+  open_scenario(stack, place, options.scenarios);
   open_help(stack, options.print);
-  open_modules(stack, {folder, options.trust}, std::move(described));
+  open_modules(stack, place, std::move(described));
 }
 
 Session::Session(const std::string& folder, const SessionOptions& options)
@@ -128,6 +129,7 @@ void Session::as_script(const std::string& text, const std::string& name, const 
   const auto load = [text, name, folder = folder_, options = options_] {
     const auto quiet = std::make_shared<bool>(true);
     SessionOptions silent = options;
+    silent.watch = nullptr;  // the first load has named the files
     silent.print = [quiet, print = options.print](const std::string& said) {
       if (!*quiet && print) print(said);
     };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <dsl/language/program.hpp>
+#include <dsl/language/script_place.hpp>
 
 namespace trellis::lua {
 class Stack;
@@ -36,6 +37,8 @@ struct SessionOptions {
   std::function<bool()> interrupted = {};  ///< polled while it runs; true ends it (Interrupted)
   /// Called from another thread if a script does not stop at its limits; must not return.
   std::function<void(const std::string& message)> stuck = {};
+  /// Called for each module, scene, library and model that the script names while it loads; not for the embedded ones.
+  FileWatch watch = {};
   std::shared_ptr<ScenarioBook> scenarios = {};  ///< records the script's scenarios; nullptr: scenarios are not allowed
 };
 

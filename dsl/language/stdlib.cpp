@@ -43,10 +43,18 @@ std::vector<std::string> module_names() {
   return names;
 }
 
+std::optional<std::string> module_path(const std::string& name) {
+  if (folder().empty()) return {};
+  const fs::path path = fs::path(folder()) / (name + ".lua");
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  return path.string();
+}
+
 std::optional<std::string> module_text(const std::string& name) {
   const auto names = module_names();
   if (!std::binary_search(names.begin(), names.end(), name)) return {};
-  if (!folder().empty()) return read_file((fs::path(folder()) / (name + ".lua")).string());
+  if (const auto path = module_path(name)) return read_file(*path);
   const auto modules = embedded_modules();
   return std::string(
       std::find_if(modules.begin(), modules.end(), [&](const Module& m) { return m.name == name; })->text);

@@ -23,6 +23,9 @@ std::vector<std::string> module_names();
 /// Returns a module's text, from the same source; none for an unknown module.
 std::optional<std::string> module_text(const std::string& name);
 
+/// Returns the path of a module that is not embedded; none for an embedded or unknown one.
+std::optional<std::string> module_path(const std::string& name);
+
 /// The default limit of a file's size in bytes: reading a device may not terminate.
 inline constexpr std::size_t largest_file = std::size_t{64} << 20U;
 

@@ -556,7 +556,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   ::kill(child, SIGINT);
   const auto outcome = place.finish(child);
   CHECK(outcome.status == 130);
-  CHECK(outcome.err.ends_with("trellis: interrupted; 'kept' holds all of cup; the same command makes the rest too\n"));
+  CHECK(outcome.err.ends_with(
+      "trellis: interrupted; 'kept' holds 2 of 4 runs and the results of cup; the same command continues\n"));
   CHECK(outcome.err.starts_with("trellis: warning: problem 'wall': obstacles separate start and goal"));
   const std::string table = content(place / "kept/table.md");
   CHECK(table.find("1 problem, 1 strategy, 2 seeds") != std::string::npos);
@@ -565,7 +566,8 @@ TEST_CASE("Ctrl-C keeps the problems that are finished, and says so") {
   std::vector<std::string> left;
   for (const auto& entry : fs::directory_iterator(place / "kept")) left.push_back(entry.path().filename().string());
   std::sort(left.begin(), left.end());
-  CHECK(left == std::vector<std::string>{"figures", "report.html", "results.json", "table.csv", "table.md"});
+  CHECK(left == std::vector<std::string>{"figures", "manifest.json", "report.html", "results.json", "runs.jsonl",
+                                         "scores.jsonl", "table.csv", "table.md"});
   CHECK_FALSE(fs::exists(place / "kept/figures/wall"));
 }
 

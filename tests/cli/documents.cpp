@@ -21,8 +21,8 @@
 //   <!-- terminal: 80 x 30 -->    the size of the terminal from here on
 //   <!-- not run: WHY -->         it is compiled only
 //
-// TRELLIS_DOCUMENT=docs/tutorial.md in the environment reads one document only. With TRELLIS_UPDATE_GOLDEN set, what is
-// shown is written anew where it is not what is printed, to be read before it is kept.
+// TRELLIS_DOCUMENT=docs/tutorials/tutorial.md in the environment reads one document only. With TRELLIS_UPDATE_GOLDEN
+// set, what is shown is written anew where it is not what is printed, to be read before it is kept.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -54,6 +54,9 @@ using trellis::test::Terminal;
 namespace {
 
 const fs::path source = TRELLIS_SOURCE;
+
+/// A line of the gallery: the file that its commands write, of the next picture.
+const std::regex written_file("`([^`]+)`");
 
 /// Maps each part of the shown text to a part of the printed one: parts begin and end at lines of dots, and a
 /// part begins where a printed line differs from its first one in numbers and blanks only.
@@ -243,6 +246,9 @@ class Reader {
       finish();
     }
   }
+
+  /// Whether the commands so far wrote a file.
+  [[nodiscard]] bool has(const std::string& file) const { return fs::exists(place_ / file); }
 
   /// Lists the written files that no later step used.
   [[nodiscard]] std::vector<std::string> idle() const {
@@ -446,6 +452,44 @@ TEST_CASE("the documents' links lead somewhere", "[documents]") {
   }
 }
 
+TEST_CASE("the map lists every page once", "[documents]") {
+  const std::vector<std::string> links = read_markdown(content(source / "docs/README.md")).links;
+  for (const auto& entry : fs::recursive_directory_iterator(source / "docs")) {
+    const std::string page = fs::relative(entry.path(), source / "docs").string();
+    const bool decision = page.starts_with("decisions/") && page != "decisions/README.md";
+    if (entry.path().extension() != ".md" || page == "README.md" || decision) continue;
+    INFO("docs/README.md: " << page);
+    CHECK(std::count(links.begin(), links.end(), page) == 1);
+  }
+  const std::vector<std::string> decisions = read_markdown(content(source / "docs/decisions/README.md")).links;
+  for (const auto& entry : fs::directory_iterator(source / "docs/decisions")) {
+    const std::string page = entry.path().filename().string();
+    if (page == "README.md") continue;
+    INFO("docs/decisions/README.md: " << page);
+    CHECK(std::count(decisions.begin(), decisions.end(), page) == 1);
+  }
+}
+
+TEST_CASE("each picture of the gallery has its file named above it", "[documents]") {
+  std::vector<std::string> shown;
+  std::string above;
+  for (const std::string& line : lines_of(content(source / "docs/gallery.md"))) {
+    std::smatch picture;
+    if (std::regex_match(line, picture, std::regex(R"(!\[.+\]\((figures/gallery/.+)\))"))) {
+      INFO(line);
+      CHECK(std::regex_match(above, written_file));
+      shown.push_back(fs::path(picture[1].str()).filename().string());
+    }
+    if (!line.empty()) above = line;
+  }
+  CHECK(shown.size() > 5);
+  for (const auto& entry : fs::directory_iterator(source / "docs/figures/gallery")) {
+    const std::string file = entry.path().filename().string();
+    INFO(file << ": scripts/gallery removes what the page does not show");
+    CHECK(std::count(shown.begin(), shown.end(), file) == 1);
+  }
+}
+
 TEST_CASE("what the documents show happens", "[documents][slow]") {
   const char* only = std::getenv("TRELLIS_DOCUMENT");  // NOLINT(concurrency-mt-unsafe)
   for (const fs::path& path : documents()) {
@@ -458,6 +502,13 @@ TEST_CASE("what the documents show happens", "[documents][slow]") {
     for (const std::string& file : reader.idle()) {
       INFO(name_of(path) << ": nothing uses " << file);
       CHECK(false);
+    }
+    if (path.filename() != "gallery.md") continue;
+    for (const std::string& line : lines_of(content(path))) {
+      std::smatch file;
+      if (!std::regex_match(line, file, written_file)) continue;
+      INFO(name_of(path) << ": its commands do not write " << file[1]);
+      CHECK(reader.has(file[1]));
     }
   }
 }

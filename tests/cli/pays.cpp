@@ -139,7 +139,7 @@ TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][
         std::string::npos);
   CHECK(place.run({"run", "worlds.lua", "--quiet", "--problem", "detour", "--json", "a.json"}).status == 0);
   CHECK(place.run({"compare", "a.json"}).err ==
-        "trellis: compare: the files name no baseline; --baseline says which strategy it is\n");
+        "trellis: compare: the files have one strategy, so there is nothing to compare it with\n");
   CHECK(place.run({"compare", "nothing.json"}).status == 2);
   CHECK(place.run({"compare", "a.json", "--baseline", "conect"}).err ==
         "trellis: there is no strategy 'conect' (did you mean 'connect'?); there are: connect\n");

@@ -2,6 +2,7 @@
 // trellis plot: figures of stored results.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
@@ -58,4 +59,76 @@ TEST_CASE("plot draws one figure, and says what it cannot draw") {
   const Outcome other = results.place.run({"plot", "it.json", "--out", "plots", "--baseline", "rtr"});
   CHECK(other.status == 2);
   CHECK(other.err.find("there is no strategy 'rtr'") != std::string::npos);
+}
+
+TEST_CASE("plot draws the figures of the measure as the run did") {
+  const Place place;
+  place.script("it.lua", R"(
+return experiment {
+  problems = { scenes.cup(), scenes.simple_passage() },
+  strategies = {
+    guided = skeleton() >> rrt { step = 0.5 },
+    ["a/b"] = (0.5*skeleton() + 0.5*shrink(0.5)) >> rrt { step = 0.5 },
+    rrt = rrt { step = 0.5, proposals = 4000 },
+  },
+  seeds = 5, measure = tube { delta = 0.5 }, baseline = "rrt", ablate = true,
+}
+)");
+  REQUIRE(place.run({"run", "it.lua", "--quiet", "--json", "it.json", "--figures", "drawn"}).status == 0);
+  REQUIRE(place.run({"plot", "it.json", "--out", "plots"}).status == 0);
+  std::size_t same = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(place / "drawn")) {
+    const std::string name = std::filesystem::relative(entry.path(), place / "drawn").string();
+    const std::string stem = entry.path().stem().string();
+    if (entry.path().extension() != ".svg" || stem == "samples" || stem == "levels") continue;
+    CAPTURE(name);
+    CHECK(content(place / ("plots/" + name)) == content(entry.path()));
+    ++same;
+  }
+  // Two comparisons of each problem, the waterfalls, ratios of all, and 4 figures of each strategy with guides.
+  CHECK(same >= 2 * 3 + 1 + 2 * 2 * 4);
+
+  const Outcome one = place.run({"plot", "it.json", "--out", "one", "--figure", "waterfalls"});
+  CHECK(one.out == "one/cup/waterfalls.svg, .png, .pdf\none/simple_passage/waterfalls.svg, .png, .pdf\n");
+
+  // Efficiencies of two documents do not add up; their costs do.
+  const std::vector<std::string> more = {"run", "it.lua", "--quiet", "--seed", "6", "--json", "more.json"};
+  REQUIRE(place.run(more).status == 0);
+  const Outcome two = place.run({"plot", "it.json", "more.json", "--out", "two"});
+  CHECK(two.status == 0);
+  CHECK(two.err.find("is in several files, whose efficiencies do not add up") != std::string::npos);
+  CHECK(std::filesystem::exists(place / "two/cup/success.svg"));
+  CHECK_FALSE(std::filesystem::exists(place / "two/cup/waterfalls.svg"));
+  CHECK(place.run({"plot", "it.json", "more.json", "--out", "three", "--figure", "strip"}).status == 2);
+}
+
+TEST_CASE("plot says why it draws no figure of a measure") {
+  const Results results;
+  const Outcome strip = results.plot("strip");
+  CHECK(strip.status == 2);
+  CHECK(strip.err ==
+        "trellis: --figure strip: the files have no scored strategy, as of `measure = false` or of a sweep\n");
+}
+
+TEST_CASE("compare and plot take the first strategy without a guide for the baseline, as run does") {
+  const Place place;
+  place.script("it.lua", R"(
+return experiment {
+  problems = { scenes.cup() },
+  strategies = { { "guided", skeleton() >> rrt {} }, { "plain", rrt { proposals = 20000 } } },
+  seeds = 4, measure = false,
+}
+)");
+  REQUIRE(place.run({"run", "it.lua", "--quiet", "--json", "it.json", "--figures", "drawn"}).status == 0);
+  const Outcome compared = place.run({"compare", "it.json", "--out", "costs"});
+  CHECK(compared.status == 0);
+  CHECK(compared.out.find("costs divided by those of plain, 1 problem, 4 seeds") != std::string::npos);
+  // Without groups there is nothing that strategies were tuned on.
+  for (const std::string& text : {compared.out, content(place / "costs/table.md")}) {
+    CHECK(text.find("guided") != std::string::npos);
+    CHECK(text.find("tuned on") == std::string::npos);
+    CHECK(text.find("held out") == std::string::npos);
+  }
+  REQUIRE(place.run({"plot", "it.json", "--out", "plots"}).status == 0);
+  CHECK(content(place / "plots/cup/ratios.svg") == content(place / "drawn/cup/ratios.svg"));
 }

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis sweep and trellis merge: runs are stored one by one, survive the death of the program, and join.
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): kill is POSIX's
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <string>
+#include <trellis/memory/database.hpp>
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
@@ -122,8 +126,10 @@ TEST_CASE("an incomplete last record runs again, the complete ones remain byte f
 TEST_CASE("a folder of another sweep, and a damaged record, are refused and named") {
   const Sweeps it;
   REQUIRE(it.sweep("swept").status == 0);
-  CHECK(it.sweep("swept", "1/2").err ==
-        "trellis: --out: 'swept' holds another sweep: the shard (1/1 and 1/2) differs; name another folder\n");
+  CHECK(
+      it.sweep("swept", "1/2").err ==
+      "trellis: --out: 'swept' holds other runs: the shard differs (1/1 and 1/2); name another folder, or start again "
+      "with --restart, which deletes their records\n");
   std::ofstream(it.place / "swept/runs.jsonl", std::ios::app) << "{}\n";
   const Outcome damaged = it.sweep("swept");
   CHECK(damaged.status == 2);
@@ -143,6 +149,10 @@ TEST_CASE("merged shards equal one sweep, and gaps and contradictions are named"
   REQUIRE(it.sweep("b", "2/2").status == 0);
   REQUIRE(it.place.run({"merge", "b", "a", "--out", "both"}).status == 0);
   it.require_equal("whole", "both");
+  REQUIRE(it.place.run({"merge", "a", "b", "--out", "both"}).status == 0);
+  it.require_equal("whole", "both");
+  CHECK(it.place.run({"merge", "a", "b", "--out", "a"}).err ==
+        "trellis: --out: 'a' holds other runs: the shard differs (1/2 and 1/1); name another folder\n");
 
   const Outcome gap = it.place.run({"merge", "a", "--out", "gap"});
   CHECK(gap.status == 2);
@@ -164,4 +174,99 @@ TEST_CASE("the results of a sweep can be compared and verified") {
   REQUIRE(it.sweep("swept").status == 0);
   CHECK(it.place.run({"compare", "swept/results.json", "--baseline", "plain"}).status == 0);
   CHECK(it.place.run({"verify", "swept/results.json"}).status == 0);
+}
+
+TEST_CASE("one database has every run of the shards, and the tables of Planner Arena") {
+  const Sweeps it;
+  REQUIRE(it.sweep("a", "1/2").status == 0);
+  REQUIRE(it.sweep("b", "2/2").status == 0);
+  const Outcome merged = it.place.run({"merge", "a", "b", "--out", "both", "--sqlite", "all.db", "--pdt", "pdt"});
+  REQUIRE(merged.status == 0);
+  CHECK(merged.out == "32 runs of 2 folders in 'both', 'all.db', 'pdt'\n");
+  const Json document = Json::parse(it.text("both/results.json"));
+  const trellis::Database database(it.place / "all.db", trellis::Database::Mode::read, {"database", "database"});
+  CHECK(database.ask("SELECT count(*) FROM pragma_foreign_key_check") == 0);
+
+  trellis::Database::Statement rows(database,
+                                    "SELECT problem.name, strategy.name, run.seed, run.status, run.validity_checks, "
+                                    "run.length, run.record, run.id FROM run JOIN problem ON problem.id = run.problem "
+                                    "JOIN strategy ON strategy.id = run.strategy ORDER BY run.id");
+  for (const Json& run : document.at("runs")) {
+    REQUIRE(rows.step());
+    CHECK(rows.bytes(0) == run.at("problem"));
+    CHECK(rows.bytes(1) == run.at("strategy"));
+    CHECK(rows.integer(2) == run.at("seed"));
+    CHECK(rows.bytes(3) == run.at("status"));
+    CHECK(rows.integer(4) == run.at("validity_checks"));
+    if (run.at("solved").get<bool>()) CHECK(rows.number(5) == run.at("length").get<double>());
+    CHECK(Json::parse(rows.bytes(6)) == run);
+    trellis::Database::Statement levels(database,
+                                        "SELECT name, nodes, proposals FROM level WHERE run = ? ORDER BY level");
+    levels.bind(1, rows.integer(7));
+    for (const Json& level : run.at("levels")) {
+      REQUIRE(levels.step());
+      CHECK(levels.bytes(0) == level.at("name"));
+      CHECK(levels.integer(1) == level.at("nodes"));
+      CHECK(levels.integer(2) == level.at("proposals"));
+    }
+    CHECK_FALSE(levels.step());
+  }
+  CHECK_FALSE(rows.step());
+
+  // As Planner Arena reads it: parameters of problems would follow the twelfth column of experiments.
+  CHECK(database.ask("SELECT count(*) FROM pragma_table_info('experiments')") == 12);
+  CHECK(database.ask("SELECT count(*) FROM runs JOIN experiments ON experiments.id = runs.experimentid JOIN "
+                     "plannerConfigs ON plannerConfigs.id = runs.plannerid JOIN enums ON enums.name = 'status' AND "
+                     "enums.value = runs.status WHERE runs.solved = (enums.description = 'Exact solution')") == 32);
+  CHECK(database.ask("SELECT count(*) FROM progress JOIN runs ON runs.id = progress.runid WHERE "
+                     "runs.solution_length = progress.best_cost") == database.ask("SELECT sum(solved) FROM runs"));
+
+  // As PDT reads it: two lines a run, times that grow, the last cost that of the path.
+  std::istringstream lines(it.text("pdt/trap.csv"));
+  for (const Json& run : document.at("runs")) {
+    if (run.at("problem") != "trap") continue;
+    std::string times;
+    std::string costs;
+    REQUIRE(std::getline(lines, times));
+    REQUIRE(std::getline(lines, costs));
+    CHECK(times.starts_with(run.at("strategy").get<std::string>() + ", "));
+    CHECK(std::count(times.begin(), times.end(), ',') == std::count(costs.begin(), costs.end(), ','));
+    const double last = std::stod(costs.substr(costs.rfind(',') + 1));
+    CHECK(last == (run.at("solved").get<bool>() ? run.at("length").get<double>() : INFINITY));
+    std::istringstream cells(times.substr(times.find(',') + 1));
+    double before = 0.0;
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      CHECK(std::stod(cell) > before);
+      before = std::stod(cell);
+    }
+  }
+  std::string more;
+  CHECK_FALSE(std::getline(lines, more));
+}
+
+TEST_CASE("a merge replaces its own database only, and has the scores of a run") {
+  const Sweeps it;
+  REQUIRE(it.place.run({"run", "it.lua", "--seeds", "1", "--quiet", "--out", "scored"}).status == 0);
+  REQUIRE(it.place.run({"merge", "scored", "--sqlite", "all.db"}).status == 0);
+  REQUIRE(it.place.run({"merge", "scored", "--sqlite", "all.db"}).status == 0);
+  {
+    const trellis::Database database(it.place / "all.db", trellis::Database::Mode::read, {"database", "database"});
+    trellis::Database::Statement gain(database, "SELECT tree_gain FROM runs ORDER BY id");
+    REQUIRE(gain.step());
+    const Json run = Json::parse(it.text("scored/results.json")).at("runs").at(0);
+    CHECK(gain.number(0) == run.at("levels").at(0).at("efficiency").at("tree").at("gain").get<double>());
+  }
+  const trellis::Database other(it.place / "other.db", trellis::Database::Mode::write, {"database", "database"});
+  other.run("CREATE TABLE mine (x)");
+  const Outcome refused = it.place.run({"merge", "scored", "--sqlite", "other.db"});
+  CHECK(refused.status == 2);
+  CHECK(refused.err ==
+        "trellis: --sqlite: 'other.db' is a database that trellis merge did not write; it is left as it is\n");
+  CHECK(other.ask("SELECT count(*) FROM mine") == 0);
+  std::ofstream(it.place / "text.db") << "some text";
+  CHECK(it.place.run({"merge", "scored", "--sqlite", "text.db"}).err ==
+        "trellis: text.db: is no database of trellis merge; it is left as it is\n");
+  CHECK(it.text("text.db") == "some text");
+  CHECK(it.place.run({"merge", "scored"}).err ==
+        "trellis: merge: name an output: --out FOLDER, --sqlite FILE or --pdt FOLDER\n");
 }

@@ -20,6 +20,39 @@ function(expect what text pattern)
 endfunction()
 
 file(MAKE_DIRECTORY ${PLACE})
+
+# refused(FOLDER MISSING): an install of the build in FOLDER, which lacks MISSING, names it and what to build, and copies
+# nothing.
+function(refused folder missing)
+  execute_process(COMMAND ${CMAKE_COMMAND} --install ${folder} --prefix ${folder}/prefix ${ARGN}
+                  OUTPUT_VARIABLE out ERROR_VARIABLE err RESULT_VARIABLE status)
+  if(status EQUAL 0)
+    message(FATAL_ERROR "a build without ${missing} was installed")
+  endif()
+  string(REGEX REPLACE "[ \n]+" " " err "${err}")
+  expect("the refusal" "${err}" "Nothing was installed: ${folder}/${missing} is not built yet")
+  expect("the refusal" "${err}" "Run 'cmake --build ${folder} --target trellis_installed', then install again")
+  if(EXISTS ${folder}/prefix)
+    message(FATAL_ERROR "the refused install left ${folder}/prefix")
+  endif()
+endfunction()
+
+# The same build of which the program alone is there, as after `cmake --build --target trellis`.
+set(partial ${PLACE}/partial)
+file(GLOB_RECURSE steps RELATIVE ${BUILD} ${BUILD}/cmake_install.cmake)
+list(FILTER steps EXCLUDE REGEX "^tests/install/")
+foreach(step ${steps})
+  file(READ ${BUILD}/${step} text)
+  string(REPLACE "${BUILD}/" "${partial}/" text "${text}")
+  string(REPLACE "${BUILD} " "${partial} " text "${text}")
+  file(WRITE ${partial}/${step} "${text}")
+endforeach()
+refused(${partial} trellis)
+file(CREATE_LINK ${BUILD}/trellis ${partial}/trellis SYMBOLIC)
+refused(${partial} dsl/trellis.1)
+refused(${partial} dsl/trellis.1 --component trellis)
+refused(${partial} "runtime/libtrellis_[a-z]+.a" --component libtrellis-dev)
+
 run(ignored ${CMAKE_COMMAND} --install ${BUILD} --prefix ${root})
 unset(ENV{TRELLIS_STDLIB})
 set(ENV{PATH} "${root}/bin:$ENV{PATH}")

@@ -371,17 +371,20 @@ class Marks {
       const double x = frame_.x(s.x[i]) + at.shift(index);
       double top = frame_.plot.bottom();
       bool edge_above = false;
+      bool edge_below = false;
       const bool cut = !std::isnan(s.y[i]) && frame_.y.beyond(s.y[i]) != 0;
       for (const double v :
            {base(s, i), s.y[i], cut ? not_a_number : nth(s.lo, i), cut ? not_a_number : nth(s.hi, i)}) {
         if (std::isnan(v)) continue;
         top = std::min(top, frame_.y.inside(v));
         edge_above = edge_above || frame_.y.beyond(v) > 0;
+        edge_below = edge_below || frame_.y.beyond(v) < 0;
       }
-      // Below an edge arrow, and never outside of the frame.
+      // Clear of edge arrows, and never outside of the frame.
       const TextExtents size = text_extents(s.text[i], set.font);
       const double length = set.upright ? size.width : size.cap;
       double bottom = std::max(top - 3.0, frame_.plot.y + length + 2.0);
+      if (edge_below) bottom = std::min(bottom, frame_.plot.bottom() - arrow_length - 4.0);
       if (edge_above) bottom = frame_.plot.y + arrow_length + 3.0 + length;
       const double half = 0.5 * (set.upright ? size.cap : size.width);
       if (edge_above) {

@@ -79,11 +79,12 @@ SpaceTicks ticks_of(const SpaceAxis& axis) {
   return ticks;
 }
 
-/// Returns the printed name: "θ₂" for "theta2".
-std::string printed(const SpaceAxis& axis) {
+/// Returns the printed name: "θ₂" for "theta2", and "θ₁" for "theta" beside it.
+std::string printed(const SpaceAxis& axis, const SpaceAxis& other) {
   constexpr std::string_view theta = "theta";
   if (!axis.name.starts_with(theta)) return axis.name;
   constexpr std::array<const char*, 10> below = {"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
+  if (axis.name == theta && other.name == "theta2") return "θ₁";
   std::string name = "θ";
   for (const char c : axis.name.substr(theta.size())) {
     if (c < '0' || c > '9') return axis.name;
@@ -286,7 +287,8 @@ class MotionPlot {
       canvas.text(across.labels[i], {x, y + 1.0}, {page::tick_font, palette::ink, Align::centre, Stand::top});
     }
     y += page::line_height(page::tick_font) + 1.0;
-    canvas.text(printed(figure_.x), {plot.centre().x, y}, {page::label_font, palette::ink, Align::centre, Stand::top});
+    canvas.text(printed(figure_.x, figure_.y), {plot.centre().x, y},
+                {page::label_font, palette::ink, Align::centre, Stand::top});
     const SpaceTicks up = ticks_of(figure_.y);
     for (std::size_t i = 0; i < up.at.size(); ++i) {
       const double at = map({figure_.x.lo, up.at[i]}).y;
@@ -294,7 +296,7 @@ class MotionPlot {
       canvas.text(up.labels[i], {plot.x - tick_length - 1.5, at},
                   {page::tick_font, palette::ink, Align::right, Stand::middle});
     }
-    canvas.text(printed(figure_.y), {plot.x - tick_room + 1.0, plot.centre().y},
+    canvas.text(printed(figure_.y, figure_.x), {plot.x - tick_room + 1.0, plot.centre().y},
                 {page::label_font, palette::ink, Align::centre, Stand::middle, 90.0});
   }
 

@@ -17,6 +17,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/scoring.hpp>
+#include <trellis/experiment/store.hpp>
 #include <trellis/strategy/ablation.hpp>
 
 namespace trellis {
@@ -195,7 +196,10 @@ void check(const Experiment& experiment) {
   if (experiment.published) check(*experiment.published, problems, strategies);
 }
 
-ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {
+namespace {
+
+/// \param store  nullptr: none
+ExperimentResult run_stored(const Experiment& experiment, const ExperimentOptions& options, RunStore* store) {
   check(experiment);
 
   const std::size_t cells = experiment.problems.size() * experiment.strategies.size() * experiment.seeds.size();
@@ -230,6 +234,7 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
       RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
                                {experiment.shortcut, interrupted, {}});
       if (run.run.status == Status::interrupted) throw Interrupted();
+      if (store != nullptr) store->planned(run);
       if (!experiment.measure) release(run);
       result.runs[index] = std::move(run);
       progress();
@@ -242,12 +247,22 @@ ExperimentResult run(const Experiment& experiment, const ExperimentOptions& opti
   result.planning_seconds = std::chrono::duration<double>(planned - begin).count();
   if (experiment.measure) {
     const unsigned all = std::max(1U, std::thread::hardware_concurrency());
-    score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted);
+    score(experiment, result, options.scoring_jobs > 0 ? options.scoring_jobs : all, progress, interrupted, store);
   }
   // No later step uses the checkers, scenes and guides of the levels.
   for (RunResult& cell : result.runs) release(cell);
   result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - planned).count();
   return result;
+}
+
+}  // namespace
+
+ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options) {
+  return run_stored(experiment, options, nullptr);
+}
+
+ExperimentResult run(const Experiment& experiment, const ExperimentOptions& options, RunStore& store) {
+  return run_stored(experiment, options, &store);
 }
 
 }  // namespace trellis

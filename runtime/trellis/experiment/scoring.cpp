@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -66,7 +67,7 @@ struct Donor {
 class ProblemScoring {
  public:
   ProblemScoring(const Experiment& experiment, std::vector<RunResult*> runs, unsigned jobs,
-                 const std::function<void()>& progress, const std::function<bool()>& interrupted)
+                 const std::function<void()>& progress, const std::function<bool()>& interrupted, RunStore* store)
       : experiment_(experiment),
         measure_(*experiment.measure),
         runs_(std::move(runs)),
@@ -74,6 +75,7 @@ class ProblemScoring {
         jobs_(std::holds_alternative<UserTarget>(measure_.target) ? 1 : jobs),
         progress_(progress),
         interrupted_(interrupted),
+        store_(std::holds_alternative<UserTarget>(measure_.target) ? nullptr : store),
         seeds_(experiment.seeds.size()),
         strategies_(experiment.strategies.size()),
         users_(std::holds_alternative<UserTarget>(measure_.target)),
@@ -85,21 +87,38 @@ class ProblemScoring {
 
   /// \param pooled  receives the pooled scores, appended
   void score(std::vector<PooledScores>& pooled) {
+    std::vector<std::size_t> missing;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      if (store_ != nullptr && store_->restore_scores(*runs_[i])) {
+        progress_();
+      } else {
+        missing.push_back(i);
+      }
+    }
+    const bool pooled_known = store_ != nullptr && store_->restore_pooled(runs_.front()->problem, pooled);
+    if (missing.empty() && pooled_known) return;
     for (RunResult* run : runs_) guard(*run);
     choose_equal_number();
     make_shared_targets();
-    in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
-      score_run(i);
+    in_parallel(missing.size(), jobs_, [&](std::size_t i) {
+      score_run(missing[i]);
+      if (store_ != nullptr) store_->scored(*runs_[missing[i]]);
       progress_();
     });
-    std::vector<std::optional<PooledScores>> of_strategies(strategies_);
-    in_parallel(strategies_, jobs_, [&](std::size_t s) { of_strategies[s] = score_pooled(s); });
-    for (auto& one : of_strategies) {
-      if (one) pooled.push_back(std::move(*one));
-    }
+    if (!pooled_known) score_all_pooled(pooled);
   }
 
  private:
+  void score_all_pooled(std::vector<PooledScores>& pooled) {
+    std::vector<std::optional<PooledScores>> of_strategies(strategies_);
+    in_parallel(strategies_, jobs_, [&](std::size_t s) { of_strategies[s] = score_pooled(s); });
+    std::vector<PooledScores> found;
+    for (auto& one : of_strategies) {
+      if (one) found.push_back(std::move(*one));
+    }
+    if (store_ != nullptr) store_->pooled(runs_.front()->problem, found);
+    std::move(found.begin(), found.end(), std::back_inserter(pooled));
+  }
   [[nodiscard]] RunResult& run(std::size_t strategy, std::size_t seed) const {
     return *runs_[strategy * seeds_ + seed];
   }
@@ -636,6 +655,7 @@ class ProblemScoring {
   unsigned jobs_;
   const std::function<void()>& progress_;
   const std::function<bool()>& interrupted_;
+  RunStore* store_;
   std::size_t seeds_;
   std::size_t strategies_;
   std::vector<std::optional<MadeTarget>> root_targets_;  // of each run; empty unless it is a donor
@@ -651,12 +671,12 @@ class ProblemScoring {
 }  // namespace
 
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
-           const std::function<bool()>& interrupted) {
+           const std::function<bool()>& interrupted, RunStore* store) {
   const std::size_t each = experiment.strategies.size() * experiment.seeds.size();
   for (std::size_t problem = 0; problem < experiment.problems.size(); ++problem) {
     std::vector<RunResult*> runs(each);
     for (std::size_t i = 0; i < each; ++i) runs[i] = &result.runs[problem * each + i];
-    ProblemScoring(experiment, runs, jobs, progress, interrupted).score(result.pooled);
+    ProblemScoring(experiment, runs, jobs, progress, interrupted, store).score(result.pooled);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/store.hpp>
 
 namespace trellis {
 
@@ -11,7 +12,8 @@ namespace trellis {
 /// measure.
 /// \param progress     called after each run
 /// \param interrupted  called often; true stops the scoring with Interrupted
+/// \param store        receives the scores and restores those that it has; nullptr: none
 void score(const Experiment& experiment, ExperimentResult& result, unsigned jobs, const std::function<void()>& progress,
-           const std::function<bool()>& interrupted);
+           const std::function<bool()>& interrupted, RunStore* store = nullptr);
 
 }  // namespace trellis

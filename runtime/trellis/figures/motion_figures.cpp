@@ -118,6 +118,12 @@ Configurations poses_along(const Space& space, const Configurations& path) {
   return poses;
 }
 
+/// Whether a density is the same everywhere: shades of it would show nothing.
+bool flat(const CellMap& density) {
+  const auto [least, most] = std::minmax_element(density.values.begin(), density.values.end());
+  return density.values.empty() || *most <= 1.01 * *least;
+}
+
 /// One problem's pictures.
 class MotionPictures {
  public:
@@ -163,7 +169,11 @@ class MotionPictures {
         row.space_title = fmt::format("its path, and what {} draws from", record.parent == 0 ? "C" : above.name);
         if (above.space == problem_.space && above.search.density.exact()) {
           row.density = map_of(problem_.space, finest_density, [&](View q) { return above.search.density.at(q); });
-          shaded = true;
+          if (flat(row.density)) {
+            row.density = {};
+            row.space_title = fmt::format("its path; {} drew uniformly", record.parent == 0 ? "C" : above.name);
+          }
+          shaded = shaded || !row.density.values.empty();
         }
       } else {
         row.space_title = "the path, and the nodes of the search";

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only source that includes SQLite.
 #include <trellis/memory/library.hpp>
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -18,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/memory/bytes.hpp>
+#include <trellis/memory/database.hpp>
 #include <trellis/memory/identity.hpp>
 
 namespace trellis {
@@ -26,7 +24,6 @@ namespace {
 
 constexpr int application = 0x54726C73;  // "Trls", in the header of the file
 constexpr int version = 1;               // of the tables
-constexpr int patience_ms = 30000;       // timeout for another process that writes
 constexpr std::size_t warped_points = 64;
 
 constexpr const char* tables = R"sql(
@@ -98,108 +95,14 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   return stored;
 }
 
-/// The database connection and the queries.
-class Library::Database {
+/// The queries.
+class Library::Database : public trellis::Database {
  public:
-  Database(std::string path, Mode mode) : path_(std::move(path)) {
-    namespace fs = std::filesystem;
-    std::error_code ignored;
-    if (fs::is_directory(path_, ignored)) throw Error(fmt::format("{}: is a folder, not a library of paths", path_));
-    if (mode == Mode::read && !fs::exists(path_, ignored)) {
-      throw Error(
-          fmt::format("{}: there is no such library of paths; trellis run SCRIPT --learn {} makes one", path_, path_));
-    }
-    check_header();
-    // A read-only user may also have to write: to roll back the transaction of a process that was killed.
-    int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_FULLMUTEX;
-    if (mode == Mode::write) flags |= SQLITE_OPEN_CREATE;
-    int code = sqlite3_open_v2(path_.c_str(), &handle_, flags, nullptr);
-    if (code != SQLITE_OK && mode == Mode::read) {
-      sqlite3_close(handle_);
-      code = sqlite3_open_v2(path_.c_str(), &handle_, SQLITE_OPEN_READONLY | SQLITE_OPEN_FULLMUTEX, nullptr);
-    }
-    try {
-      if (code != SQLITE_OK) fail("cannot be opened");
-      sqlite3_extended_result_codes(handle_, 1);
-      sqlite3_busy_timeout(handle_, patience_ms);
-      // With the rollback journal the library remains one file; the synced deletion of the journal is the commit.
-      if (mode == Mode::write) run("PRAGMA synchronous = EXTRA");
-      run("PRAGMA trusted_schema = OFF");
-      recognise(mode);
-    } catch (...) {
-      sqlite3_close(handle_);
-      throw;
-    }
-  }
-  ~Database() { sqlite3_close(handle_); }
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
-
-  /// A prepared statement.
-  class Statement {
-   public:
-    Statement(const Database& database, std::string_view text) : database_(database) {
-      if (sqlite3_prepare_v2(database.handle_, text.data(), static_cast<int>(text.size()), &statement_, nullptr) !=
-          SQLITE_OK) {
-        database.fail("cannot be read");
-      }
-    }
-    ~Statement() { sqlite3_finalize(statement_); }
-    Statement(const Statement&) = delete;
-    Statement& operator=(const Statement&) = delete;
-
-    /// Steps to the next row; false after the last.
-    bool step() {
-      const int code = sqlite3_step(statement_);
-      if (code == SQLITE_ROW) return true;
-      if (code != SQLITE_DONE) database_.fail("cannot be read or written");
-      return false;
-    }
-    void bind(int place, const std::string& text) {
-      check(sqlite3_bind_text(statement_, place, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT));
-    }
-    void bind_blob(int place, const std::string& bytes) {
-      check(sqlite3_bind_blob64(statement_, place, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
-    }
-    void bind(int place, std::int64_t value) { check(sqlite3_bind_int64(statement_, place, value)); }
-    void bind(int place, double value) { check(sqlite3_bind_double(statement_, place, value)); }
-
-    [[nodiscard]] std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
-    [[nodiscard]] double number(int column) const { return sqlite3_column_double(statement_, column); }
-    [[nodiscard]] std::string bytes(int column) const {
-      const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_, column));
-      const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
-      return data != nullptr ? std::string(data, size) : std::string();
-    }
-
-   private:
-    void check(int code) const {
-      if (code != SQLITE_OK) database_.fail("cannot be written");
-    }
-    const Database& database_;
-    sqlite3_stmt* statement_ = nullptr;
-  };
-
-  void run(const char* text) const {
-    if (sqlite3_exec(handle_, text, nullptr, nullptr, nullptr) != SQLITE_OK) fail("cannot be read or written");
-  }
-  [[nodiscard]] std::int64_t ask(const char* text) const {
-    Statement statement(*this, text);
-    return statement.step() ? statement.integer(0) : 0;
-  }
-
-  /// Runs `body` in a transaction: its queries see one state of the library; an exception rolls it back.
-  template <class Body>
-  void together(const char* begin, const Body& body) const {
-    run(begin);
-    try {
-      body();
-      run("COMMIT");
-    } catch (...) {
-      // If the rollback fails too, closing or reopening the file rolls back.
-      sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
-      throw;
-    }
+  Database(const std::string& path, Library::Mode mode)
+      : trellis::Database(existing(path, mode),
+                          mode == Library::Mode::write ? trellis::Database::Mode::write : trellis::Database::Mode::read,
+                          {"library of paths", "library"}) {
+    recognise(mode);
   }
 
   [[nodiscard]] std::vector<StoredPath> read(const char* condition, const StoredPath* like) const {
@@ -233,41 +136,19 @@ class Library::Database {
   }
 
  private:
-  [[noreturn]] void fail(const char* what) const {
-    const int code = handle_ != nullptr ? sqlite3_extended_errcode(handle_) : SQLITE_NOMEM;
-    switch (code & 0xFF) {
-      case SQLITE_NOTADB: throw Error(fmt::format("{}: is no library of paths; it is left as it is", path_));
-      case SQLITE_CORRUPT: throw Error(fmt::format("{}: the library is damaged; it is left as it is", path_));
-      case SQLITE_BUSY:
-      case SQLITE_LOCKED:
-        throw Error(fmt::format("{}: another process has been writing for {} s", path_, patience_ms / 1000));
-      case SQLITE_READONLY: throw Error(fmt::format("{}: the library may not be written", path_));
-      case SQLITE_FULL: throw Error(fmt::format("{}: there is no room left on the disk", path_));
-      default:
-        throw Error(fmt::format("{}: the library {}: {}", path_, what,
-                                handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory"));
+  /// \throws Error for a file that is to be read and does not exist
+  static std::string existing(const std::string& path, Library::Mode mode) {
+    std::error_code ignored;
+    if (mode == Library::Mode::read && !std::filesystem::exists(path, ignored)) {
+      throw Error(
+          fmt::format("{}: there is no such library of paths; trellis run SCRIPT --learn {} makes one", path, path));
     }
-  }
-
-  /// SQLite takes a file of one byte for an empty database, and would overwrite it.
-  void check_header() const {
-    constexpr std::string_view magic("SQLite format 3\0", 16);
-    constexpr std::size_t header = 100;
-    std::ifstream file(path_, std::ios::binary);
-    if (!file || !std::filesystem::is_regular_file(path_)) return;
-    std::string begin(header, '\0');
-    file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-    begin.resize(static_cast<std::size_t>(file.gcount()));
-    if (begin.empty()) return;  // of a process that ended before its first path
-    if (!std::string_view(begin).starts_with(magic.substr(0, begin.size()))) {
-      throw Error(fmt::format("{}: is no library of paths; it is left as it is", path_));
-    }
-    if (begin.size() < header) throw Error(fmt::format("{}: the library is damaged; it is left as it is", path_));
+    return path;
   }
 
   /// Creates the tables of a new library, and checks the version of an existing one.
-  void recognise(Mode mode) const {
-    if (mode == Mode::write) {
+  void recognise(Library::Mode mode) const {
+    if (mode == Library::Mode::write) {
       // The check runs within the transaction, so that only one of two processes that find an empty file creates the
       // tables.
       if (is_empty()) together("BEGIN IMMEDIATE", [&] { make_tables(); });
@@ -275,17 +156,17 @@ class Library::Database {
       return;
     }
     if (ask("PRAGMA application_id") != application) {
-      throw Error(fmt::format("{}: is a database, but no library of paths of trellis; it is left as it is", path_));
+      throw Error(fmt::format("{}: is a database, but no library of paths of trellis; it is left as it is", path()));
     }
     const std::int64_t found = ask("PRAGMA user_version");
     if (found != version) {
-      throw Error(fmt::format("{}: the library is of version {}, and this trellis reads {}; it is unchanged", path_,
+      throw Error(fmt::format("{}: the library is of version {}, and this trellis reads {}; it is unchanged", path(),
                               found, version));
     }
-    if (mode == Mode::write) {
+    if (mode == Library::Mode::write) {
       Statement check(*this, "PRAGMA quick_check(1)");
       if (!check.step() || check.bytes(0) != "ok") {
-        throw Error(fmt::format("{}: the library is damaged; it is left as it is", path_));
+        throw Error(fmt::format("{}: the library is damaged; it is left as it is", path()));
       }
     }
   }
@@ -314,7 +195,7 @@ class Library::Database {
   }
 
   [[noreturn]] void damaged(const Statement& row) const {
-    throw Error(fmt::format("{}: path {} of the library is damaged", path_, row.integer(0)));
+    throw Error(fmt::format("{}: path {} of the library is damaged", path(), row.integer(0)));
   }
 
   [[nodiscard]] StoredPath path_of(const Statement& row) const {
@@ -343,9 +224,6 @@ class Library::Database {
     }
     return stored;
   }
-
-  std::string path_;
-  sqlite3* handle_ = nullptr;
 
  public:
   /// Whether there are tables to read.

@@ -149,6 +149,10 @@ void CostData::add(const std::string& document, const std::string& file) {
       if (index_of(problems, name)) continue;
       problems.push_back({name, string_or_empty(entry, "group"), entry.value("tuned", false)});
     }
+    std::set<std::string> ablations;
+    if (const auto links = experiment.find("ablations"); links != experiment.end()) {
+      for (const Json& link : *links) ablations.insert(link.at("strategy").get<std::string>());
+    }
     for (const Json& entry : experiment.at("strategies")) {
       const auto name = entry.at("name").get<std::string>();
       const auto text = entry.at("text").get<std::string>();
@@ -156,7 +160,7 @@ void CostData::add(const std::string& document, const std::string& file) {
       if (known && strategies[*known].text != text) {
         fail(fmt::format("'{}' is {} here and {} in another file", name, text, strategies[*known].text));
       }
-      if (!known) strategies.push_back({name, text});
+      if (!known) strategies.push_back({name, text, ablations.count(name) > 0});
     }
     if (baseline.empty()) baseline = string_or_empty(experiment, "baseline");
     std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;
@@ -186,6 +190,33 @@ void CostData::add(const std::string& document, const std::string& file) {
   }
 }
 
+std::string CostData::reference() const {
+  if (!baseline.empty()) return baseline;
+  std::vector<const Strategy*> whole;
+  for (const Strategy& strategy : strategies) {
+    if (!strategy.ablation) whole.push_back(&strategy);
+  }
+  if (whole.size() < 2) return "";
+  const auto plain =
+      std::find_if(whole.begin(), whole.end(), [](const Strategy* s) { return cost_levels(s->text).size() == 1; });
+  return (plain != whole.end() ? *plain : whole.front())->name;
+}
+
+CostData CostData::without_ablations() const {
+  CostData whole{problems, {}, {}, baseline};
+  std::vector<std::size_t> place(strategies.size());
+  for (std::size_t s = 0; s < strategies.size(); ++s) {
+    place[s] = whole.strategies.size();
+    if (!strategies[s].ablation) whole.strategies.push_back(strategies[s]);
+  }
+  for (const Run& run : runs) {
+    if (strategies[run.strategy].ablation) continue;
+    whole.runs.push_back(run);
+    whole.runs.back().strategy = place[run.strategy];
+  }
+  return whole;
+}
+
 CostData CostData::on(std::size_t problem) const {
   CostData one{{problems[problem]}, strategies, {}, baseline};
   for (const Run& run : runs) {
@@ -209,7 +240,7 @@ CostData cost_data(const Experiment& experiment, const ExperimentResult& result)
   for (const auto& [name, spec] : experiment.strategies) {
     const auto same = [&, &strategy = name](const AblationLink& link) { return link.strategy == strategy; };
     if (std::none_of(experiment.ablations.begin(), experiment.ablations.end(), same)) {
-      data.strategies.push_back({name, spec.text()});
+      data.strategies.push_back({name, spec.text(), false});
     }
   }
   for (const RunResult& run : result.runs) {

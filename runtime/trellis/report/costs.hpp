@@ -26,6 +26,7 @@ struct CostData {
   struct Strategy {
     std::string name;
     std::string text;  ///< in the syntax of a script
+    bool ablation = false;
   };
   struct Run {
     std::size_t problem = 0;   ///< index into `problems`
@@ -39,11 +40,15 @@ struct CostData {
   std::vector<Problem> problems;
   std::vector<Strategy> strategies;
   std::vector<Run> runs;
-  std::string baseline;  ///< the baseline of the first document, "" for none
+  std::string baseline;  ///< that the first document names, "" for none
 
   /// Adds the runs of a document. Strategies of one name must be equal.
   /// \throws Error that names the file, for another kind of document and for a run that was added before.
   void add(const std::string& document, const std::string& file);
+  /// Returns the baseline, by default the first strategy without a guide, else the first; "" for a single strategy.
+  [[nodiscard]] std::string reference() const;
+  /// Returns the runs of the strategies that are no ablations.
+  [[nodiscard]] CostData without_ablations() const;
   /// Returns the runs on one problem; the result has only this problem.
   [[nodiscard]] CostData on(std::size_t problem) const;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -125,6 +126,24 @@ std::vector<Group> groups_of(const CostData& data) {
   return groups;
 }
 
+/// Problems that a table sums up side by side: those that the strategies were tuned on and those held out. Without
+/// groups, all.
+struct ProblemKind {
+  std::string name;  ///< "": all
+  std::optional<bool> tuned;
+};
+
+std::vector<ProblemKind> kinds_of(const CostData& data) {
+  const auto grouped = [](const CostData::Problem& problem) { return !problem.group.empty(); };
+  if (std::none_of(data.problems.begin(), data.problems.end(), grouped)) return {{"", std::nullopt}};
+  std::vector<ProblemKind> kinds;
+  for (const auto& [name, tuned] : {std::pair{"tuned on", true}, std::pair{"held out", false}}) {
+    const auto is = [&, kind = tuned](const CostData::Problem& problem) { return problem.tuned == kind; };
+    if (std::any_of(data.problems.begin(), data.problems.end(), is)) kinds.push_back({name, tuned});
+  }
+  return kinds;
+}
+
 std::string heading(const Group& group) {
   return fmt::format("### {}, {}", group.name.empty() ? "problems of no group" : escaped(group.name),
                      group.tuned ? "tuned on" : "held out");
@@ -169,8 +188,9 @@ class Tables {
         fmt::format("The reference is {}; its row has its medians. In brackets: the 99 % interval of the median by "
                     "order statistics. A fraction follows where some runs found no path.",
                     escaped(baseline_)));
+    const bool grouped = !kinds_of(data_).front().name.empty();
     for (const Group& group : groups_of(data_)) {
-      out_.line(heading(group));
+      if (grouped) out_.line(heading(group));
       constexpr std::size_t most = 8;
       for (std::size_t first = 0; first < group.problems.size(); first += most) {
         const auto begin = group.problems.begin() + static_cast<std::ptrdiff_t>(first);
@@ -186,13 +206,18 @@ class Tables {
  private:
   void overall() {
     out_.line("## All worlds together");
-    out_.header({"strategy", "solved, tuned on", "checks: median", "worst", "CPU time: median", "worst",
-                 "solved, held out", "checks: median", "worst", "CPU time: median", "worst"});
+    const std::vector<ProblemKind> kinds = kinds_of(data_);
+    std::vector<std::string> names = {"strategy"};
+    for (const ProblemKind& kind : kinds) {
+      names.push_back(kind.name.empty() ? "solved" : "solved, " + kind.name);
+      names.insert(names.end(), {"checks: median", "worst", "CPU time: median", "worst"});
+    }
+    out_.header(names);
     for (const std::size_t s : strategies_of(beside_baseline_)) {
       std::vector<std::string> cells = {"`" + data_.strategies[s].name + "`"};
-      for (const bool tuned : {true, false}) {
-        const CostSummary checks = summarise_costs(data_, beside_baseline_, s, &CostComparison::checks, tuned);
-        const CostSummary seconds = summarise_costs(data_, beside_baseline_, s, &CostComparison::seconds, tuned);
+      for (const ProblemKind& kind : kinds) {
+        const CostSummary checks = summarise_costs(data_, beside_baseline_, s, &CostComparison::checks, kind.tuned);
+        const CostSummary seconds = summarise_costs(data_, beside_baseline_, s, &CostComparison::seconds, kind.tuned);
         cells.insert(cells.end(), {share_text(checks.solved, checks.runs), ratio_text(checks.median),
                                    worst_text(checks), ratio_text(seconds.median), worst_text(seconds)});
       }
@@ -303,19 +328,20 @@ std::string csv_text(const std::string& text) {
 std::string costs_text(const CostData& data, const std::string& baseline, std::size_t width) {
   const auto comparisons = compare_costs(data, CostReference::baseline, baseline);
   std::vector<Table::Column> columns = {{{"strategy"}, "", true}};
-  for (const char* kind : {"tuned on", "held out"}) {
-    columns.push_back({{"solved"}, kind});
+  const std::vector<ProblemKind> kinds = kinds_of(data);
+  for (const ProblemKind& kind : kinds) {
+    columns.push_back({{"solved"}, kind.name});
     for (const char* quantity : {"checks", "CPU"}) {
-      columns.push_back({{quantity, "median"}, kind});
-      columns.push_back({{quantity, "worst"}, kind});
+      columns.push_back({{quantity, "median"}, kind.name});
+      columns.push_back({{quantity, "worst"}, kind.name});
     }
   }
   Table table(std::move(columns));
   for (const std::size_t s : strategies_of(comparisons)) {
     std::vector<std::string> cells = {data.strategies[s].name};
-    for (const bool tuned : {true, false}) {
-      const CostSummary checks = summarise_costs(data, comparisons, s, &CostComparison::checks, tuned);
-      const CostSummary seconds = summarise_costs(data, comparisons, s, &CostComparison::seconds, tuned);
+    for (const ProblemKind& kind : kinds) {
+      const CostSummary checks = summarise_costs(data, comparisons, s, &CostComparison::checks, kind.tuned);
+      const CostSummary seconds = summarise_costs(data, comparisons, s, &CostComparison::seconds, kind.tuned);
       cells.insert(cells.end(), {share_text(checks.solved, checks.runs), ratio_text(checks.median),
                                  ratio_text(checks.worst), ratio_text(seconds.median), ratio_text(seconds.worst)});
     }
