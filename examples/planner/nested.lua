@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- The planner of main.cpp under guides, at the root and for the search of a level. my_trellis runs it, trellis does not.
+-- The planner of main.cpp under guides, at the root and for the search of a level. Run it with my_trellis.
 -- luacheck: read_globals sampled_rrt
 local plain = sampled_rrt { step = 0.4 }
 return experiment {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <trellis/report/table.hpp>
@@ -19,15 +20,16 @@ constexpr double significant = 0.05;
 /// A ratio with its interval, where the pairs are enough for one.
 std::string paired_text(const PairedCosts& pairs) {
   Interval ratio = pairs.ratio;
-  if (!std::isfinite(ratio.lo)) ratio.lo = std::numeric_limits<double>::quiet_NaN();
+  // The interval of few pairs has no bound.
+  if (!(ratio.lo > 0.0) && !std::isfinite(ratio.hi)) ratio.lo = std::numeric_limits<double>::quiet_NaN();
   return ratio_text(ratio);
 }
 
 std::string end_text(const TunedStrategy& strategy) {
   switch (strategy.end) {
     case TunedStrategy::End::best: return "best";
-    case TunedStrategy::End::halved: return fmt::format("worse half, round {}", strategy.rounds);
-    case TunedStrategy::End::rejected: return fmt::format("rejected, round {}", strategy.rounds);
+    case TunedStrategy::End::halved: return fmt::format("round {}, half", strategy.rounds);
+    case TunedStrategy::End::rejected: return fmt::format("round {}, test", strategy.rounds);
   }
   return "";
 }
@@ -51,8 +53,8 @@ std::string table_text(const Experiment& experiment, const TuneResult& result, s
   Table table({{{"strategy"}, "", true},
                {{"seeds"}, "", false},
                {{"solved"}, "", false},
-               {{"ratio to the winner"}, "", true},
-               {{"ratio to the start"}, "", true},
+               {{"ratio to", "the winner"}, "", true},
+               {{"ratio to", "the start"}, "", true},
                {{"removed"}, "", true}});
   for (const std::size_t i : order_of(result)) {
     const TunedStrategy& strategy = result.strategies[i];
@@ -69,12 +71,12 @@ std::string evaluation_text(const Experiment& experiment, const TuneSettings& se
   const PairedCosts& pairs = result.evaluation;
   return fmt::format(
       "on {} that nothing was selected on, the winner has {} times the {} of the start ({}); less in "
-      "{} of {}, p {}; it solved {}, the start {}",
+      "{} of {}, p {}; it solved {} runs, the start {}",
       seeds_text(result.held_out), paired_text(pairs), to_string(settings.by), experiment.strategies.front().first,
       pairs.less, plural(pairs.pairs, "run"), p_text(pairs.sign_p), pairs.solved, pairs.reference_solved);
 }
 
-/// The strategies that the paired tests do not tell apart from the winner.
+/// The strategies that the paired tests do not distinguish from the winner.
 std::string alike_text(const Experiment& experiment, const TuneResult& result) {
   std::vector<std::string> alike;
   for (const std::size_t i : order_of(result)) {
