@@ -20,9 +20,11 @@
 #include <trellis/base/error.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
+#include <trellis/figures/html.hpp>
 #include <trellis/figures/pictures.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/directories.hpp>
+#include <trellis/report/report.hpp>
 #include <trellis/report/stored_summaries.hpp>
 
 namespace trellis::command {
@@ -44,7 +46,8 @@ struct Options {
   std::vector<std::string> files;  ///< documents of trellis run --json
   std::optional<std::size_t> figure;
   std::string baseline;  ///< a strategy, "" for the one that the documents name
-  std::string out;
+  std::string out;       ///< a folder, "" if not given
+  std::string html;      ///< a file, "" if not given
   FigureOptions style;
 
   [[nodiscard]] bool draws(Kind kind) const { return !figure || static_cast<Kind>(*figure) == kind; }
@@ -150,7 +153,7 @@ std::string chosen_baseline(const CostData& data, const Options& options) {
   return name;
 }
 
-int plot(const Options& options) {
+int plot_figures(const Options& options) {
   check_format(options.style, false);
   const FigureStyle style = figure_style(options.style, true);
   Stored stored;
@@ -182,6 +185,23 @@ int plot(const Options& options) {
   return success;
 }
 
+/// Writes the page of one document.
+void write_page(const Options& options) {
+  if (options.files.size() != 1) {
+    throw Error("--html: the page is of one document, whose efficiencies it shows; those of several do not add up");
+  }
+  require_writable_file(options.html);
+  write_file(options.html, stored_report_html(dsl::read_file(options.files.front(), largest), options.files.front()));
+}
+
+int plot(const Options& options) {
+  if (options.out.empty() && options.html.empty()) {
+    throw Error("plot: --out FOLDER or --html FILE says where the figures or the page go");
+  }
+  if (!options.html.empty()) write_page(options);
+  return options.out.empty() ? success : plot_figures(options);
+}
+
 }  // namespace
 
 void add_plot(CommandLine& line) {
@@ -195,7 +215,8 @@ void add_plot(CommandLine& line) {
       "need the samples, which trellis run --figures has");
   verb.text("--baseline", "NAME", options->baseline,
             "the strategy that the others are compared with, instead of the experiment's");
-  verb.text("--out", "FOLDER", options->out, "the folder of the figures", true);
+  verb.text("--out", "FOLDER", options->out, "the folder of the figures");
+  verb.text("--html", "FILE", options->html, "write the page of trellis run --html, but for its replays");
   add_figure_options(verb, options->style);
 }
 

@@ -110,10 +110,11 @@ const Readers& readers() {
       {"motion_checks", [](Stack& call, const Run& run) { push_count(call, run.result.run.motion_checks); }},
       {"proposals", [](Stack& call, const Run& run) { push_count(call, run.proposals); }},
       {"levels", [](Stack& call, const Run& run) {
+         // Numbered as in reports: the root is level 0.
          const Value list = call.push_table();
-         for (const LevelResult& level : run.result.levels) {
-           push_level(call, level);
-           call.append(list);
+         for (std::size_t i = 0; i < run.result.levels.size(); ++i) {
+           push_level(call, run.result.levels[i]);
+           call.set_index(list, i);
          }
        }}};
   return fields;

@@ -131,6 +131,8 @@ void Stack::set_field(Value table, const std::string& name) {
   lua_rawset(state_, table.index());
 }
 
+void Stack::set_index(Value table, std::size_t i) { lua_rawseti(state_, table.index(), static_cast<lua_Integer>(i)); }
+
 void Stack::set_index(Value table, std::size_t i, double value) {
   room(state_);
   lua_pushnumber(state_, value);

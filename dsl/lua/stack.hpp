@@ -92,6 +92,8 @@ class Stack {
   void set_field(Value table, const std::string& name);
   /// Sets an element of the table.
   void set_index(Value table, std::size_t i, double value);
+  /// Pops the top value and sets an element of the table.
+  void set_index(Value table, std::size_t i);
   void set_global(const std::string& name);
   /// Pushes a global, nil for a missing one; calls no metamethod.
   Value push_global(const std::string& name);

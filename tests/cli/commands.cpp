@@ -662,3 +662,26 @@ TEST_CASE("every example is valid") {
   INFO(outcome.err);
   CHECK(outcome.status == 0);
 }
+
+TEST_CASE("each part of a mixture has a row, and parts of a split table name their rows") {
+  const Place place;
+  place.script("mixed.lua", R"(
+local mixed = (0.7*skeleton() + 0.2*goal_bias(0.2) + 0.1*bridge_test()) >> rrt { step = 0.5 }
+return experiment { problems = { scenes.cup() }, strategies = { mixed = mixed, rrt = rrt { step = 0.5 } }, seeds = 5 }
+)");
+  const Outcome overview = place.run({"run", "mixed.lua", "--width", "100"});
+  CHECK_THAT(overview.out, Catch::Matchers::Matches("(.|\n)*0 root .*\n"
+                                                    "  \\+ goal_bias\\(0.2\\) +draws [0-9]+ % of proposals\n"
+                                                    "  \\+ bridge_test\\(0.5\\) +draws [0-9]+ % of proposals\n"
+                                                    "1 └ skeleton\\(\\)(.|\n)*"));
+  CHECK_THAT(overview.out, Contains("median  mean"));
+
+  const Outcome narrow = place.run({"run", "mixed.lua", "--width", "60", "--report", "full"});
+  std::istringstream lines(narrow.out);
+  std::size_t named = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("0 root") && line.find(" tree ") != std::string::npos) ++named;
+  }
+  CHECK(named >= 4);  // in two strategies, each table in several parts
+  CHECK_THAT(narrow.out, Contains("medians over the runs: those of the levels do not"));
+}

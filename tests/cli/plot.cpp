@@ -2,6 +2,7 @@
 // trellis plot: figures of stored results.
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -88,6 +89,28 @@ return experiment {
   // Two comparisons of each problem, the waterfalls, ratios of all, and 4 figures of each strategy with guides.
   CHECK(same >= 2 * 3 + 1 + 2 * 2 * 4);
 
+  // The page has the same tables, warnings and figures, and no run to replay.
+  REQUIRE(place.run({"run", "it.lua", "--quiet", "--html", "run.html", "--json", "it.json"}).status == 0);
+  REQUIRE(place.run({"plot", "it.json", "--html", "plot.html"}).status == 0);
+  const std::string run = content(place / "run.html");
+  const std::string plotted = content(place / "plot.html");
+  for (const auto& [begin, end] :
+       {std::pair{"<header>", "</header>"}, std::pair{"id=\"results-heading\"", "</section>"},
+        std::pair{"<template", "<script type=\"application/json\" id=\"data\""}}) {
+    const auto part = [&, from = begin, to = end](const std::string& page) {
+      const auto at = page.find(from);
+      REQUIRE(at != std::string::npos);
+      return page.substr(at, page.find(to, at) - at);
+    };
+    CAPTURE(begin);
+    CHECK(part(plotted) == part(run));
+    CHECK(part(plotted).size() > 100);
+  }
+  CHECK(run.find("id=\"run-0\"") != std::string::npos);
+  CHECK(plotted.find("id=\"run-0\"") == std::string::npos);
+  CHECK(plotted.find("This page is made of it.json, which has no samples") != std::string::npos);
+  CHECK(place.run({"plot", "it.json", "it.json", "--html", "two.html"}).status == 2);
+
   const Outcome one = place.run({"plot", "it.json", "--out", "one", "--figure", "waterfalls"});
   CHECK(one.out == "one/cup/waterfalls.svg, .png, .pdf\none/simple_passage/waterfalls.svg, .png, .pdf\n");
 
@@ -100,6 +123,20 @@ return experiment {
   CHECK(std::filesystem::exists(place / "two/cup/success.svg"));
   CHECK_FALSE(std::filesystem::exists(place / "two/cup/waterfalls.svg"));
   CHECK(place.run({"plot", "it.json", "more.json", "--out", "three", "--figure", "strip"}).status == 2);
+}
+
+TEST_CASE("plot says where to write, and that a sweep has no summary") {
+  const Place place;
+  place.script("it.lua", "return rrt { step = 0.5 }, scenes.cup()\n");
+  REQUIRE(place.run({"sweep", "it.lua", "--seeds", "2", "--out", "sweep", "--quiet"}).status == 0);
+  const Outcome nowhere = place.run({"plot", "sweep/results.json"});
+  CHECK(nowhere.status == 2);
+  CHECK(nowhere.err == "trellis: plot: --out FOLDER or --html FILE says where the figures or the page go\n");
+  const Outcome page = place.run({"plot", "sweep/results.json", "--html", "page.html"});
+  CHECK(page.status == 2);
+  CHECK(page.err.find("its runs have no summary, as those of a sweep") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(place / "page.html"));
+  REQUIRE(place.run({"plot", "sweep/results.json", "--out", "plots"}).status == 0);
 }
 
 TEST_CASE("plot says why it draws no figure of a measure") {

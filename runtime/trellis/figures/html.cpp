@@ -19,6 +19,7 @@
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
 #include <trellis/figures/html.hpp>
+#include <trellis/figures/html_content.hpp>
 #include <trellis/figures/html_parts.hpp>
 #include <trellis/figures/html_run.hpp>
 #include <trellis/report/costs.hpp>
@@ -134,29 +135,6 @@ const LevelSummary& root_of(const RunsSummary& summary) {
   return summary.levels.empty() ? none : summary.levels.front();
 }
 
-using Summaries = std::vector<std::vector<RunsSummary>>;  // by problem and strategy
-
-/// The results of the runs of one problem.
-struct ProblemFindings {
-  std::vector<Comparison> comparisons;
-  std::vector<std::vector<Verdict>> verdicts;  ///< by strategy, on its levels
-};
-using Findings = std::vector<ProblemFindings>;  // by problem
-
-Findings findings_of(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
-  Findings all;
-  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
-    const std::string& problem = experiment.problems[p].name;
-    ProblemFindings of{compare(experiment, result, problem), {}};
-    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
-      of.verdicts.push_back(
-          verdicts(experiment, result, problem, experiment.strategies[s].first, summaries[p][s], of.comparisons));
-    }
-    all.push_back(std::move(of));
-  }
-  return all;
-}
-
 std::string summary_row(const RunsSummary& s, const std::string& head, const std::string& attributes, bool measured,
                         bool crossed, Marks& marks) {
   std::string out = fmt::format(R"(<tr{}><th scope="row">{}</th><td>{}/{}<span class="pm">{}</span></td>)", attributes,
@@ -186,70 +164,58 @@ std::string swatch(const CostData& data, const std::string& strategy) {
                      byte(colour.g), byte(colour.b));
 }
 
-std::string summary_table(const Experiment& experiment, const ExperimentResult& result, const Summaries& summaries) {
-  const bool measured = experiment.measure.has_value();
+std::string summary_table(const HtmlContent& content) {
   bool crossed = false;
-  for (const auto& of_problem : summaries) {
-    for (const auto& s : of_problem) crossed = crossed || root_of(s).root_cross.tree.scored > 0;
+  for (const auto& of_problem : content.cells) {
+    for (const HtmlCell& one : of_problem) crossed = crossed || root_of(one.summary).root_cross.tree.scored > 0;
   }
   std::vector<Columns> columns = {{"", {"solved"}}};
-  if (measured) {
+  if (content.measured) {
     const std::vector<std::string> paths =
         crossed ? std::vector<std::string>{"own path", "other seeds’"} : std::vector<std::string>{"own path"};
     columns.push_back({"above uniform, tree", paths});
     columns.push_back({"above uniform, expansion", paths});
   }
   columns.push_back({"medians", {"checks", "time, ms"}});
-  columns.push_back({"", {"path, m"}});
+  columns.push_back({"mean", {"path, m"}});
   std::size_t width = 1;
   for (const auto& group : columns) width += group.names.size();
 
-  const CostData data = cost_data(experiment, result);
   Marks marks;
   std::string body;
   const auto group = [&](const std::string& name) {
     body += fmt::format("<tr class=\"group\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>\n", width, name);
   };
-  if (experiment.problems.size() > 1) {
+  if (content.problems.size() > 1) {
     group("all scenes together");
-    for (const auto& entry : experiment.strategies) {
-      body += summary_row(summarise(select_runs(result, "", entry.first)),
-                          swatch(data, entry.first) + escaped(entry.first), "", measured, crossed, marks);
+    for (std::size_t s = 0; s < content.together.size(); ++s) {
+      const std::string& name = content.strategies[s].name;
+      body += summary_row(content.together[s], swatch(content.costs, name) + escaped(name), "", content.measured,
+                          crossed, marks);
     }
   }
-  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
-    group(escaped(experiment.problems[p].name));
-    for (std::size_t s = 0; s < experiment.strategies.size(); ++s) {
+  for (std::size_t p = 0; p < content.problems.size(); ++p) {
+    group(escaped(content.problems[p]));
+    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
       const std::string place = fmt::format("{}-{}", p, s);
-      body += summary_row(summaries[p][s],
-                          swatch(data, experiment.strategies[s].first) +
-                              fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place,
-                                          escaped(experiment.strategies[s].first)),
-                          fmt::format(R"( data-cell="{}")", place), measured, crossed, marks);
+      const std::string& name = content.strategies[s].name;
+      body += summary_row(
+          content.cells[p][s].summary,
+          swatch(content.costs, name) +
+              fmt::format(R"(<button type="button" class="link" data-cell="{}">{}</button>)", place, escaped(name)),
+          fmt::format(R"( data-cell="{}")", place), content.measured, crossed, marks);
     }
   }
-  const bool tall = experiment.problems.size() * experiment.strategies.size() > 24;
+  const bool tall = content.problems.size() * content.strategies.size() > 24;
   return fmt::format("<div class=\"scroll{}\"><table id=\"summary\">\n{}<tbody>\n{}</tbody></table></div>\n{}",
                      tall ? " tall" : "", heading("method", columns), body, marks.text());
 }
 
 /// Returns the warnings of the printed report: guides that perform worse than no guide, and why runs found no path.
-std::string warnings_html(const Experiment& experiment, const ExperimentResult& result, const Findings& findings) {
+std::string warnings_html(const HtmlContent& content) {
   std::string items;
-  const auto add = [&](const std::string& problem, const std::string& text) {
-    items +=
-        fmt::format("<li>{}{}</li>\n", experiment.problems.size() > 1 ? escaped(problem) + ": " : "", escaped(text));
-  };
-  for (std::size_t p = 0; p < experiment.problems.size(); ++p) {
-    const std::string& problem = experiment.problems[p].name;
-    for (const auto& [strategy, spec] : experiment.strategies) {
-      if (is_ablation(experiment, strategy)) continue;
-      const std::string why = unsolved_text(select_runs(result, problem, strategy), spec);
-      if (!why.empty()) add(problem, fmt::format("{}: {}", strategy, why));
-    }
-    for (const std::string& warning : guide_warnings(experiment, result, problem, findings[p].comparisons)) {
-      add(problem, "warning: " + warning);
-    }
+  for (const auto& [problem, text] : content.warnings) {
+    items += fmt::format("<li>{}{}</li>\n", content.problems.size() > 1 ? escaped(problem) + ": " : "", escaped(text));
   }
   return items.empty() ? "" : "<ul id=\"warnings\" class=\"note\">\n" + items + "</ul>\n";
 }
@@ -437,14 +403,6 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
   return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
 }
 
-std::string outcome(const RunResult& run) {
-  std::string text = run.run.solved ? fmt::format("solved, path of {} m", fixed(run.run.length, 2))
-                                    : fmt::format("not solved: {}", to_string(run.run.status));
-  if (run.run.trajectory.dt > 0.0) text += fmt::format(", driven in {} s", fixed(run.run.trajectory.duration(), 1));
-  text += fmt::format(" · {} validity checks · {} ms", run.run.validity_checks, milliseconds(run.run.seconds));
-  return text;
-}
-
 Json problem_json(const Problem& problem, RobotTable& robots) {
   Json bounds = nullptr;
   Json obstacles = Json::array();
@@ -468,17 +426,16 @@ Json problem_json(const Problem& problem, RobotTable& robots) {
 }
 
 /// The tables of levels and the figures, of each problem and strategy.
-std::string worth_scripts(const Experiment& experiment, const Summaries& summaries, const Findings& findings) {
+std::string worth_scripts(const HtmlContent& content) {
   std::string out;
-  const bool measured = experiment.measure.has_value();
-  for (std::size_t p = 0; p < summaries.size(); ++p) {
-    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
-      const RunsSummary& summary = summaries[p][s];
+  for (std::size_t p = 0; p < content.problems.size(); ++p) {
+    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
+      const HtmlCell& cell = content.cells[p][s];
       const std::string place = fmt::format("{}-{}", p, s);
       out += fmt::format("<template id=\"levels-{}\">{}</template>\n", place,
-                         level_table(summary, findings[p].verdicts[s], measured));
-      if (!measured) continue;
-      const auto figures = strategy_figures(experiment.problems[p].name, experiment.strategies[s].first, summary);
+                         level_table(cell.summary, cell.verdicts, content.measured));
+      if (!content.measured) continue;
+      const auto figures = strategy_figures(content.problems[p], content.strategies[s].name, cell.summary);
       Json drawn = Json::array();
       if (figures.waterfall) drawn.push_back(draw::plot(*figures.waterfall).markup("waterfall"));
       if (figures.plane) drawn.push_back(draw::plot(*figures.plane).markup("plane"));
@@ -491,11 +448,10 @@ std::string worth_scripts(const Experiment& experiment, const Summaries& summari
 }
 
 /// Returns the figures that compare the strategies on each problem.
-std::string comparison_scripts(const Experiment& experiment, const ExperimentResult& result,
-                               const Summaries& summaries) {
-  const CostData data = cost_data(experiment, result);
+std::string comparison_scripts(const HtmlContent& content) {
+  const CostData& data = content.costs;
   std::string out;
-  for (std::size_t p = 0; p < summaries.size(); ++p) {
+  for (std::size_t p = 0; p < content.problems.size(); ++p) {
     Json drawn = Json::array();
     const auto add = [&](const auto& figure, const char* id) {
       if (figure) drawn.push_back(draw::plot(*figure).markup(id));
@@ -504,38 +460,35 @@ std::string comparison_scripts(const Experiment& experiment, const ExperimentRes
     add(length_figure(data, data.baseline, p), "length");
     add(ratio_figure(data.on(p), data.baseline), "ratios");
     std::vector<NamedSummary> named;
-    for (std::size_t s = 0; s < summaries[p].size(); ++s) {
-      const std::string& strategy = experiment.strategies[s].first;
-      if (!is_ablation(experiment, strategy)) named.push_back({strategy, &summaries[p][s]});
+    for (std::size_t s = 0; s < content.strategies.size(); ++s) {
+      const HtmlStrategy& strategy = content.strategies[s];
+      if (!strategy.ablation) named.push_back({strategy.name, &content.cells[p][s].summary});
     }
-    if (experiment.measure) add(waterfalls_figure(experiment.problems[p].name, named), "waterfalls");
+    if (content.measured) add(waterfalls_figure(content.problems[p], named), "waterfalls");
     if (!drawn.empty()) out += script(fmt::format("comparison-{}", p), script_json(drawn));
   }
   return out;
 }
 
-std::string data_scripts(const Experiment& experiment, const ExperimentResult& result, const HeldRuns& held,
-                         RobotTable& robots) {
-  Json problems = Json::array();
-  for (const auto& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
+/// \param problems  as problem_json() writes them
+std::string data_scripts(const HtmlContent& content, Json problems, const HeldRuns& held, const RobotTable& robots) {
   Json strategies = Json::array();
-  for (const auto& [name, spec] : experiment.strategies) strategies.push_back({{"name", name}, {"text", spec.text()}});
+  for (const HtmlStrategy& one : content.strategies) strategies.push_back({{"name", one.name}, {"text", one.text}});
   Json cells = Json::array();
-  for (const auto& problem : experiment.problems) {
+  for (const auto& of_problem : content.cells) {
     Json row = Json::array();
-    for (const auto& entry : experiment.strategies) {
+    for (const HtmlCell& cell : of_problem) {
       Json runs = Json::array();
-      const auto of_cell = select_runs(result, problem.name, entry.first);
-      for (const std::uint64_t seed : experiment.seeds) {
-        const auto at = std::find_if(of_cell.begin(), of_cell.end(), [&](const auto* r) { return r->seed == seed; });
-        if (at == of_cell.end()) {
+      for (const std::uint64_t seed : content.seeds) {
+        const auto at = cell.runs.find(seed);
+        if (at == cell.runs.end()) {
           runs.push_back({{"id", -1}, {"text", "no such run"}});
           continue;
         }
-        const auto id = held.ids.find(*at);
+        const auto id = held.ids.find(at->second.run);
         runs.push_back({{"id", id == held.ids.end() ? -1 : static_cast<int>(id->second)},
-                        {"text", outcome(**at)},
-                        {"solved", (*at)->run.solved}});
+                        {"text", at->second.text},
+                        {"solved", at->second.solved}});
       }
       row.push_back({{"runs", std::move(runs)}});
     }
@@ -545,7 +498,7 @@ std::string data_scripts(const Experiment& experiment, const ExperimentResult& r
   for (int c = 0; c < 5; ++c) classes.push_back(to_string(static_cast<NodeClass>(c)));
   // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
-  for (const std::uint64_t seed : experiment.seeds) seeds.push_back(std::to_string(seed));
+  for (const std::uint64_t seed : content.seeds) seeds.push_back(std::to_string(seed));
   std::string out = script("data", script_json({{"problems", std::move(problems)},
                                                 {"strategies", std::move(strategies)},
                                                 {"seeds", std::move(seeds)},
@@ -555,19 +508,48 @@ std::string data_scripts(const Experiment& experiment, const ExperimentResult& r
   return out + held.scripts;
 }
 
-std::string about(const Experiment& experiment) {
-  std::string text = fmt::format("{} × {} × {}. ", plural(experiment.problems.size(), "scene"),
-                                 plural(experiment.strategies.size(), "method"), seeds_text(experiment.seeds));
-  if (experiment.measure) {
-    text += fmt::format(
-        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
-        "Target: {}. ",
-        target_text(experiment.measure->target));
+HtmlRunFacts facts_of(const RunResult& run) {
+  return {.solved = run.run.solved,
+          .length = run.run.length,
+          .status = std::string(to_string(run.run.status)),
+          .duration = run.run.trajectory.dt > 0.0 ? run.run.trajectory.duration() : 0.0,
+          .checks = run.run.validity_checks,
+          .seconds = run.run.seconds};
+}
+
+HtmlContent content_of(const Experiment& experiment, const ExperimentResult& result, const std::string& script) {
+  HtmlContent content;
+  content.script = script;
+  content.measured = experiment.measure.has_value();
+  content.seeds = experiment.seeds;
+  content.about = html_about(experiment.problems.size(), experiment.strategies.size(), experiment.seeds,
+                             content.measured ? target_text(experiment.measure->target) : "", version());
+  content.costs = cost_data(experiment, result);
+  for (const auto& [name, spec] : experiment.strategies) {
+    content.strategies.push_back({name, spec.text(), is_ablation(experiment, name)});
+    if (experiment.problems.size() > 1) content.together.push_back(summarise(select_runs(result, "", name)));
   }
-  text += experiment.seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
-                                        "Medians of methods: an unsolved run counts as infinite. "
-                                      : "";
-  return text + "Trellis " + version() + '.';
+  for (const Problem& problem : experiment.problems) {
+    content.problems.push_back(problem.name);
+    const std::vector<Comparison> comparisons = compare(experiment, result, problem.name);
+    std::vector<HtmlCell> row;
+    for (const auto& [name, spec] : experiment.strategies) {
+      const auto runs = select_runs(result, problem.name, name);
+      HtmlCell cell{summarise(runs), {}, {}};
+      cell.verdicts = verdicts(experiment, result, problem.name, name, cell.summary, comparisons);
+      for (const RunResult* run : runs) {
+        cell.runs.emplace(run->seed, HtmlOutcome{html_outcome(facts_of(*run)), run->run.solved, run});
+      }
+      row.push_back(std::move(cell));
+      const std::string why = is_ablation(experiment, name) ? "" : unsolved_text(runs, spec);
+      if (!why.empty()) content.warnings.emplace_back(problem.name, fmt::format("{}: {}", name, why));
+    }
+    content.cells.push_back(std::move(row));
+    for (const std::string& warning : guide_warnings(experiment, result, problem.name, comparisons)) {
+      content.warnings.emplace_back(problem.name, "warning: " + warning);
+    }
+  }
+  return content;
 }
 
 /// Replaces the page's @PLACES@. Does not expand the inserted text again.
@@ -589,40 +571,79 @@ std::string filled(std::string_view page, const std::map<std::string_view, std::
   return out;
 }
 
+/// The parts of the page that all results have.
+struct Tables {
+  std::string summary;
+  std::string worth;
+};
+Tables tables_of(const HtmlContent& content) {
+  return {summary_table(content) + warnings_html(content), worth_scripts(content) + comparison_scripts(content)};
+}
+
+std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes,
+                    const std::string& data) {
+  const HtmlParts& parts = html_parts();
+  return filled(parts.page, {{"TITLE", escaped(content.script.empty() ? "Trellis" : "Trellis: " + content.script)},
+                             {"ABOUT", escaped(content.about)},
+                             {"STYLE", std::string(parts.style)},
+                             {"SUMMARY", tables.summary},
+                             {"NOTES", notes},
+                             {"DATA", tables.worth + data},
+                             {"SCRIPT", std::string(parts.script)}});
+}
+
 }  // namespace
 
-std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options) {
-  Summaries summaries;
-  summaries.reserve(experiment.problems.size());
-  for (const auto& problem : experiment.problems) {
-    std::vector<RunsSummary> row;
-    row.reserve(experiment.strategies.size());
-    for (const auto& entry : experiment.strategies) {
-      row.push_back(summarise(select_runs(result, problem.name, entry.first)));
-    }
-    summaries.push_back(std::move(row));
+std::string html_about(std::size_t problems, std::size_t strategies, const std::vector<std::uint64_t>& seeds,
+                       const std::string& target, const std::string& version) {
+  std::string text =
+      fmt::format("{} × {} × {}. ", plural(problems, "scene"), plural(strategies, "method"), seeds_text(seeds));
+  if (!target.empty()) {
+    text += fmt::format(
+        "Above uniform: nats by which the samples are nearer to the target than uniform ones, more is better. "
+        "Target: {}. ",
+        target);
   }
+  text += seeds.size() > 1 ? "±: half of the 95 % interval of the mean over the runs; of success Wilson’s. "
+                             "Medians of methods: an unsolved run counts as infinite. "
+                           : "";
+  return text + "Trellis " + version + '.';
+}
+
+std::string html_outcome(const HtmlRunFacts& facts) {
+  std::string text = facts.solved ? fmt::format("solved, path of {} m", fixed(facts.length, 2))
+                                  : fmt::format("not solved: {}", facts.status);
+  if (facts.duration > 0.0) text += fmt::format(", driven in {} s", fixed(facts.duration, 1));
+  return text + fmt::format(" · {} validity checks · {} ms", facts.checks, milliseconds(facts.seconds));
+}
+
+std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options) {
   // A page opens within a second up to 5 MB. The runs get the rest of that size.
   constexpr std::size_t most_of_page = 5'000'000;
   constexpr std::size_t bytes_of_outcome = 200;  // of a run, with or without its samples
   const HtmlParts& parts = html_parts();
-  const Findings findings = findings_of(experiment, result, summaries);
-  const std::string summary =
-      summary_table(experiment, result, summaries) + warnings_html(experiment, result, findings);
-  const std::string worth =
-      worth_scripts(experiment, summaries, findings) + comparison_scripts(experiment, result, summaries);
-  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + summary.size() +
-                           worth.size() + bytes_of_outcome * result.runs.size();
+  const HtmlContent content = content_of(experiment, result, options.script);
+  const Tables tables = tables_of(content);
+  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +
+                           tables.worth.size() + bytes_of_outcome * result.runs.size();
   const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
   RobotTable robots;
   const HeldRuns held = held_runs(experiment, result, options, most_bytes, robots);
-  return filled(parts.page, {{"TITLE", escaped(options.script.empty() ? "Trellis" : "Trellis: " + options.script)},
-                             {"ABOUT", escaped(about(experiment))},
-                             {"STYLE", std::string(parts.style)},
-                             {"SUMMARY", summary},
-                             {"NOTES", held_text(experiment, result, held, most_bytes)},
-                             {"DATA", worth + data_scripts(experiment, result, held, robots)},
-                             {"SCRIPT", std::string(parts.script)}});
+  Json problems = Json::array();
+  for (const Problem& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
+  return page_of(content, tables, held_text(experiment, result, held, most_bytes),
+                 data_scripts(content, std::move(problems), held, robots));
+}
+
+std::string stored_report_html(const std::string& document, const std::string& file) {
+  const HtmlContent content = stored_html_content(document, file);
+  Json problems = Json::array();
+  for (const std::string& name : content.problems) problems.push_back({{"name", name}, {"bounds", nullptr}});
+  const std::string note = fmt::format(
+      "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that does.",
+      file);
+  return page_of(content, tables_of(content), R"(<p class="note">)" + escaped(note) + "</p>",
+                 data_scripts(content, std::move(problems), {}, {}));
 }
 
 void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,

@@ -19,6 +19,10 @@ struct HtmlOptions {
 
 /// Returns one self-contained HTML page: the results, and every run for replay and inspection (docs/formats.md). UTF-8.
 std::string report_html(const Experiment& experiment, const ExperimentResult& result, const HtmlOptions& options = {});
+/// Returns the page of a document of `trellis run --json`: its tables and figures, without replays.
+/// \param file  the document's, for the page and for messages
+/// \throws Error that names the file, for another kind of document and for one without summaries, as of a sweep.
+std::string stored_report_html(const std::string& document, const std::string& file);
 /// \throws Error where it cannot write the file.
 void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,
                 const HtmlOptions& options = {});

@@ -16,6 +16,7 @@
 #include <trellis/report/summary.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
+#include <trellis/report/words.hpp>
 
 namespace trellis {
 
@@ -597,6 +598,7 @@ Json experiment_json(const Experiment& experiment) {
     measure["cross"] = m.cross;
     measure["cross_levels"] = m.cross_levels;
     measure["metrics"] = m.metrics;
+    measure["text"] = target_text(m.target);
   }
   Json ablations = Json::array();
   for (const auto& link : experiment.ablations) {

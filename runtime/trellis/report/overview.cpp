@@ -108,8 +108,8 @@ std::string strategies_table(const Section& section, std::size_t width) {
     columns.push_back(number_column({"checks [99 %]"}, beside));
     columns.push_back(number_column({"p"}, beside));
   }
-  columns.push_back(number_column({"ms"}));
-  columns.push_back(number_column({"path m"}));
+  columns.push_back(number_column({"ms"}, "median"));
+  columns.push_back(number_column({"path m"}, "mean"));
   Table table(columns);
   for (const Row& row : section.rows) {
     const RunsSummary& s = row.summary;
@@ -176,10 +176,60 @@ std::string shortened(const std::string& text, std::size_t columns) {
   return cut + "…";
 }
 
+/// A part of a mixture that searches no space and so has no level, such as goal_bias(0.2).
+struct Part {
+  std::string name;
+  double share = 0.0;  ///< of its level's proposals, over all runs
+};
+
+std::vector<Part> parts_of(const Row& row, std::size_t level) {
+  const std::vector<LevelSummary>& levels = row.summary.levels;
+  const std::vector<std::string> unguided = {"goal", "uniform", "informed path"};
+  std::vector<std::string> other = unguided;
+  for (const LevelSummary& one : levels) {
+    if (one.parent == static_cast<int>(level)) other.push_back(one.name);
+  }
+  std::vector<Part> parts;
+  double all = 0.0;
+  for (const RunResult* run : row.runs) {
+    for (const LevelResult& one : run->levels) {
+      if (one.record.key != levels[level].key) continue;
+      const Search& search = one.record.search;
+      if (search.sources.size() < unguided.size() + 2) continue;  // no mixture
+      all += static_cast<double>(search.proposal_sources.size());
+      for (std::size_t i = 0; i < search.sources.size(); ++i) {
+        const std::string& name = search.sources[i];
+        if (std::find(other.begin(), other.end(), name) != other.end()) continue;
+        auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& known) { return known.name == name; });
+        if (part == parts.end()) part = parts.insert(parts.end(), {name, 0.0});
+        part->share += static_cast<double>(std::count(search.proposal_sources.begin(), search.proposal_sources.end(),
+                                                      static_cast<Guidance::Source>(i)));
+      }
+    }
+  }
+  for (Part& part : parts) part.share = all > 0.0 ? part.share / all : 0.0;
+  return parts;
+}
+
+/// Whether a strategy has a table of its levels: it has several, or a mixture of guides without a space.
+bool has_levels_table(const Row& row) {
+  return row.summary.levels.size() > 1 || (!row.summary.levels.empty() && parts_of(row, 0).size() > 1);
+}
+
+/// Adds a row for each part of a level that has no level of its own.
+void add_parts(Table& table, const Row& row, std::size_t level, std::size_t indent, std::size_t columns) {
+  for (const Part& part : parts_of(row, level)) {
+    std::vector<std::string> cells(columns);
+    cells.front() = shortened(std::string(indent, ' ') + "+ " + part.name, longest_label);
+    cells.back() = fmt::format("draws {} % of proposals", percent(part.share));
+    table.add(std::move(cells));
+  }
+}
+
 /// Returns the table of the verdicts on one strategy's levels.
 std::string levels_table(const Experiment& experiment, const Row& row, std::size_t width) {
   const std::vector<LevelSummary>& levels = row.summary.levels;
-  if (levels.size() < 2) return "";
+  if (!has_levels_table(row)) return "";
   const std::vector<Verdict>& found = row.verdicts;
   const bool measured = experiment.measure.has_value();
   const bool ablated = std::any_of(found.begin(), found.end(), [](const Verdict& v) { return v.left_out.has_value(); });
@@ -197,24 +247,25 @@ std::string levels_table(const Experiment& experiment, const Row& row, std::size
     columns.push_back(number_column({"p"}, left_out));
   }
   columns.push_back(text_column("verdict"));
-  std::vector<std::string> labels = level_labels(levels);
-  for (std::string& label : labels) label = shortened(label, longest_label);
+  const std::vector<std::string> labels = level_labels(levels);
   Table table(columns);
   bool blank = false;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    std::vector<std::string> cells = {labels[i], percent(levels[i].check_share), percent(levels[i].time_share)};
+    std::vector<std::string> cells = {shortened(labels[i], longest_label), percent(levels[i].check_share),
+                                      percent(levels[i].time_share)};
     if (measured) {
       const Nats of = nats_of(levels[i]);
       blank = blank || of.blank;
       cells.insert(cells.end(), {of.total, of.mass, of.spread});
     }
     if (ablated) {
-      const auto& costs = found[i].left_out;
+      const auto& costs = found.at(i).left_out;
       cells.push_back(costs ? "×" + fixed(costs->ratio.value, 2) : "-");
       cells.push_back(costs ? p_text(costs->holm_p) : "-");
     }
-    cells.push_back(verdict_text(found[i]));
+    cells.push_back(i < found.size() ? verdict_text(found[i]) : "");
     table.add(std::move(cells));
+    add_parts(table, row, i, display_width(labels[i]) - display_width(levels[i].name), columns.size());
   }
   const std::string text = row.spec->text();
   std::string out =
@@ -387,7 +438,7 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
   const std::vector<Section> sections = sections_of(experiment, result);
   std::size_t tables = 0;
   for (const Section& section : sections) {
-    for (const Row& row : section.rows) tables += row.summary.levels.size() > 1 ? 1 : 0;
+    for (const Row& row : section.rows) tables += has_levels_table(row) ? 1 : 0;
   }
   std::string out;
   for (const Section& section : sections) {

@@ -16,7 +16,7 @@ namespace trellis {
 
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;  // flags keep their order
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -165,6 +165,19 @@ RunsSummary summary_of(const Json& json) {
   return summary;
 }
 
+Verdict verdict_of(const Json& json) {
+  Verdict verdict;
+  if (json.is_null()) return verdict;
+  const auto word = json.at("verdict").get<std::string>();
+  for (const auto kind : {Verdict::Kind::pays, Verdict::Kind::costs, Verdict::Kind::misleads, Verdict::Kind::not_shown,
+                          Verdict::Kind::too_few_runs}) {
+    verdict.kind = kind;
+    if (verdict_word(verdict) == word) break;
+  }
+  verdict.reason = string_of(json.at("reason"));
+  return verdict;
+}
+
 }  // namespace
 
 std::vector<StoredSummary> read_stored_summaries(const std::string& document, const std::string& file) {
@@ -177,7 +190,13 @@ std::vector<StoredSummary> read_stored_summaries(const std::string& document, co
     std::vector<StoredSummary> summaries;
     for (const Json& entry : json.at("summary")) {
       const auto strategy = entry.at("strategy").get<std::string>();
-      summaries.push_back({string_of(entry.at("problem")), strategy, ablations.count(strategy) > 0, summary_of(entry)});
+      const bool ablation = ablations.count(strategy) > 0;
+      summaries.push_back({string_of(entry.at("problem")), strategy, ablation, summary_of(entry), {}, {}});
+      summaries.back().unsolved = string_of(field(entry, "unsolved_reasons"));
+      if (ablation) continue;
+      for (const Json& level : entry.at("levels")) {
+        summaries.back().verdicts.push_back(verdict_of(field(level, "verdict")));
+      }
     }
     return summaries;
   } catch (const Json::exception&) {

@@ -149,13 +149,20 @@ std::string Table::part(const std::vector<std::size_t>& columns, std::size_t gap
   std::string out = headings(layout) + thin;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     // Omit a row without values from this part of a split table.
-    const bool blank = columns.size() > 1 && std::all_of(columns.begin() + 1, columns.end(),
-                                                         [&](std::size_t c) { return rows_[r][c].empty(); });
+    const bool blank =
+        columns.size() > keys() && std::all_of(columns.begin() + static_cast<std::ptrdiff_t>(keys()), columns.end(),
+                                               [&](std::size_t c) { return rows_[r][c].empty(); });
     if (blank) continue;
     if (std::find(rules_.begin(), rules_.end(), r) != rules_.end()) out += thin;
     append_line(out, layout.line(columns_, [&](std::size_t i) { return rows_[r][columns[i]]; }));
   }
   return out;
+}
+
+std::size_t Table::keys() const {
+  std::size_t count = 1;
+  while (count < columns_.size() && columns_[count].key) ++count;
+  return count;
 }
 
 std::string Table::text(std::size_t width) const {
@@ -175,8 +182,9 @@ std::string Table::text(std::size_t width) const {
   }
 
   std::string out;
-  std::vector<std::size_t> chosen = {0};
-  std::size_t c = 1;
+  const std::vector<std::size_t> named(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(keys()));
+  std::vector<std::size_t> chosen = named;
+  std::size_t c = named.size();
   while (c < columns_.size()) {
     // The next block: a group, or a column without a group.
     std::size_t end = c + 1;
@@ -187,10 +195,10 @@ std::string Table::text(std::size_t width) const {
       return more;
     };
     const bool groups_begin = columns_[c - 1].group.empty() && !columns_[c].group.empty();
-    if (!fits(part(with(end), 2)) || (groups_begin && chosen.size() > 1)) {
-      if (chosen.size() > 1) {
+    if (!fits(part(with(end), 2)) || (groups_begin && chosen.size() > named.size())) {
+      if (chosen.size() > named.size()) {
         out += part(chosen, 2) + '\n';
-        chosen = {0};
+        chosen = named;
         continue;
       }
       // The group alone is too wide: take as many of its columns as fit, at least one.

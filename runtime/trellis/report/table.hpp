@@ -29,6 +29,7 @@ class Table {
     std::vector<std::string> heading;  ///< lines, the last one lowest
     std::string group;                 ///< adjacent columns of one group share a heading above their own
     bool left = false;                 ///< left-aligned; numbers are right-aligned
+    bool key = false;                  ///< names the row together with the columns before, which are keys too
   };
 
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
@@ -40,13 +41,16 @@ class Table {
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
   /// Returns the table in at most `width` columns. A wider table gets narrower gaps; if that is not enough, the
-  /// remaining columns follow in a second table that repeats the first column. Groups stay together where possible.
+  /// remaining columns follow in a second table that repeats the first column and the keys after it. Groups stay
+  /// together where possible.
   [[nodiscard]] std::string text(std::size_t width) const;
 
  private:
   struct Layout;
   [[nodiscard]] Layout layout_of(const std::vector<std::size_t>& columns, std::size_t gap) const;
   [[nodiscard]] std::string headings(const Layout& layout) const;
+  /// Returns the number of columns that name a row: the first one and the keys after it.
+  [[nodiscard]] std::size_t keys() const;
   [[nodiscard]] std::string part(const std::vector<std::size_t>& columns, std::size_t gap) const;
 
   std::vector<Column> columns_;

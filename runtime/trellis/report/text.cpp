@@ -277,7 +277,11 @@ std::string search_table(const RunsSummary& summary, std::size_t width) {
     table.rule();
     table.add(std::move(cells));
   }
-  return table.text(width);
+  std::string out = table.text(width);
+  if (levels.size() > 1 && summary.runs > 1) {
+    out += wrap("medians over the runs: those of the levels do not sum to that of all levels", width, "  ", "  ");
+  }
+  return out;
 }
 
 namespace {
@@ -307,7 +311,7 @@ std::vector<Table::Column> measure_columns() {
   const std::string own = "own space, own path";
   const std::string root = "root space: above uniform on";
   return {text_column("level"),
-          text_column("samples"),
+          Table::Column{{"samples"}, "", true, true},
           number_column({"runs"}),
           number_column({"N"}),
           number_column({"in", "target"}),
@@ -580,7 +584,7 @@ std::string summary_table(const std::vector<Row>& rows, bool measured, std::size
                                         number_column({"validity", "checks"}, "medians, all levels"),
                                         number_column({"motion", "checks"}, "medians, all levels"),
                                         number_column({"time", "ms"}, "medians, all levels"),
-                                        number_column({"path length", "m"})};
+                                        number_column({"path length", "m, mean"})};
   const RootColumns root(rows);
   if (measured) root.add_columns(columns);
   double slowest = 0.0;

@@ -1234,6 +1234,9 @@ data.strategies.forEach((s, i) => $('beside').append(make('option', { value: i, 
 data.strategies.forEach((s, i) => $('method').append(make('option', { value: i, textContent: s.name })));
 data.seeds.forEach((s, i) => $('seed').append(make('option', { value: i, textContent: s })));
 for (const speed of [2, 10, 50, 200, 1000, 5000]) $('speed').append(make('option', { value: speed, textContent: speed + '/s' }));
+// A page of stored results has no samples to draw.
+const bare = !data.cells.some(row => row.some(c => c.runs.some(r => r.id >= 0)));
+if (bare) for (const part of [document.querySelector('.stage'), $('keys'), $('beside').parentElement]) part.hidden = true;
 if (data.problems.length && data.strategies.length && data.seeds.length) {
   readHash();
   refresh();
