@@ -54,11 +54,11 @@ class SampledRrt final : public Planner {
   double to_goal(std::uint32_t row) const { return context_.instance.to_goal(node(row)); }
   bool solved() const { return to_goal(best_) <= context_.instance.goal_tolerance; }
 
-  /// The node that the guide selects, else the nearest of the candidates.
+  /// The node that the guide selects, else the nearest of the candidates and of the node nearest to the goal.
   std::uint32_t node_near(View q) {
     const std::uint32_t selected = context_.guidance.vertex();
     if (selected != no_node && selected >= root_) return selected;
-    std::uint32_t best = root_;
+    std::uint32_t best = best_;
     for (std::int64_t i = 0; i < settings_.candidates; ++i) {
       const auto drawn = context_.proposals.below(context_.search.nodes.size() - root_);
       const auto row = root_ + static_cast<std::uint32_t>(drawn);

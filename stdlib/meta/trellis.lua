@@ -774,6 +774,13 @@
 ---@field window? number a number at least 0 (m in the metric); default 0: how far beyond what the planner has reached a tube's proposals are drawn; 0: two of the planner's steps, or two bounding radii where it has none
 ---@field evidence? integer an integer at least 1 (proposals); default 60: guided proposals at one place of the path that C found blocked, after which the path is refuted
 
+---What `tune` takes.
+---@class trellis.tune.Options
+---@field over table<string, any[]> a table of lists: { name = { value, ... } }: the values of p.name; the first of each list is the start
+---@field budget? integer an integer in [1, 1e+09] (runs); default 200: the largest number of runs; a quarter of them, or more, are for seeds that nothing is selected on
+---@field seed? integer an integer at least 0; default 1: the first of consecutive seeds
+---@field by? "checks"|"time"|"length" one of "checks", "time", "length"; default "checks": the cost: validity checks of all levels, CPU time (differs from run to run), or length of the path
+
 ---What `has_efficiency` takes.
 ---@class trellis.has_efficiency.Options
 ---@field role? "tree"|"expansion" one of "tree", "expansion"; default "tree": the level's nodes, or what its h proposed
@@ -1813,6 +1820,17 @@ function ball(centre, radius) end
 ---@param distribution trellis.Guide a sum of along(path), ball(q, r) and guides with S = {0}: over S
 ---@return trellis.Guide
 function lifted(distribution) end
+
+---selects the best values of a strategy by successive halving over seeds; trellis tune runs it, in a session it runs at once
+---
+---    tune(function(p) return shrink(p.scale) >> rrt {} end, scenes.cup(), { over = { scale = { 0.4, 0.6 } } })
+---
+---Source: Jamieson and Talwalkar 2016, Non-stochastic best arm identification and hyperparameter optimization
+---@param strategy fun(p: table): trellis.Strategy a function of a table of values: returns the strategy that has these values
+---@param problems trellis.Problem|(trellis.Problem|trellis.Problem[])[] a problem or a list of problems: lists in the list are opened
+---@param options trellis.tune.Options
+---@return trellis.Experiment
+function tune(strategy, problems, options) end
 
 ---prints what is known about a word, a function, or a value; all words without one
 ---

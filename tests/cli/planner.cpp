@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command with a planner that a program registers: examples/planner, and names that are refused.
+#include <cstddef>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
 
 using Catch::Matchers::Contains;
+using Json = nlohmann::json;
+using trellis::test::content;
 using trellis::test::Outcome;
 using trellis::test::Place;
 
@@ -23,12 +27,19 @@ SCENARIO("a planner of one's own runs under guides", "[cli][planner]") {
   GIVEN("the program of examples/planner") {
     const Place place;
     WHEN("it runs a nested strategy") {
-      const Outcome one = run(place, "my_trellis run " + script + " --csv one.csv --report levels --width 120");
-      const Outcome two = run(place, "my_trellis run " + script + " --csv two.csv --jobs 2 --quiet");
+      const Outcome one = run(place, "my_trellis run " + script + " --json one.json --report levels --width 120");
+      const Outcome two = run(place, "my_trellis run " + script + " --json two.json --jobs 2 --quiet");
       THEN("every run is solved, at each level by the named planner, with the same proposals for two threads") {
         INFO(one.err);
         REQUIRE(one.status == 0);
         REQUIRE(two.status == 0);
+        const Json first = Json::parse(content(place / "one.json"))["runs"];
+        const Json second = Json::parse(content(place / "two.json"))["runs"];
+        REQUIRE(first.size() == 20);
+        for (std::size_t i = 0; i < first.size(); ++i) {
+          CHECK(first[i]["validity_checks"] == second[i]["validity_checks"]);
+          CHECK(first[i]["path"] == second[i]["path"]);
+        }
         CHECK_THAT(one.out, Contains("nested") && Contains("solved 10/10 runs"));
         CHECK_THAT(one.out, Contains("shrink(0.5)  ") && Contains("sampled_rrt"));
       }

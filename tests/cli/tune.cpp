@@ -85,7 +85,7 @@ SCENARIO("tune in a session runs at once and returns the best strategy", "[cli][
       THEN("the script's tuning has not run, the session's has") {
         INFO(out.err);
         CHECK(out.status == 0);
-        CHECK_THAT(out.out, Contains("skeleton()\n") && Contains("\n-- step = 0.6\nrrt { step = 0.6 }\n"));
+        CHECK_THAT(out.out, Contains("skeleton()  searched by") && Contains("\n-- step = 0.6\nrrt { step = 0.6 }\n"));
         CHECK_THAT(out.out, Contains("\ntrue\n"));
         CHECK_THAT(out.out, Contains("budget") && Contains("the largest number of runs"));
       }
