@@ -223,13 +223,16 @@ void write_runs(const Database& database, const Manifest& manifest, const Json& 
 // The tables of Planner Arena: those that OMPL's ompl_benchmark_statistics.py writes ----------------------------------
 
 /// OMPL's PlannerStatus, by value.
-constexpr std::array<const char*, 7> ompl_status = {"Unknown status",         "Invalid start", "Invalid goal",
-                                                    "Unrecognized goal type", "Timeout",       "Approximate solution",
-                                                    "Exact solution"};
+constexpr std::array<const char*, 10> ompl_status = {"Unknown status", "Invalid start",
+                                                     "Invalid goal",   "Unrecognized goal type",
+                                                     "Timeout",        "Approximate solution",
+                                                     "Exact solution", "Crash",
+                                                     "Abort",          "Infeasible"};
 
 std::int64_t ompl_status_of(const std::string& status) {
   static const std::map<std::string_view, std::string_view> names = {{"solved", "Exact solution"},
                                                                      {"budget_spent", "Timeout"},
+                                                                     {"no_path", "Infeasible"},
                                                                      {"invalid_start", "Invalid start"},
                                                                      {"invalid_goal", "Invalid goal"}};
   const auto name = names.find(status);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -29,12 +30,15 @@ RunKey key_of(const RunResult& run) { return {utf8(run.problem), utf8(run.strate
 RunKey pooled_key(const std::string& problem) { return {utf8(problem), "", 0}; }
 RunKey figures_key(const std::string& problem) { return {utf8(problem), "", 1}; }
 
-/// The files of a folder and of its folders, relative to it.
-std::set<std::string> files_in(const std::string& folder) {
-  std::set<std::string> files;
+using Files = std::map<std::string, fs::file_time_type>;
+
+/// The files of a folder and of its folders, relative to it, with the times of their last change.
+Files files_in(const std::string& folder) {
+  Files files;
   std::error_code ignored;
   for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) {
-    if (entry.is_regular_file(ignored)) files.insert(entry.path().lexically_relative(folder).string());
+    if (!entry.is_regular_file(ignored)) continue;
+    files[entry.path().lexically_relative(folder).string()] = entry.last_write_time(ignored);
   }
   return files;
 }
@@ -89,13 +93,19 @@ void Resume::draw(const std::string& problem, const std::string& style, const st
   if (stored != scores_.records().end()) {
     const Json json = Json::parse(stored->second);
     const auto needed = json.at("files").get<std::set<std::string>>();
-    const std::set<std::string> present = files_in(folder);
-    const bool complete = std::includes(present.begin(), present.end(), needed.begin(), needed.end());
+    const Files present = files_in(folder);
+    const bool complete =
+        std::all_of(needed.begin(), needed.end(), [&](const std::string& name) { return present.contains(name); });
     if (complete && json.at("style").get<std::string>() == style) return;
   }
+  const Files before = files_in(folder);
   draw();
-  const Json json = {
-      {"problem", problem}, {"strategy", ""}, {"seed", 1}, {"style", style}, {"files", files_in(folder)}};
+  std::set<std::string> files;
+  for (const auto& [name, time] : files_in(folder)) {
+    const auto old = before.find(name);
+    if (old == before.end() || old->second != time) files.insert(name);
+  }
+  const Json json = {{"problem", problem}, {"strategy", ""}, {"seed", 1}, {"style", style}, {"files", files}};
   scores_.append(key, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 

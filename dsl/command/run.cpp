@@ -355,6 +355,10 @@ int run(const Options& options) {
     const Manifest manifest = files.manifest(options.script, options_text(options), {}, experiment);
     if (!options.restart) require_same(options.out, manifest);
     resume.emplace(options.out, manifest, options.restart);
+    if (resume->runs() > 0 && !options.quiet) {
+      fmt::print(stderr, "trellis: continues '{}', which holds {} of {} runs; --restart starts again\n", options.out,
+                 resume->runs(), keys_of(manifest.experiment).size());
+    }
     out.keep();
   }
 

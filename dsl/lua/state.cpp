@@ -148,13 +148,19 @@ void State::count(lua_State* state, lua_Debug* frame) {
   static_cast<void>(frame);
   State& self = of(state);
   const int interval = lua_gethookcount(state);
-  self.work_.spent += static_cast<std::uint64_t>(interval);
+  // Shorter intervals on a slow machine must not move the end of a script, so the limit sees whole intervals alone.
+  self.work_.partial += interval;
+  if (self.work_.partial >= hook_interval) {
+    self.work_.spent += hook_interval;
+    self.work_.partial -= hook_interval;
+  }
   const auto before = self.work_.looked;
   self.look_around(state);
   // If instructions are slow, check sooner.
   constexpr auto slow = std::chrono::milliseconds(10), quick = std::chrono::milliseconds(1);
   const auto took = self.work_.looked - before;
-  const int next = took > slow ? std::max(1, interval / 10) : took < quick ? hook_interval : interval;
+  const bool whole = self.work_.partial == 0;
+  const int next = took > slow ? std::max(1, interval / 10) : took < quick && whole ? hook_interval : interval;
   if (next != interval) lua_sethook(state, &State::count, LUA_MASKCOUNT, next);
 }
 
@@ -163,7 +169,8 @@ void State::spend(lua_State* state, std::uint64_t instructions) {
   constexpr std::uint64_t many = 1000;
   if (work_.ended) unwind(state);
   work_.spent += instructions;
-  if (++work_.calls < calls && instructions < many) return;
+  const bool beyond = work_.limits != nullptr && work_.spent > work_.limits->instructions;
+  if (++work_.calls < calls && instructions < many && !beyond) return;
   look_around(state);
 }
 
@@ -249,6 +256,12 @@ void State::watch(const std::stop_token& stop) {
 void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   constexpr std::size_t longest_line = 1000;  // longer first lines are cut
   if (lua_checkstack(state_, 3) == 0) throw Error(out_of_memory());
+  // Intervals begin with the run, whatever ran before.
+  const auto restart = [this] {
+    work_.partial = 0;
+    lua_sethook(state_, &State::count, LUA_MASKCOUNT, hook_interval);
+  };
+  restart();
   Work outer = std::exchange(work_, Work());
   work_.limits = &limits;
   work_.begin = work_.looked = Clock::now();
@@ -270,6 +283,7 @@ void State::run(const std::function<void(Stack&)>& body, const Limits& limits) {
   const int status = lua_pcall(state_, 1, 0, before + 1);
   active_run_ = 0;
   Work done = std::exchange(work_, std::move(outer));
+  restart();
   if (work_.number != 0) watch();
   if (status == LUA_OK && !done.ended) {
     lua_settop(state_, before);

@@ -80,7 +80,8 @@ class State : public std::enable_shared_from_this<State> {
     const Limits* limits = nullptr;
     std::exception_ptr fault;  ///< an exception from a callback that is no Error; scripts cannot suppress it
     std::string raised;        ///< Trellis' last message; it needs no traceback
-    std::uint64_t spent = 0;   ///< instructions
+    std::uint64_t spent = 0;   ///< instructions, in whole intervals of the hook
+    int partial = 0;           ///< instructions of the interval that is not whole yet
     unsigned calls = 0;        ///< calls of `spend` since the last clock check
     Clock::time_point begin;
     Clock::time_point looked;  ///< time of the last clock check

@@ -398,3 +398,29 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
     CHECK(fs::file_size(file) > 20000);
   }
 }
+
+TEST_CASE("the page of a world of discs can be drawn while it has no width", "[browser][slow]") {
+  if (!browser_is_here()) return;
+  const Place place;
+  place.script("script.lua", R"(
+return experiment {
+  problems = problem {
+    world = world { bounds = {0, 0, 10, 10}, disc {5, 5, 1} }, robot = robot.disc(0.48), start = {1, 1}, goal = {9, 9},
+  },
+  strategies = { { "nested", skeleton() >> rrt { step = 0.5 } } },
+  measure = false,
+}
+)");
+  const auto outcome = place.run({"run", "script.lua", "--quiet", "--html", "report.html"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const std::string measured = R"(
+        window.dispatchEvent(new Event('resize'));
+        await wait(60);
+        view.dataset.width = document.getElementById('plot').clientWidth;)";
+  const auto shown =
+      perform(place, {{"without width", "", "document.getElementById('plot').style.width = '0';" + measured},
+                      {"with width", "", "document.getElementById('plot').style.width = '';" + measured}});
+  CHECK(shown.at("without width")["width"] == "0");
+  CHECK(std::stoi(shown.at("with width")["width"]) > 100);
+}

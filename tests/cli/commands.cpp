@@ -683,5 +683,10 @@ return experiment { problems = { scenes.cup() }, strategies = { mixed = mixed, r
     if (line.starts_with("0 root") && line.find(" tree ") != std::string::npos) ++named;
   }
   CHECK(named >= 4);  // in two strategies, each table in several parts
+  // A part takes all columns and groups that fit.
+  const std::string slim = place.run({"run", "mixed.lua", "--width", "60"}).out;
+  std::size_t parts = 0;
+  for (auto at = slim.find("\nstrategy "); at != std::string::npos; at = slim.find("\nstrategy ", at + 1)) ++parts;
+  CHECK(parts == 2);
   CHECK_THAT(narrow.out, Contains("medians over the runs: those of the levels do not"));
 }

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -97,7 +98,8 @@ TEST_CASE("a run that is killed at random ends with the bytes of one that is not
     REQUIRE(turn < 20 * kills);
     const std::string folder = "killed" + std::to_string(turn);
     for (bool ended = false; !ended;) {
-      const pid_t child = it.place.start({"run", "it.lua", "--quiet", "--out", folder});
+      const std::string jobs = turn % 2 == 0 ? "1" : "2";
+      const pid_t child = it.place.start({"run", "it.lua", "--quiet", "--out", folder, "--jobs", jobs});
       if (killed < kills) {
         ::usleep(static_cast<useconds_t>(random() % static_cast<unsigned>(duration.count())));
         ::kill(child, by_signal % 4 == 3 ? SIGINT : SIGKILL);
@@ -182,7 +184,12 @@ TEST_CASE("a run continues after a full disk") {
         "command continues\n");
   const std::string before = it.text("made/runs.jsonl");
   REQUIRE_FALSE(before.empty());
-  REQUIRE(it.run("made").status == 0);
+  const std::string records = it.text("made/runs.jsonl");
+  const auto held = std::count(records.begin(), records.end(), '\n');
+  const Outcome rest = it.place.run({"run", "it.lua", "--out", "made"});
+  REQUIRE(rest.status == 0);
+  CHECK(rest.err.find("trellis: continues 'made', which holds " + std::to_string(held) +
+                      " of 12 runs; --restart starts again\n") != std::string::npos);
   it.require_uninterrupted("made");
 }
 

@@ -79,6 +79,35 @@ TEST_CASE("an arena keeps rows, even when one of its own is pushed", "[configura
   for (std::size_t i = 0; i < rows.size(); ++i) CHECK(std::as_const(rows)[i][2] == 3.0);
 }
 
+TEST_CASE("copies and moves of rows: a copy is its own, what was moved from is empty", "[configurations]") {
+  Configurations rows(2);
+  for (int i = 0; i < 1000; ++i) rows.push(Configuration{double(i), -double(i)});
+  Configurations copy(rows);
+  rows[7][0] = 100.0;
+  CHECK(std::as_const(copy)[7][0] == 7.0);
+  copy = rows;
+  CHECK(std::as_const(copy)[7][0] == 100.0);
+  const Configurations& same = copy;
+  copy = same;
+  CHECK(copy.size() == 1000);
+  Configurations moved(std::move(copy));
+  CHECK(moved.size() == 1000);
+  CHECK(copy.empty());  // NOLINT(bugprone-use-after-move): the test asks for it
+  copy = Configurations(3);
+  CHECK(copy.push(Configuration{1, 2, 3}) == 0);
+  CHECK(copy.dimension() == 3);
+  copy = std::move(moved);
+  CHECK(copy.dimension() == 2);
+  CHECK(copy.back()[1] == -999.0);
+  moved.clear();  // NOLINT(bugprone-use-after-move): the test asks for it
+  CHECK(moved.push(Configuration{4, 5}) == 0);
+  Configurations none;
+  none = Configurations(none);
+  CHECK(none.values().empty());
+  none.reserve(10);
+  CHECK(none.size() == 0);
+}
+
 TEST_CASE("an option's number is printed so that it reads back, at the ends of doubles too", "[component]") {
   for (const double x : {0.1, 1.0 / 3.0, 1e-310, 5e-324, 1e308, -1e-300, 9007199254740993.0, 0.0}) {
     const std::string text = to_string(OptionValue(x));

@@ -114,7 +114,7 @@ TEST_CASE("shrink written in Lua does what the built-in does, sample by sample")
         CHECK((all(own.path) == all(built_in.path)));
         for (std::size_t i = 0; i < 2; ++i) {
           CHECK((all(own.levels[i].search.proposals) == all(built_in.levels[i].search.proposals)));
-          CHECK((all(own.levels[i].root_nodes) == all(built_in.levels[i].root_nodes)));
+          CHECK((all(own.levels[i].root_nodes()) == all(built_in.levels[i].root_nodes())));
           REQUIRE(own.levels[i].root_proposal_density);
           const View q = own.levels[0].search.proposals[5];
           CHECK(own.levels[i].root_proposal_density(q) == built_in.levels[i].root_proposal_density(q));
@@ -144,10 +144,10 @@ TEST_CASE("f by the names of axes: the axes that S lacks are lifted uniformly, a
   const LevelRecord& level = run.levels[1];
   CHECK(level.space.dimension() == 2);
   CHECK(level.position_axes == std::vector<std::size_t>{0, 1});
-  CHECK(level.root_nodes.dimension() == 3);
-  for (std::size_t i = 0; i < level.root_nodes.size(); ++i) {
-    CHECK(level.root_nodes[i][0] == level.search.nodes[i][0]);
-    CHECK(level.root_nodes[i][1] == level.search.nodes[i][1]);
+  CHECK(level.root_nodes().dimension() == 3);
+  for (std::size_t i = 0; i < level.root_nodes().size(); ++i) {
+    CHECK(level.root_nodes()[i][0] == level.search.nodes[i][0]);
+    CHECK(level.root_nodes()[i][1] == level.search.nodes[i][1]);
   }
   REQUIRE(run.levels[0].proposal_density);
   REQUIRE(level.root_proposal_density);
@@ -182,7 +182,7 @@ TEST_CASE("f and its fibres may be functions") {
   CHECK(run.solved);
   REQUIRE(run.levels.size() == 2);
   CHECK(run.levels[1].start == Configuration{9, 1, 0});
-  CHECK(run.levels[1].root_nodes[0][0] == Approx(1.0));
+  CHECK(run.levels[1].root_nodes()[0][0] == Approx(1.0));
   CHECK(run.levels[1].search.checks.validity > 0);
   // Its density would require that of the fibre.
   CHECK_FALSE(run.levels[0].proposal_density);

@@ -165,11 +165,9 @@ TEST_CASE("what is committed of the registry is what it says: scripts/reference 
   const fs::path source = TRELLIS_SOURCE;
   const bool markdown = content(source / "docs/reference.md") == dsl::reference_markdown();
   const bool catalogue = content(source / "docs/catalogue.md") == dsl::catalogue_markdown();
-  const bool stubs = content(source / "stdlib/meta/trellis.lua") == dsl::reference_stubs();
   const bool luacheck = content(source / ".luacheckrc") == dsl::reference_luacheck();
   CHECK(markdown);
   CHECK(catalogue);
-  CHECK(stubs);
   CHECK(luacheck);
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "support/catch.hpp"
 #include "support/script.hpp"
@@ -139,6 +141,17 @@ TEST_CASE("what a script works is counted, and has an end") {
   CHECK_THROWS_AS(first.evaluate(counts, "test.lua"), Error);
   CHECK_THROWS_AS(second.evaluate(counts, "test.lua"), Error);
   CHECK(first.evaluate("return n", "test.lua") == second.evaluate("return n", "test.lua"));
+  // Slow checks shorten the intervals between them, and do not move the end.
+  dsl::SessionOptions slow = little;
+  int polls = 0;
+  slow.interrupted = [&polls] {
+    if (++polls % 97 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(15));
+    return false;
+  };
+  dsl::Session third("", slow);
+  CHECK_THROWS_AS(third.evaluate(counts, "test.lua"), Error);
+  CHECK(polls > 1050);  // 1000 intervals, and shorter ones
+  CHECK(first.evaluate("return n", "test.lua") == third.evaluate("return n", "test.lua"));
 }
 
 TEST_CASE("names that nothing has are found in functions that are never called") {

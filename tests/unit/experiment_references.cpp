@@ -133,7 +133,7 @@ TEST_CASE("identity() is near perfect on the tube that it proposes in, and a thi
           root.space, path, {}, tube, [](View) { return true; }, seed);
       REQUIRE(root.root_proposal_density);
       const Efficiency e =
-          efficiency(target, root.root_proposals,
+          efficiency(target, root.root_proposals(),
                      {.estimators = {EstimatorSpec::make("exact")}, .density = root.root_proposal_density});
       found.value.push_back(e.value - e.perfect);
       found.mass.push_back(e.parts.mass - e.perfect);

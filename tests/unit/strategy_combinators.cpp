@@ -303,7 +303,7 @@ TEST_CASE("the halves of a split are levels whose paths join", "[combinators][sp
     for (std::size_t i = 0; i < search.nodes.size(); ++i) {
       CHECK((search.parents[i] == no_node || search.parents[i] <= i));
     }
-    CHECK(run.levels[0].root_nodes.size() == search.nodes.size());
+    CHECK(run.levels[0].root_nodes().size() == search.nodes.size());
   }
 }
 

@@ -307,7 +307,7 @@ TEST_CASE("proposals fall where the recorded density says, in S and lifted to th
           is_atom[i] = times[{q.begin(), q.end()}] > 1 || search.proposal_sources[i] == 0 ? 1 : 0;
         }
         check_distribution(level.space, level.proposal_density, level.proposal_atoms, search.proposals, is_atom);
-        check_distribution(problem.space, level.root_proposal_density, level.proposal_atoms, level.root_proposals,
+        check_distribution(problem.space, level.root_proposal_density, level.proposal_atoms, level.root_proposals(),
                            is_atom);
       }
     }

@@ -45,9 +45,14 @@ void check_run(const Problem& problem, const RunRecord& run) {
   std::uint64_t checks = 0;
   for (const auto& level : run.levels) {
     checks += level.search.checks.validity;
-    CHECK(level.root_nodes.size() == level.search.nodes.size());
-    CHECK(level.root_proposals.size() == level.search.proposals.size());
-    for (std::size_t i = 0; i < level.root_nodes.size(); i += 17) CHECK(problem.space.contains(level.root_nodes[i]));
+    CHECK(level.root_nodes().size() == level.search.nodes.size());
+    CHECK(level.root_proposals().size() == level.search.proposals.size());
+    for (std::size_t i = 0; i < level.root_nodes().size(); i += 17) {
+      CHECK(problem.space.contains(level.root_nodes()[i]));
+    }
+    // The root's rows are stored once.
+    CHECK((&level.root_nodes() == &level.search.nodes) == (level.parent < 0));
+    CHECK((&level.root_proposals() == &level.search.proposals) == (level.parent < 0));
     for (const auto source : level.search.proposal_sources) REQUIRE(source < level.search.sources.size());
     // Each solve after the first one has a reason.
     CAPTURE(level.name);
@@ -228,7 +233,7 @@ TEST_CASE("the same seed gives the same run, and times do not enter", "[executor
   for (std::size_t i = 0; i < a.levels.size(); ++i) {
     CHECK(same(a.levels[i].search.nodes, b.levels[i].search.nodes));
     CHECK(same(a.levels[i].search.proposals, b.levels[i].search.proposals));
-    CHECK(same(a.levels[i].root_nodes, b.levels[i].root_nodes));
+    CHECK(same(a.levels[i].root_nodes(), b.levels[i].root_nodes()));
   }
   CHECK(same(a.path, b.path));
 }

@@ -343,13 +343,13 @@ void exact_table(Report& report) {
     const RunRecord record = execute(nested, problem, 1);
     if (!record.solved) continue;
     for (const LevelRecord& level : record.levels) {
-      if (!level.root_proposal_density || level.root_proposals.empty()) continue;
+      if (!level.root_proposal_density || level.root_proposals().empty()) continue;
       const LevelRecord& root = record.levels.front();
       const auto defended = [&](std::int64_t pool, const char* estimator) {
         TubeSettings settings;
         settings.pool = pool;
         const Target target(root.space, record.path, root.position_axes, settings, root.valid, 1);
-        return efficiency(target, level.root_proposals,
+        return efficiency(target, level.root_proposals(),
                           {.estimators = {EstimatorSpec::make(estimator)}, .density = level.root_proposal_density})
             .value;
       };
@@ -357,7 +357,7 @@ void exact_table(Report& report) {
       const double fine = defended(1 << 18, "exact");
       report.text +=
           fmt::format("| {} | {} | {:.4f} | {:.4f} | {:+.4f} | {} | {:.2f} |\n", problem.name, level.name, coarse, fine,
-                      coarse - fine, level.root_proposals.size(), defended(TubeSettings{}.pool, "knn"));
+                      coarse - fine, level.root_proposals().size(), defended(TubeSettings{}.pool, "knn"));
       worst = std::max(worst, std::abs(coarse - fine));
     }
   }

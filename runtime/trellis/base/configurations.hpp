@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace trellis {
@@ -16,41 +20,86 @@ using View = std::span<const double>;
 using MutableView = std::span<double>;
 
 /// Configurations of one dimension in one contiguous block, row by row. Rows never change once pushed. The next push
-/// invalidates views.
+/// invalidates views. A large block grows in place (realloc moves pages instead of bytes), so a record of a million
+/// proposals never takes its memory twice.
 class Configurations {
  public:
   Configurations() = default;
   explicit Configurations(std::size_t dimension) : dimension_(dimension) {}
+  ~Configurations() = default;
+  /// A copy takes no more memory than its rows.
+  Configurations(const Configurations& other) : dimension_(other.dimension_) {
+    allocate(other.size_);
+    std::copy_n(other.data_.get(), other.size_, data_.get());
+    size_ = other.size_;
+  }
+  Configurations(Configurations&& other) noexcept
+      : dimension_(other.dimension_),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)),
+        data_(std::move(other.data_)) {}
+  Configurations& operator=(const Configurations& other) {
+    if (this != &other) *this = Configurations(other);
+    return *this;
+  }
+  Configurations& operator=(Configurations&& other) noexcept {
+    dimension_ = other.dimension_;
+    data_ = std::move(other.data_);
+    size_ = std::exchange(other.size_, 0);
+    capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
 
   [[nodiscard]] std::size_t dimension() const { return dimension_; }
-  [[nodiscard]] std::size_t size() const { return dimension_ == 0 ? 0 : data_.size() / dimension_; }
-  [[nodiscard]] bool empty() const { return data_.empty(); }
-  [[nodiscard]] View operator[](std::size_t i) const { return {data_.data() + i * dimension_, dimension_}; }
-  [[nodiscard]] MutableView operator[](std::size_t i) { return {data_.data() + i * dimension_, dimension_}; }
+  [[nodiscard]] std::size_t size() const { return dimension_ == 0 ? 0 : size_ / dimension_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] View operator[](std::size_t i) const { return {data_.get() + i * dimension_, dimension_}; }
+  [[nodiscard]] MutableView operator[](std::size_t i) { return {data_.get() + i * dimension_, dimension_}; }
   [[nodiscard]] View front() const { return (*this)[0]; }
   [[nodiscard]] View back() const { return (*this)[size() - 1]; }
-  [[nodiscard]] std::span<const double> values() const { return data_; }
+  [[nodiscard]] std::span<const double> values() const { return {data_.get(), size_}; }
 
   /// Appends a copy and returns its index. `q` may be a row of this same block.
   std::uint32_t push(View q) {
     const auto id = static_cast<std::uint32_t>(size());
-    if (data_.size() + dimension_ > data_.capacity()) {
+    if (size_ + dimension_ > capacity_) {
       const Configuration copy(q.begin(), q.end());
       constexpr std::size_t least_rows = 8;
-      data_.reserve(std::max(least_rows * dimension_, 2 * data_.capacity()));
-      data_.insert(data_.end(), copy.begin(), copy.end());
+      allocate(std::max(least_rows * dimension_, 2 * capacity_));
+      append(copy);
     } else {
-      // A row is a few numbers: pushing them one by one costs less than inserting a range.
-      for (const double x : q) data_.push_back(x);
+      append(q);
     }
     return id;
   }
-  void reserve(std::size_t rows) { data_.reserve(rows * dimension_); }
-  void clear() { data_.clear(); }
+  void reserve(std::size_t rows) {
+    if (rows * dimension_ > capacity_) allocate(rows * dimension_);
+  }
+  void clear() { size_ = 0; }
 
  private:
+  struct Release {
+    void operator()(double* block) const { std::free(block); }
+  };
+
+  /// Gives the block room for `capacity` >= size_ numbers.
+  void allocate(std::size_t capacity) {
+    if (capacity == 0) return;
+    // No C++ allocator grows in place.
+    auto* block = static_cast<double*>(std::realloc(data_.get(), capacity * sizeof(double)));
+    if (block == nullptr) throw std::bad_alloc();
+    static_cast<void>(data_.release());  // realloc has taken it
+    data_.reset(block);
+    capacity_ = capacity;
+  }
+  void append(View q) {
+    for (const double x : q) data_[size_++] = x;
+  }
+
   std::size_t dimension_ = 0;
-  std::vector<double> data_;
+  std::size_t size_ = 0;                     ///< in numbers, not rows
+  std::size_t capacity_ = 0;                 ///< likewise
+  std::unique_ptr<double[], Release> data_;  // NOLINT(modernize-avoid-c-arrays): one block
 };
 
 }  // namespace trellis

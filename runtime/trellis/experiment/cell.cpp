@@ -58,7 +58,7 @@ std::string difference_of(const LevelRecord& x, const LevelRecord& y) {
   if (x.solution.status != y.solution.status || !same(x.solution.path, y.solution.path)) {
     return fmt::format("the paths of {} differ", level);
   }
-  if (!same(x.root_nodes, y.root_nodes) || !same(x.root_proposals, y.root_proposals)) {
+  if (!same(x.root_nodes(), y.root_nodes()) || !same(x.root_proposals(), y.root_proposals())) {
     return fmt::format("the samples of {}, lifted to the root, differ", level);
   }
   return same(x.proposal_atoms, y.proposal_atoms) ? "" : fmt::format("the densities of {} differ", level);

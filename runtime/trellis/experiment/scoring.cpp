@@ -266,15 +266,15 @@ class ProblemScoring {
   /// \param root  the root's space
   [[nodiscard]] Sets root_sets(const RunResult& run, const LevelRecord& record, const Space& root) const {
     // Tree nodes are valid in the level's own space; lifted to the root they may be invalid.
-    Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes)},
-              .expansion = {root, expansion(record, record.root_proposals)},
+    Sets sets{.tree = {root, record.search.tree_samples(record.root_nodes())},
+              .expansion = {root, expansion(record, record.root_proposals())},
               .support = record.level == 0 ? sample_support(record) : SampleSupport::anything,
               .density = record.root_proposal_density,
               .brief = record.level != 0};
     tell(run, record);
     if (users_) {
-      sets.nodes = record.search.tree_samples(record.root_nodes);
-      sets.proposals = expansion(record, record.root_proposals);
+      sets.nodes = record.search.tree_samples(record.root_nodes());
+      sets.proposals = expansion(record, record.root_proposals());
     }
     return sets;
   }
@@ -523,8 +523,8 @@ class ProblemScoring {
         const Configurations some = thinned(rows, pooled_samples, Stream(measure_seed + one.seed, record.key, name));
         for (std::size_t i = 0; i < some.size(); ++i) all.push(some[i]);
       };
-      add(nodes, record.search.tree_samples(record.root_nodes), "pooled nodes");
-      const Configurations proposed = expansion(record, record.root_proposals);
+      add(nodes, record.search.tree_samples(record.root_nodes()), "pooled nodes");
+      const Configurations proposed = expansion(record, record.root_proposals());
       add(proposals, proposed, "pooled proposals");
       if (proposed.empty()) continue;
       // The weight of a run is its number of samples in the pool.
@@ -625,9 +625,9 @@ class ProblemScoring {
     if (equal_nodes_ == 0 && equal_proposals_ == 0) return;
     if (targets.empty() && root.target) targets.push_back(root.target);
     const LevelRecord& record = level.record;
-    const Configurations nodes = thinned(record.search.tree_samples(record.root_nodes), equal_nodes_,
+    const Configurations nodes = thinned(record.search.tree_samples(record.root_nodes()), equal_nodes_,
                                          Stream(measure_seed, record.key, "equal nodes"));
-    const Configurations proposals = thinned(expansion(record, record.root_proposals), equal_proposals_,
+    const Configurations proposals = thinned(expansion(record, record.root_proposals()), equal_proposals_,
                                              Stream(measure_seed, record.key, "equal proposals"));
     // The recorded density does not depend on the number of samples: only estimates do.
     const Sets sets{.tree = {record.space, nodes},

@@ -160,7 +160,7 @@ void CostData::add(const std::string& document, const std::string& file) {
       if (known && strategies[*known].text != text) {
         fail(fmt::format("'{}' is {} here and {} in another file", name, text, strategies[*known].text));
       }
-      if (!known) strategies.push_back({name, text, ablations.count(name) > 0});
+      if (!known) strategies.push_back({name, text, ablations.contains(name)});
     }
     if (baseline.empty()) baseline = string_or_empty(experiment, "baseline");
     std::set<std::tuple<std::size_t, std::size_t, std::uint64_t>> added;

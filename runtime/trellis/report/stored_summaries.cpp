@@ -190,7 +190,7 @@ std::vector<StoredSummary> read_stored_summaries(const std::string& document, co
     std::vector<StoredSummary> summaries;
     for (const Json& entry : json.at("summary")) {
       const auto strategy = entry.at("strategy").get<std::string>();
-      const bool ablation = ablations.count(strategy) > 0;
+      const bool ablation = ablations.contains(strategy);
       summaries.push_back({string_of(entry.at("problem")), strategy, ablation, summary_of(entry), {}, {}});
       summaries.back().unsolved = string_of(field(entry, "unsolved_reasons"));
       if (ablation) continue;

@@ -194,8 +194,7 @@ std::string Table::text(std::size_t width) const {
       for (std::size_t i = c; i < to; ++i) more.push_back(i);
       return more;
     };
-    const bool groups_begin = columns_[c - 1].group.empty() && !columns_[c].group.empty();
-    if (!fits(part(with(end), 2)) || (groups_begin && chosen.size() > named.size())) {
+    if (!fits(part(with(end), 2))) {
       if (chosen.size() > named.size()) {
         out += part(chosen, 2) + '\n';
         chosen = named;

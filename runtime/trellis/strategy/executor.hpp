@@ -78,9 +78,15 @@ struct LevelRecord {
   /// The share of proposals drawn from atoms, in both spaces: 1 minus the integral of the densities. NaN if the
   /// densities are empty.
   double proposal_atoms = std::numeric_limits<double>::quiet_NaN();
-  /// Nodes and proposals lifted to the root's space through all levels between; unchanged for level 0.
-  Configurations root_nodes;
-  Configurations root_proposals;
+  /// Nodes and proposals lifted to the root's space through all levels between; empty for level 0.
+  Configurations lifted_nodes;
+  Configurations lifted_proposals;
+
+  /// Nodes and proposals in the root's space; for level 0 those of `search`, not a copy of them.
+  [[nodiscard]] const Configurations& root_nodes() const { return parent < 0 ? search.nodes : lifted_nodes; }
+  [[nodiscard]] const Configurations& root_proposals() const {
+    return parent < 0 ? search.proposals : lifted_proposals;
+  }
 
   /// Releases the functions above and the memory that they own.
   void release() {

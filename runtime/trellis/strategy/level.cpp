@@ -165,11 +165,13 @@ void Level::refute(View invalid, const Instance& finer) {
 
 namespace {
 
-/// Copies a container into memory of its own size. What it grew in is then free for the next run, which finds it in the
-/// caches: each 4 KiB of new memory costs a page fault.
+/// Copies a small container into memory of its own size. What it grew in is then free for the next run, which finds it
+/// in the caches: each 4 KiB of new memory costs a page fault. A large one stays: the copy would double the memory of
+/// the run, and the system gives no memory for what was reserved and not written.
 template <class T>
 void fit(T& rows) {
-  rows = T(std::as_const(rows));
+  constexpr std::size_t small = 1 << 16;  // rows
+  if (rows.size() <= small) rows = T(std::as_const(rows));
 }
 
 void fit(Search& search) {
@@ -197,8 +199,10 @@ LevelRecord Level::take_record() {
   record_.guided_proposals = static_cast<std::uint64_t>(
       std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
   record_.search.sources = guidance_.sources();
-  record_.root_nodes = lifted(record_.search.nodes, "lift nodes");
-  record_.root_proposals = lifted(record_.search.proposals, "lift proposals");
+  if (parent_ != nullptr) {
+    record_.lifted_nodes = lifted(record_.search.nodes, "lift nodes");
+    record_.lifted_proposals = lifted(record_.search.proposals, "lift proposals");
+  }
   record_.valid = [validity = instance_->validity](View q) { return validity->state(q); };
   record_.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
   record_.search.density.compact();
