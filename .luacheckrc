@@ -12,7 +12,7 @@ stds.trellis = {
     "knn", "exact", "arc", "kde", "histogram", "legacy",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
     "world", "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
-    "along", "ball", "lifted", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
+    "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
     "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
       fields = {

@@ -51,18 +51,20 @@ install(FILES ${printed}/_trellis DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendo
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/trellis)
 install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtrellis-dev)
-# The public headers: <trellis/trellis.hpp>, <trellis/testing.hpp>, and those that they include.
+# The public headers: <trellis/trellis.hpp>, <trellis/planner/own_planner.hpp>, <trellis/program.hpp>,
+# <trellis/testing.hpp>, and those that they include.
 foreach(header trellis
                base/component base/configurations base/error base/random base/version
                space/space motion/motion_model scene/readers scene/scene scene/shapes collision/checker
-               instance/instance instance/verified_motions planner/density planner/guidance planner/planner
-               guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
+               instance/instance instance/verified_motions planner/density planner/guidance planner/loop
+               planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
                trial/criterion trial/level trial/matcher trial/trial)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES runtime/trellis/${header}.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis/${folder}
           COMPONENT libtrellis-dev)
 endforeach()
-install(FILES dsl/testing/trellis/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis COMPONENT libtrellis-dev)
+install(FILES dsl/testing/trellis/testing.hpp dsl/program/trellis/program.hpp
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trellis COMPONENT libtrellis-dev)
 install(EXPORT trellis-targets NAMESPACE trellis:: DESTINATION ${package} COMPONENT libtrellis-dev)
 configure_package_config_file(cmake/trellis-config.cmake.in ${PROJECT_BINARY_DIR}/trellis-config.cmake
                               INSTALL_DESTINATION ${package})
@@ -87,7 +89,7 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libsqlite3-dev, libyaml-cpp-dev, pkgconf")
+    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libreadline-dev, libsqlite3-dev, libyaml-cpp-dev, pkgconf")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SUGGESTS catch2)
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\

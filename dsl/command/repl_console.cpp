@@ -322,6 +322,8 @@ Console::Console(const std::string& folder, bool colour, const dsl::SessionOptio
 std::string Console::load(const std::string& path) {
   const std::string text = dsl::without_shebang(dsl::read_file(path));
   std::string bound;
+  bench_.loading = true;
+  const std::shared_ptr<void> loaded(nullptr, [this](void*) { bench_.loading = false; });
   session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // the script may only define globals
     bench_.returned = stack[1].get<dsl::Program>() != nullptr ? Bench::Returned::experiment

@@ -21,14 +21,17 @@
 #include <dsl/language/help.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/tokens.hpp>
+#include <dsl/language/tuning.hpp>
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
+#include <dsl/language/words.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/measure/censored_cost.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
+#include <trellis/report/tuning.hpp>
 
 namespace trellis::command {
 
@@ -38,7 +41,7 @@ using lua::Stack;
 using lua::Type;
 using lua::Value;
 
-constexpr std::array<Verb, 21> all_verbs = {{
+constexpr std::array<Verb, 22> all_verbs = {{
     {"plan", "plan(strategy, problem, { seed = 1 })",
      "runs a strategy; without a problem, one of the script on the script's, others on the last one or "
      "scenes.simple_passage()"},
@@ -58,6 +61,8 @@ constexpr std::array<Verb, 21> all_verbs = {{
      "CPU time; %time EXPRESSION does either"},
     {"ablate", "ablate(strategy, { seeds = 5 })",
      "a strategy with each of its guides taken out in turn; options likewise"},
+    {"tune", "tune(function(p) ... end, problems, { over = { name = {...} }, budget = 200 })",
+     "selects the best values of a strategy by successive halving over seeds, prints it and returns it"},
     {"replay", "replay(run) or replay(\"results.json\", n)", "runs a run again and says whether the same came out"},
     {"runs", "runs()", "the runs of this session, as a list"},
     {"edit", "edit() or edit(\"file.lua\")", "opens an editor on the last input, or a file, and runs what it leaves"},
@@ -423,6 +428,23 @@ class Verbs {
     return 0;
   }
 
+  int tune(Stack& call) {
+    dsl::Program program = dsl::read_tuning(call);
+    if (bench_.loading) return call.result(std::move(program));
+    TuneResult result;
+    {
+      Progress progress(true);
+      result =
+          trellis::tune(program.experiment, *program.tuning,
+                        {.progress = [&](std::size_t done, std::size_t all) { progress.show("planning", done, all); },
+                         .interrupted = bench_.interrupted});
+    }
+    say(tuning_text(program.experiment, *program.tuning, result, bench_.screen().columns));
+    call.push_object(program.experiment.strategies[result.winner].second);
+    bench_.announced = call.top().identity();
+    return 1;
+  }
+
   int runs(Stack& call) {
     const Value list = call.push_table();
     for (const auto& run : bench_.runs) {
@@ -488,7 +510,10 @@ class Verbs {
       say(dsl::vocabulary_text());
     } else {
       const std::string known = verb.empty() ? "" : verbs_text(verb);
-      say(known.empty() ? dsl::help_text_of(call, call[1]) : known);
+      // A word of the language that is a session command too has more to read.
+      const bool word = std::any_of(dsl::words().begin(), dsl::words().end(),
+                                    [&](const dsl::Word& one) { return one.name == verb && verb != "help"; });
+      say(known.empty() || word ? known + dsl::help_text_of(call, call[1]) : known);
     }
     return 0;
   }
@@ -822,6 +847,7 @@ void open_verbs(Stack& stack, Bench& bench) {
   add("ablate", &Verbs::ablate);
   add("time", &Verbs::time);
   add("source", &Verbs::source);
+  add("tune", &Verbs::tune);
   add("replay", &Verbs::replay);
   add("runs", &Verbs::runs);
   add("run", &Verbs::run);

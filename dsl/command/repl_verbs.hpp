@@ -49,6 +49,8 @@ struct Bench {
   std::string last_input;
   std::vector<std::string> inputs;  ///< all, by number: input 1 is the first
 
+  bool loading = false;  ///< the script runs: what it calls is as in a script
+
   // Of the current input:
   bool used = false;                ///< it called a session command
   const void* announced = nullptr;  ///< the value that a command already printed

@@ -10,6 +10,7 @@
 
 #include <dsl/language/combine.hpp>
 #include <dsl/language/measure.hpp>
+#include <dsl/language/stdlib.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/strategy/ablation.hpp>
 #include <trellis/strategy/registry.hpp>
@@ -372,6 +373,25 @@ std::vector<ObjectType> algebra_types() {
   return types;
 }
 
+namespace {
+
+/// A planner that a program registered must not hide a word of the language.
+void check_free(Stack& stack, const Component& component) {
+  const int before = stack.size();
+  const bool lua = stack.push_global(component.name).given();
+  stack.resize(before);
+  const auto all = constructs();
+  const auto modules = module_names();
+  const bool word =
+      std::any_of(all.begin(), all.end(), [&](const Construct* c) { return c->name == component.name; }) ||
+      std::find(modules.begin(), modules.end(), component.name) != modules.end();
+  if (!lua && !word) return;
+  throw Error(fmt::format("register_planner: '{}' is a word of {} already; choose another name", component.name,
+                          lua ? "Lua" : "the language"));
+}
+
+}  // namespace
+
 void open_algebra(Stack& stack, const ScriptPlace& place, const std::shared_ptr<std::vector<std::string>>& warnings) {
   declare_spec<PlannerSpec>(stack, equal<StrategySpec>, inspect, warnings);
   declare_spec<GuideSpec>(stack, equal<GuideSpec>, no_fields, warnings);
@@ -382,6 +402,7 @@ void open_algebra(Stack& stack, const ScriptPlace& place, const std::shared_ptr<
   stack.declare<Constructor>(constructor);
   for (const Component* component : components()) {
     if (component->kind != Component::Kind::planner && component->kind != Component::Kind::guide) continue;
+    check_free(stack, *component);
     stack.push_object(Constructor{component});
     stack.set_global(component->name);
   }

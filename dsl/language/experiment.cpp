@@ -294,7 +294,8 @@ int experiment_text(Stack& call) {
   const auto* program = call[1].get<Program>();
   if (program == nullptr) return call.result(call[1].describe());
   const Experiment& experiment = program->experiment;
-  return call.result(fmt::format("experiment of {}, {}, {}", counted(experiment.problems.size(), "problem", "problems"),
+  return call.result(fmt::format("{} of {}, {}, {}", program->tuning ? "tuning" : "experiment",
+                                 counted(experiment.problems.size(), "problem", "problems"),
                                  counted(experiment.strategies.size(), "strategy", "strategies"),
                                  counted(experiment.seeds.size(), "seed", "seeds")));
 }
@@ -326,6 +327,12 @@ Program single(StrategySpec strategy, const std::function<void(ProblemReader&)>&
 }
 
 }  // namespace
+
+std::vector<Problem> read_problem_list(const std::string& prefix, const std::string& what, Value value) {
+  ProblemReader reader(prefix);
+  reader.read(what, value);
+  return reader.take();
+}
 
 Value push_experiment(Stack& stack, const Experiment& experiment) {
   const Value table = stack.push_table();

@@ -24,6 +24,10 @@ std::vector<std::pair<std::string, StrategySpec>> read_strategies(const Argument
 std::vector<std::uint64_t> read_seeds(const Arguments& arguments, const std::string& of, std::uint64_t first,
                                       std::uint64_t otherwise);
 
+/// Reads a problem, a list of problems, or nested lists of them, in order. Messages begin with `prefix` and call the
+/// value `what`.
+std::vector<Problem> read_problem_list(const std::string& prefix, const std::string& what, lua::Value value);
+
 /// Reads a script's results, from stack position `first` on, as a program: an experiment; a strategy and a problem; or
 /// a table { strategy = s, problem = p }. \throws Error for other results.
 Program read_program(lua::Stack& stack, int first);

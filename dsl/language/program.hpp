@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/experiment/tuning.hpp>
 #include <trellis/trial/trial.hpp>
 
 namespace trellis::dsl {
@@ -23,6 +24,8 @@ struct Uncalled {
 struct Program {
   Experiment experiment;
   std::uint64_t seed = 1;  ///< the first of consecutive seeds
+  /// Of a tuning, whose strategies are the experiment's; the first one is the start.
+  std::optional<TuneSettings> tuning = {};
   /// Call it after the experiment: returns the functions of the script that were never called.
   std::function<std::vector<Uncalled>()> uncalled;
   /// Parts of the script that do something else than they seem to, with their lines.

@@ -24,6 +24,7 @@
 #include <dsl/language/random.hpp>
 #include <dsl/language/scenario.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/language/tuning.hpp>
 #include <dsl/language/world.hpp>
 #include <dsl/lua/state.hpp>
 
@@ -108,6 +109,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_guiding_space(stack, book);
   open_publication(stack);
   open_experiment(stack);
+  open_tuning(stack);
   open_scenario(stack, place, options.scenarios);
   open_help(stack, options.print);
   open_modules(stack, place, std::move(described));

@@ -22,6 +22,7 @@
 #include <dsl/language/publication.hpp>
 #include <dsl/language/scenario.hpp>
 #include <dsl/language/stdlib.hpp>
+#include <dsl/language/tuning.hpp>
 #include <dsl/language/world.hpp>
 #include <dsl/lua/state.hpp>
 #include <trellis/strategy/registry.hpp>
@@ -209,8 +210,8 @@ std::vector<const Construct*> constructs() {
   for (const Construct* construct : world_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
   all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),
-                         &experiment_construct(), &published_construct(), &claim_construct(), &help_construct(),
-                         &require_construct()});
+                         &experiment_construct(), &tune_construct(), &published_construct(), &claim_construct(),
+                         &help_construct(), &require_construct()});
   for (const Construct* construct : scenario_constructs()) all.push_back(construct);
   return all;
 }

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/planner/planner.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <variant>
 
 #include <trellis/base/error.hpp>
 #include <trellis/planner/common_options.hpp>
 #include <trellis/planner/kinds.hpp>
 #include <trellis/planner/loop.hpp>
+#include <trellis/planner/own_planner.hpp>
 
 namespace trellis {
 
@@ -23,12 +30,105 @@ std::string_view to_string(Status status) {
   throw Fault("unknown status");
 }
 
+namespace {
+
+std::vector<PlannerKind> built_in() {
+  return {rrt_kind(),       rrt_connect_kind(),   prm_kind(),           lazy_prm_kind(),        rrt_star_kind(),
+          prm_star_kind(),  lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(), graph_search_kind(),
+          best_first_kind()};
+}
+
+/// The planners of programs that link the library, until planner_kinds() collects them.
+struct Registered {
+  std::vector<PlannerKind> kinds;
+  bool collected = false;
+};
+Registered& registered() {
+  static Registered all;
+  return all;
+}
+
+const Component& common_component() {
+  static const auto common =
+      with_common(Settings<CommonSettings>(Component::Kind::planner, "planner", "what every planner has", ""));
+  return common.component();
+}
+
+bool is_identifier(std::string_view name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  return !name.empty() && letter(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || digit(c); });
+}
+
+/// Checks the description of a planner's options.
+void check_options(const Component& component) {
+  std::set<std::string> names;
+  for (const Option& option : component.options) {
+    const std::string what = fmt::format("register_planner: option '{}' of planner '{}'", option.name, component.name);
+    if (!is_identifier(option.name)) throw Error(what + " has a name that is no identifier");
+    if (!names.insert(option.name).second) throw Error(what + " is declared twice");
+    if (option.doc.empty()) throw Error(what + " has no description");
+    const auto* number = std::get_if<double>(&option.default_value);
+    if (option.type == Option::Type::file || (number != nullptr && std::isinf(*number))) continue;
+    try {
+      Options::validate(component, {{option.name, option.default_value}});
+    } catch (const Error& error) {
+      throw Error(fmt::format("{} has a default that it does not accept: {}", what, error.what()));
+    }
+  }
+  for (const Option& option : common_component().options) {
+    if (names.contains(option.name)) continue;
+    throw Error(
+        fmt::format("register_planner: planner '{}' has no option '{}', which every planner has; make its "
+                    "settings by with_common()",
+                    component.name, option.name));
+  }
+}
+
+}  // namespace
+
 const std::vector<PlannerKind>& planner_kinds() {
-  static const std::vector<PlannerKind> kinds = {rrt_kind(),           rrt_connect_kind(),   prm_kind(),
-                                                 lazy_prm_kind(),      rrt_star_kind(),      prm_star_kind(),
-                                                 lazy_prm_star_kind(), lazy_rrg_star_kind(), kinodynamic_rrt_kind(),
-                                                 graph_search_kind(),  best_first_kind()};
+  static const std::vector<PlannerKind> kinds = [] {
+    std::vector<PlannerKind> all = built_in();
+    all.insert(all.end(), registered().kinds.begin(), registered().kinds.end());
+    registered().collected = true;
+    return all;
+  }();
   return kinds;
+}
+
+void register_planner(const PlannerKind& kind) {
+  if (kind.component == nullptr || kind.common == nullptr || kind.make == nullptr) {
+    throw Error("register_planner: a planner needs its component, common and make");
+  }
+  const Component& component = *kind.component;
+  if (!is_identifier(component.name)) {
+    throw Error(fmt::format("register_planner: the name of a planner must be an identifier, as my_rrt, got '{}'",
+                            component.name));
+  }
+  if (component.kind != Component::Kind::planner) {
+    throw Error(fmt::format("register_planner: '{}' is declared as a {}; expected Component::Kind::planner",
+                            component.name, to_string(component.kind)));
+  }
+  if (component.summary.empty()) {
+    throw Error(fmt::format("register_planner: planner '{}' has no summary, which help and the reference print",
+                            component.name));
+  }
+  std::vector<PlannerKind> known = built_in();
+  known.insert(known.end(), registered().kinds.begin(), registered().kinds.end());
+  for (const PlannerKind& other : known) {
+    if (other.component->name != component.name) continue;
+    throw Error(fmt::format("register_planner: there is a planner '{}' already; choose another name", component.name));
+  }
+  check_options(component);
+  if (registered().collected) {
+    throw Error(
+        fmt::format("register_planner: planner '{}' comes too late; register planners at the beginning of the "
+                    "program, before the first script or strategy",
+                    component.name));
+  }
+  registered().kinds.push_back(kind);
 }
 
 const PlannerKind* find_planner(std::string_view name) {
@@ -37,10 +137,6 @@ const PlannerKind* find_planner(std::string_view name) {
   return it != kinds.end() ? &*it : nullptr;
 }
 
-bool every_planner_has(std::string_view option) {
-  static const auto common =
-      with_common(Settings<CommonSettings>(Component::Kind::planner, "planner", "what every planner has", ""));
-  return common.component().find(option) != nullptr;
-}
+bool every_planner_has(std::string_view option) { return common_component().find(option) != nullptr; }
 
 }  // namespace trellis

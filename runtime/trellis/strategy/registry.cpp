@@ -13,7 +13,13 @@ namespace trellis {
 const std::vector<const Component*>& components() {
   static const std::vector<const Component*> all = [] {
     std::vector<const Component*> list;
-    for (const auto& kind : planner_kinds()) list.push_back(kind.component);
+    for (const auto& kind : planner_kinds()) {
+      if (find_guide(kind.component->name) != nullptr) {
+        throw Error(
+            fmt::format("register_planner: there is a guide '{}' already; choose another name", kind.component->name));
+      }
+      list.push_back(kind.component);
+    }
     for (const auto& kind : guide_kinds()) list.push_back(kind.component);
     return list;
   }();

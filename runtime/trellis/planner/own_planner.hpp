@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// For planners outside of the library: the parts of a planning loop (loop.hpp) and the registration. docs/planner.md
+// has an example.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include <trellis/planner/loop.hpp>
+
+namespace trellis {
+
+/// Adds a node to the search, and returns its row in Search::nodes.
+/// \param parent  its parent's row; no_node for a root, which is its own parent
+std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent = no_node);
+
+/// Extends a node towards the last proposal: checks the motion, which the instance counts, adds its end if the motion
+/// is valid, and reports the result to the guidance. \param from  the node's row in Search::nodes \param step  longest
+/// extension, in metres in the metric \return the row of the new node; no_node if none was added
+std::uint32_t extend_node(PlannerContext& context, std::uint32_t from, double step);
+
+/// Returns the path from the root to a node, both included.
+Configurations branch_to(const Search& search, std::uint32_t row);
+
+/// Adds a planner to planner_kinds(): then strategies, scripts, help and the reference have it. Call it at the
+/// beginning of the program, from one thread. \throws Error for a name that is no identifier or that a planner or guide
+/// has already, for a missing summary or
+///     option of every planner (with_common), for an option without a description, and after the first use of
+///     planner_kinds()
+void register_planner(const PlannerKind& kind);
+
+/// The same for a class P that has a constructor P(S, PlannerContext).
+/// \tparam settings  a function that returns a static `const Settings<S>&`, made by with_common()
+template <auto settings, class P>
+void register_planner() {
+  register_planner({.component = &settings().component(),
+                    .common = [](const Options& options) { return common_of(settings().read(options)); },
+                    .make = [](const Options& options, PlannerContext context) -> std::unique_ptr<Planner> {
+                      return std::make_unique<P>(settings().read(options), std::move(context));
+                    }});
+}
+
+}  // namespace trellis
