@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -150,7 +151,6 @@ class Tuner {
       double ratio;
       std::size_t unsolved;
       std::size_t strategy;
-      auto operator<=>(const Ranked&) const = default;
     };
     std::vector<Ranked> ranked;
     ranked.reserve(kept.size());
@@ -158,7 +158,9 @@ class Tuner {
       const TunedStrategy& known = result_.strategies[strategy];
       ranked.push_back({rank_of(strategy, least), known.runs - known.solved, strategy});
     }
-    std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) { return a < b; });
+    std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+      return std::tie(a.ratio, a.unsolved, a.strategy) < std::tie(b.ratio, b.unsolved, b.strategy);
+    });
     ranked.resize((kept.size() + 1) / 2);
     kept.clear();
     for (const Ranked& one : ranked) kept.push_back(one.strategy);

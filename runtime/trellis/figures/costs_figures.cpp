@@ -75,6 +75,7 @@ void fill(const CostData& data, const std::vector<CostComparison>& comparisons, 
 
 /// Explains a figure of ratios, with the number of pairs of the medians.
 std::string ratios_caption(const std::vector<CostComparison>& comparisons) {
+  constexpr std::size_t pairs_of_interval = 8;  // the least of a median's 99 % interval by order statistics: 2 / 2^8
   std::size_t least = std::numeric_limits<std::size_t>::max();
   std::size_t most = 0;
   for (const CostComparison& c : comparisons) {
@@ -83,10 +84,12 @@ std::string ratios_caption(const std::vector<CostComparison>& comparisons) {
   }
   return fmt::format(
       "A dot is a problem: the median of the strategy's cost divided by the reference's on the same seed, over {} of "
-      "runs, with its 99 % interval. A run without a path costs infinitely much. Left of 1 the strategy costs less. An "
-      "arrow to the right: most of its runs found no path; to the left: most of the reference's. The problem with the "
-      "largest ratio of a row has its name beside it.",
-      least >= most ? plural(most, "pair") : fmt::format("{} to {}", least, plural(most, "pair")));
+      "runs, {}. A run without a path costs infinitely much. Left of 1 the strategy costs less. An arrow to the right: "
+      "most of its runs found no path; to the left: most of the reference's. The problem with the largest ratio of a "
+      "row "
+      "has its name beside it.",
+      least >= most ? plural(most, "pair") : fmt::format("{} to {}", least, plural(most, "pair")),
+      most < pairs_of_interval ? "too few for a 99 % interval" : "with its 99 % interval");
 }
 
 void write(const CostData& data, const std::vector<CostComparison>& comparisons, draw::RatioFigure figure,
