@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <memory>
+#include <string>
+
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
 #include <dsl/command/outputs.hpp>
+#include <dsl/command/progress.hpp>
 #include <dsl/command/repl_verbs.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <trellis/base/version.hpp>
@@ -14,16 +19,18 @@ namespace trellis::command {
 namespace {
 
 int help(const std::string& topic, const std::string& usage) {
+  constexpr int widest = static_cast<int>(dsl::help_width);
+  const auto width = static_cast<std::size_t>(std::min(widest, report_width(widest)));
   if (topic.empty()) {
     print_all(
         fmt::format("{}\n{}\n'trellis help WORD' explains a word, 'trellis run --help' about a "
                     "command.\n",
-                    usage, dsl::vocabulary_text()));
+                    usage, dsl::vocabulary_text(width)));
   } else if (topic == "repl") {
     print_all("trellis repl [SCRIPT]: a session of the language with functions that scripts do not have:\n\n" +
-              verbs_text());
+              verbs_text("", width));
   } else {
-    print_all(dsl::help_text(topic));
+    print_all(dsl::help_text(topic, width));
   }
   return success;
 }

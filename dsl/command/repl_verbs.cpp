@@ -500,20 +500,21 @@ class Verbs {
     return 0;
   }
 
-  static int help(Stack& call) {
+  int help(Stack& call) {
+    const std::size_t columns = std::min(bench_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
-      say(verbs_text() + "\nhelp(\"words\") lists the words of the language.\n");
+      say(verbs_text("", columns) + "\nhelp(\"words\") lists the words of the language.\n");
       return 0;
     }
     const std::string verb = call[1].type() == Type::object ? "" : verb_of(call, call[1]);
     if (verb == "words") {
-      say(dsl::vocabulary_text());
+      say(dsl::vocabulary_text(columns));
     } else {
-      const std::string known = verb.empty() ? "" : verbs_text(verb);
+      const std::string known = verb.empty() ? "" : verbs_text(verb, columns);
       // A word of the language that is a session command too has more to read.
       const bool word = std::any_of(dsl::words().begin(), dsl::words().end(),
                                     [&](const dsl::Word& one) { return one.name == verb && verb != "help"; });
-      say(known.empty() || word ? known + dsl::help_text_of(call, call[1]) : known);
+      say(known.empty() || word ? known + dsl::help_text_of(call, call[1], columns) : known);
     }
     return 0;
   }
@@ -809,17 +810,16 @@ std::string field_path(const std::string& table, const std::string& name) {
   return plain ? table + "." + name : table + "[\"" + name + "\"]";
 }
 
-std::string verbs_text(std::string_view name) {
+std::string verbs_text(std::string_view name, std::size_t width) {
   std::string text;
   std::size_t column = 0;
   for (const Verb& verb : all_verbs) column = std::max(column, verb.usage.size());
   for (const Verb& verb : all_verbs) {
     if (name.empty()) {
-      constexpr std::size_t width = 100;
       text += wrap(std::string(verb.summary), width, fmt::format("  {:<{}} ", verb.usage, column),
                    std::string(column + 3, ' '));
     } else if (name == verb.name) {
-      text = fmt::format("{}: {}\n", verb.usage, verb.summary);
+      text = wrap(fmt::format("{}: {}", verb.usage, verb.summary), width, "", "  ");
     }
   }
   return text;
@@ -855,11 +855,7 @@ void open_verbs(Stack& stack, Bench& bench) {
   add("reload", &Verbs::reload);
   add("save", &Verbs::save);
   add("quit", &Verbs::quit);
-  stack.push_function([&bench](Stack& call) {
-    bench.used = true;
-    return Verbs::help(call);
-  });
-  stack.set_global("help");
+  add("help", &Verbs::help);
 }
 
 }  // namespace trellis::command

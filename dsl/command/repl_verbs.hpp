@@ -11,6 +11,7 @@
 #include <dsl/command/repl_plot.hpp>
 #include <dsl/command/repl_run.hpp>
 #include <dsl/language/program.hpp>
+#include <dsl/language/vocabulary.hpp>
 #include <dsl/lua/stack.hpp>
 
 namespace trellis::command {
@@ -23,7 +24,7 @@ struct Verb {
 };
 std::span<const Verb> verbs();
 /// Returns their usages and summaries, or those of the named one.
-std::string verbs_text(std::string_view name = "");
+std::string verbs_text(std::string_view name = "", std::size_t width = dsl::help_width);
 
 /// The state that the session commands share.
 struct Bench {

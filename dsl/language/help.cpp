@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <dsl/language/algebra.hpp>
-#include <dsl/language/vocabulary.hpp>
 #include <dsl/language/words.hpp>
 
 namespace trellis::dsl {
@@ -49,23 +48,23 @@ std::string word_of(Stack& call, Value value) {
 
 }  // namespace
 
-std::string help_text_of(Stack& call, Value value) {
-  if (const auto word = value.string()) return help_text(*word);
-  if (const auto* constructor = value.get<Constructor>()) return help_text(constructor->component->name);
+std::string help_text_of(Stack& call, Value value, std::size_t width) {
+  if (const auto word = value.string()) return help_text(*word, width);
+  if (const auto* constructor = value.get<Constructor>()) return help_text(constructor->component->name, width);
   if (const auto strategy = as_strategy(value)) {
     std::string text = fmt::format("{}: {}\n\n{}", value.get<PlannerSpec>() != nullptr ? "planner" : "strategy",
                                    strategy->text(), strategy->tree());
     if (!text.ends_with('\n')) text += '\n';
-    return text + '\n' + help_text(value.get<PlannerSpec>() != nullptr ? "trellis.Planner" : "trellis.Strategy");
+    return text + '\n' + help_text(value.get<PlannerSpec>() != nullptr ? "trellis.Planner" : "trellis.Strategy", width);
   }
   if (const auto* guide = value.get<GuideSpec>()) {
     std::string text = fmt::format("guide: {}\n\n", guide->text());
-    if (guide->kind() == GuideSpec::Kind::component) return text + help_text("guide." + guide->name());
-    return text + help_text("trellis.Guide");
+    if (guide->kind() == GuideSpec::Kind::component) return text + help_text("guide." + guide->name(), width);
+    return text + help_text("trellis.Guide", width);
   }
   if (value.type() == Type::function || value.type() == Type::table) {
     const std::string word = word_of(call, value);
-    if (!word.empty()) return help_text(word);
+    if (!word.empty()) return help_text(word, width);
   }
   if (value.type() == Type::object) return fmt::format("{}: {}\n", value.describe(), value.text());
   throw Error(fmt::format("help: nothing is known about {}; help() lists all words", describe(value)));

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <variant>
 
@@ -11,6 +13,7 @@
 
 #include <dsl/language/vocabulary.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/report/table.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace fs = std::filesystem;
@@ -194,6 +197,21 @@ TEST_CASE("scene files are looked for, and read, with options") {
             .find("did you mean 'resolution'?") != std::string::npos);
 }
 
+TEST_CASE("help wraps its lines at words, in every width") {
+  constexpr std::size_t width = 60;
+  for (const dsl::Word& word : dsl::words()) {
+    if (word.kind == dsl::Word::Kind::module) continue;  // its text has lines of its own
+    std::istringstream lines(dsl::help_text(word.name, width));
+    for (std::string line; std::getline(lines, line);) {
+      if (word.usage.find(line.substr(std::min<std::size_t>(line.size(), 2))) != std::string::npos) continue;
+      INFO(word.name << ": " << line);
+      const bool one_word = line.find(' ', line.find_first_not_of(' ')) == std::string::npos;
+      CHECK((display_width(line) <= width || one_word));
+    }
+  }
+  CHECK(dsl::help_text("shrink", width) != dsl::help_text("shrink"));
+}
+
 TEST_CASE("help has every word and each of its options") {
   const std::string all = dsl::vocabulary_text();
   // The meaning follows the name, on its own line where it is long.
@@ -206,7 +224,7 @@ TEST_CASE("help has every word and each of its options") {
     const std::string listed =
         word.kind == dsl::Word::Kind::function && !module.empty() ? word.name.substr(module.size() + 1) : word.name;
     CHECK((has(all, listed) || all.find("module " + word.name + ": ") != std::string::npos));
-    const std::string text = dsl::help_text(word.name);
+    const std::string text = dsl::help_text(word.name, 100000);
     CHECK(text.find(word.summary) != std::string::npos);
     for (const auto& name : word.named()) CHECK(has(text, name));
     for (const auto& argument : word.arguments) CHECK(has(text, argument.name));
