@@ -500,7 +500,7 @@ class Verbs {
     return 0;
   }
 
-  int help(Stack& call) {
+  int help(Stack& call) const {
     const std::size_t columns = std::min(bench_.screen().columns, dsl::help_width);
     if (!call[1].given()) {
       say(verbs_text("", columns) + "\nhelp(\"words\") lists the words of the language.\n");
