@@ -55,7 +55,7 @@ install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INS
 # <trellis/testing.hpp>, and those that they include.
 foreach(header trellis
                base/component base/configurations base/error base/random base/version
-               space/space motion/motion_model scene/readers scene/scene scene/shapes collision/checker
+               space/space motion/motion_model scene/readers scene/scene scene/planar/shapes collision/checker
                instance/instance instance/verified_motions planner/density planner/guidance planner/loop
                planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
                trial/criterion trial/level trial/matcher trial/trial)

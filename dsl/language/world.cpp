@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <dsl/language/words.hpp>
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 
 namespace trellis::dsl {
 

@@ -12,7 +12,7 @@
 
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
-#include <trellis/collision/planar_checker.hpp>
+#include <trellis/collision/planar/planar_checker.hpp>
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <set>
 
 #include <trellis/base/error.hpp>
-#include <trellis/collision/kernel.hpp>
-#include <trellis/collision/part_index.hpp>
-#include <trellis/collision/planar_checker.hpp>
+#include <trellis/collision/planar/kernel.hpp>
+#include <trellis/collision/planar/part_index.hpp>
+#include <trellis/collision/planar/planar_checker.hpp>
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <trellis/collision/checker.hpp>
-#include <trellis/collision/distance.hpp>
+#include <trellis/collision/planar/distance.hpp>
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 

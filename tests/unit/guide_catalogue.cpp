@@ -10,8 +10,8 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/planner/nearest.hpp>
-#include <trellis/scene/aggregate.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/aggregate.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 
 #include "support/catch.hpp"
 #include "support/density.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <trellis/base/random.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/scene.hpp>
 
 namespace brute {

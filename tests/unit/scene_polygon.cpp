@@ -8,7 +8,7 @@
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 
 using namespace trellis;
 

@@ -14,8 +14,8 @@
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 #include <trellis/scene/readers.hpp>
-#include <trellis/scene/skeleton.hpp>
 
 using namespace trellis;
 using Catch::Matchers::Contains;

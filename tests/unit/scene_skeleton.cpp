@@ -14,7 +14,7 @@
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/skeleton.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 
 using namespace trellis;
 

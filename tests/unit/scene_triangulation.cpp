@@ -7,7 +7,7 @@
 #include "support/worlds.hpp"
 #include "unit/scene_brute.hpp"
 
-#include <trellis/scene/triangulation.hpp>
+#include <trellis/scene/planar/triangulation.hpp>
 
 using namespace trellis;
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 namespace trellis {
 

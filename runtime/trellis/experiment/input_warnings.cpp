@@ -16,7 +16,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
-#include <trellis/scene/triangulation.hpp>
+#include <trellis/scene/planar/triangulation.hpp>
 
 namespace trellis {
 

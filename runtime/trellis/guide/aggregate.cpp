@@ -7,7 +7,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/aggregate.hpp>
+#include <trellis/scene/planar/aggregate.hpp>
 
 namespace trellis {
 

@@ -7,7 +7,7 @@
 
 #include <trellis/guide/lifted.hpp>
 #include <trellis/instance/instance.hpp>
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 
 namespace trellis {
 

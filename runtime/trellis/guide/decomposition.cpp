@@ -18,7 +18,7 @@
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/triangulation.hpp>
+#include <trellis/scene/planar/triangulation.hpp>
 
 namespace trellis {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <trellis/guide/position.hpp>
-#include <trellis/scene/skeleton.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 
 namespace trellis {
 

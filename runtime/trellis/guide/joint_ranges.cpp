@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include <trellis/guide/reduced_robot.hpp>
+#include <trellis/scene/planar/reduced_robot.hpp>
 
 namespace trellis {
 

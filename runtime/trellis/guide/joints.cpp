@@ -14,8 +14,8 @@
 #include <trellis/guide/joint_ranges.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
-#include <trellis/guide/reduced_robot.hpp>
 #include <trellis/instance/characteristic_length.hpp>
+#include <trellis/scene/planar/reduced_robot.hpp>
 
 namespace trellis {
 

@@ -20,7 +20,7 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
-#include <trellis/scene/skeleton.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 
 namespace trellis {
 

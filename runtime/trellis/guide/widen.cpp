@@ -13,7 +13,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 
 namespace trellis {
 

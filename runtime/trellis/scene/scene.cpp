@@ -14,7 +14,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/scene/limits.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 
 namespace trellis {
 

@@ -11,7 +11,7 @@
 
 #include <trellis/base/configurations.hpp>
 #include <trellis/motion/motion_model.hpp>
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/scene/aggregate.hpp>
+#include <trellis/scene/planar/aggregate.hpp>
 
 #include <fmt/format.h>
 

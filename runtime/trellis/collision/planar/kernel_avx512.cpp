@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 
@@ -41,7 +41,7 @@ inline V abs(V p) { return {_mm512_andnot_pd(_mm512_set1_pd(-0.0), p.a)}; }
 inline V negative_where(M m, V p) { return {_mm512_mask_xor_pd(p.a, m.a, p.a, _mm512_set1_pd(-0.0))}; }
 inline unsigned bits(M m) { return m.a; }
 
-#include <trellis/collision/kernel_impl.inl>
+#include <trellis/collision/planar/kernel_impl.inl>
 
 }  // namespace
 

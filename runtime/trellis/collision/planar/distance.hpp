@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 
 namespace trellis {
 

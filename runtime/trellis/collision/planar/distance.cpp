@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/distance.hpp>
+#include <trellis/collision/planar/distance.hpp>
 
 #include <algorithm>
 #include <cmath>

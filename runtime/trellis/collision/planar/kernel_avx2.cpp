@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 #if defined(__AVX2__)
 
@@ -46,7 +46,7 @@ inline unsigned bits(M m) {
   return static_cast<unsigned>(_mm256_movemask_pd(m.a)) | (static_cast<unsigned>(_mm256_movemask_pd(m.b)) << 4U);
 }
 
-#include <trellis/collision/kernel_impl.inl>
+#include <trellis/collision/planar/kernel_impl.inl>
 
 }  // namespace
 

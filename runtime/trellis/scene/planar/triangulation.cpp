@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/scene/triangulation.hpp>
+#include <trellis/scene/planar/triangulation.hpp>
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/constrained_delaunay.hpp>
+#include <trellis/scene/planar/constrained_delaunay.hpp>
 
 namespace trellis {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 
 namespace trellis {
 

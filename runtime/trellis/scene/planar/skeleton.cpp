@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The medial axis in four steps: the boundary of the free space as segments (union of obstacles and boundary walls),
 // their Voronoi diagram, its edges as sampled pieces clipped to the free space, and the graph of the joined pieces.
-#include <trellis/scene/skeleton.hpp>
+#include <trellis/scene/planar/skeleton.hpp>
 
 #include <fmt/format.h>
 
@@ -21,8 +21,8 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/polygon.hpp>
-#include <trellis/scene/segment_voronoi.hpp>
+#include <trellis/scene/planar/polygon.hpp>
+#include <trellis/scene/planar/segment_voronoi.hpp>
 
 namespace trellis {
 

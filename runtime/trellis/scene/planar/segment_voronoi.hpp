@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/scene/shapes.hpp>
+#include <trellis/scene/planar/shapes.hpp>
 
 namespace trellis {
 

@@ -17,8 +17,8 @@
 
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/common.hpp>
-#include <trellis/collision/distance.hpp>
 #include <trellis/collision/orders.hpp>
+#include <trellis/collision/planar/distance.hpp>
 
 namespace trellis {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 #include <fmt/format.h>
 

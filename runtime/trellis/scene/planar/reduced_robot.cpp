@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/guide/reduced_robot.hpp>
+#include <trellis/scene/planar/reduced_robot.hpp>
 
 #include <algorithm>
 #include <map>

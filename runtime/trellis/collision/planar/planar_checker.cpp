@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/planar_checker.hpp>
+#include <trellis/collision/planar/planar_checker.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include <trellis/collision/common.hpp>
-#include <trellis/collision/distance.hpp>
 #include <trellis/collision/orders.hpp>
-#include <trellis/collision/part_index.hpp>
+#include <trellis/collision/planar/distance.hpp>
+#include <trellis/collision/planar/part_index.hpp>
 
 namespace trellis {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/part_index.hpp>
+#include <trellis/collision/planar/part_index.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include <trellis/collision/checker.hpp>
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 namespace trellis {
 

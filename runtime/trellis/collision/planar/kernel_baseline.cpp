@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <trellis/collision/kernel.hpp>
+#include <trellis/collision/planar/kernel.hpp>
 
 // Two doubles at a time, with the compiler's vector types: every 64-bit processor supports this.
 
@@ -66,7 +66,7 @@ inline unsigned bits(const M& m) {
 
 #undef TRELLIS_EACH_PAIR
 
-#include <trellis/collision/kernel_impl.inl>
+#include <trellis/collision/planar/kernel_impl.inl>
 
 }  // namespace
 

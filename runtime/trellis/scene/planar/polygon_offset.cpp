@@ -15,7 +15,7 @@
 #include <tuple>
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/polygon.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 
 namespace trellis {
 
