@@ -11,7 +11,8 @@ stds.trellis = {
     "tube", "near_optimal", "progress",
     "knn", "exact", "arc", "kde", "histogram", "legacy",
     "sequence", "blend", "schedule", "race", "split", "ablations", "guiding_space", "box", "disc", "polygon",
-    "world", "problem", "target", "experiment", "published", "claim", "given", "when", "is_deterministic",
+    "world", "pose", "sphere", "cylinder", "capsule", "convex", "mesh", "problem", "target", "experiment",
+    "published", "claim", "given", "when", "is_deterministic",
     "along", "ball", "lifted", "tune", "help", "require", "scenario", "expect", "at_least", "at_most", "below",
     "above", "exactly", "fewer_than", "more_than", "solves", "spends", "finds_paths", "has_efficiency",
     robot = {
@@ -31,12 +32,12 @@ stds.trellis = {
     },
     pays = {
       fields = {
-        "groups", "missing", "strategies", "catalogue", "experiment",
+        "groups", "missing", "strategies", "space", "catalogue", "experiment",
       },
     },
     scenes = {
       fields = {
-        "load", "exists", "simple_passage", "trap", "cup",
+        "load", "robot", "exists", "simple_passage", "trap", "cup",
       },
     },
     strategies = {
@@ -49,7 +50,7 @@ stds.trellis = {
     worlds = {
       fields = {
         "maze", "false_gaps", "rooms", "boxes", "slalom", "dead_ends", "bug_trap", "open_world", "block",
-        "thin_wall", "detour", "alleys", "pickets", "rows",
+        "thin_wall", "detour", "alleys", "pickets", "rows", "windows", "floating_boxes", "slot", "open_space",
       },
     },
   },

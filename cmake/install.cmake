@@ -6,6 +6,9 @@ include(CMakePackageConfigHelpers)
 get_property(layers GLOBAL PROPERTY TRELLIS_LAYERS)
 # All that is installed and has to be built.
 add_custom_target(trellis_installed DEPENDS trellis trellis_documents ${layers})
+if(TARGET trellis-mesh)
+  add_dependencies(trellis_installed trellis-mesh)
+endif()
 # Before anything is copied: a build of some targets alone would be installed half.
 function(require_built component)
   install(CODE "foreach(file IN ITEMS \"$<JOIN:${ARGN},\" \">\")
@@ -19,6 +22,9 @@ set(needed "$<TARGET_FILE:trellis>")
 foreach(file trellis.1 trellis.bash trellis.fish _trellis meta/trellis.lua)
   list(APPEND needed "${PROJECT_BINARY_DIR}/dsl/${file}")
 endforeach()
+if(TARGET trellis-mesh)
+  list(APPEND needed "$<TARGET_FILE:trellis-mesh>")
+endif()
 require_built(trellis "${needed}")
 set(needed "")
 foreach(layer ${layers})
@@ -33,6 +39,9 @@ set(data ${CMAKE_INSTALL_DATADIR}/trellis)
 set(program DESTINATION ${data} COMPONENT trellis)
 
 install(TARGETS trellis RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT trellis)
+if(TARGET trellis-mesh)
+  install(TARGETS trellis-mesh RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/trellis COMPONENT trellis)
+endif()
 install(DIRECTORY stdlib ${program} FILES_MATCHING PATTERN "*.lua")
 install(FILES ${PROJECT_BINARY_DIR}/dsl/meta/trellis.lua DESTINATION ${data}/stdlib/meta COMPONENT trellis)
 install(DIRECTORY examples ${program} FILES_MATCHING PATTERN "*.lua" PATTERN "*.cpp" PATTERN CMakeLists.txt
@@ -55,7 +64,9 @@ install(TARGETS ${layers} EXPORT trellis-targets ARCHIVE DESTINATION ${CMAKE_INS
 # <trellis/testing.hpp>, and those that they include.
 foreach(header trellis
                base/component base/configurations base/error base/random base/version
-               space/space motion/motion_model scene/readers scene/scene scene/planar/shapes collision/checker
+               space/space motion/motion_model reader/readers scene/scene
+               scene/planar/robot scene/planar/scene scene/planar/shapes scene/planar/world space/rotation
+               scene/spatial/mesh scene/spatial/robot scene/spatial/scene scene/spatial/shapes scene/spatial/world collision/checker
                instance/instance instance/verified_motions planner/density planner/guidance planner/loop
                planner/own_planner planner/planner guide/claims guide/guide strategy/combinator_settings strategy/executor strategy/spec
                trial/criterion trial/level trial/matcher trial/trial)
@@ -89,7 +100,7 @@ set(CPACK_DEBIAN_TRELLIS_PACKAGE_DEPENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_NAME libtrellis-dev)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_DEPENDS
-    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libreadline-dev, libsqlite3-dev, libyaml-cpp-dev, pkgconf")
+    "libboost-dev, libcairo2-dev, libcgal-dev, libdlib-dev, libeigen3-dev, libfcl-dev, libfmt-dev, liblua5.4-dev, libpng-dev, libreadline-dev, libsqlite3-dev, libtinyxml2-dev, libyaml-cpp-dev, pkgconf")
 set(CPACK_DEBIAN_LIBTRELLIS-DEV_PACKAGE_SUGGESTS catch2)
 set(CPACK_DEBIAN_TRELLIS_DESCRIPTION
     "Scripts in Lua declare hierarchies of simpler spaces, each guiding the search\n\

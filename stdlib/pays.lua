@@ -48,8 +48,40 @@ local function from_files()
   return all
 end
 
+local spatial_files = {
+  { "box_in_maze", "rl/rlplan/box-6d-300505_maze_rrtConCon.mdl.sixDof.xml", {} },
+  { "hook", "open_ppl/hook/hook.env", { resolution = 1, weight = 40 } },
+}
+
+-- Worlds of space. None was used to tune a strategy.
+local function spatial_groups()
+  local groups = {
+    {
+      "space",
+      {
+        worlds.slot {}, worlds.windows { walls = 1, name = "windows_1" }, worlds.windows { name = "windows_2" },
+        worlds.floating_boxes { name = "floating_boxes_60" },
+        worlds.floating_boxes { boxes = 150, seed = 2, name = "floating_boxes_150" }, worlds.open_space(),
+      },
+    },
+  }
+  local files = {}
+  for _, entry in ipairs(spatial_files) do
+    if scenes.exists(entry[2]) then
+      local p = scenes.load(entry[2], entry[3])[1]
+      files[#files + 1] = problem {
+        name = entry[1], world = p.world, robot = p.robot, start = p.start, goal = p.goal, resolution = p.resolution,
+        weight = entry[3].weight,
+      }
+    end
+  end
+  if #files > 0 then groups[#groups + 1] = { "files", files } end
+  return groups
+end
+
 -- The strategies were tuned on the groups with `tuned`; the other groups are held out.
-local function all_groups(catalogue, mazes)
+local function all_groups(catalogue, mazes, space)
+  if space then return spatial_groups() end
   local groups = { { "paper", paper.scenes(), tuned = true } }
   if catalogue then
     groups[2] = {
@@ -129,6 +161,10 @@ local choice = {
     name = "mazes", type = "trellis.Problem[]", expects = "a list of problems",
     doc = "further worlds of the group mazes",
   },
+  {
+    name = "space", type = "boolean", default = false, expects = "true or false",
+    doc = "worlds of space; their strategies take steps of a thirtieth of the largest world",
+  },
 }
 
 pays.groups = native.define({
@@ -136,7 +172,7 @@ pays.groups = native.define({
   usage = "pays.groups { only = {\"gaps\", \"maze_12\"} }", options = choice,
 }, function(o)
   local groups, found, known = {}, {}, {}
-  for _, group in ipairs(all_groups(o.catalogue, o.mazes)) do
+  for _, group in ipairs(all_groups(o.catalogue, o.mazes, o.space)) do
     local name, whole, some = group[1], chosen(o.only, group[1], found), {}
     known[#known + 1] = name
     for _, p in ipairs(group[2]) do
@@ -158,6 +194,7 @@ pays.missing = native.define({
     for _, number in ipairs(images) do look(image_file(family, number)) end
   end
   for _, name in ipairs(dynobench) do look(dynobench_file(name)) end
+  for _, entry in ipairs(spatial_files) do look(entry[2]) end
   return missing
 end)
 
@@ -170,16 +207,20 @@ local budget = {
 
 local baseline = "rrt_connect"
 
+local step = {
+  name = "step", unit = "m in the metric", default = 0.5, lo = 1e-6, hi = 1e9, doc = "longest extension of a tree",
+}
+
 local function unguided(o)
   local proposals = math.tointeger(o.budget) or math.floor(o.budget)
-  return rrt_connect { step = 0.5, proposals = proposals }, rrt { step = 0.5, proposals = proposals },
+  return rrt_connect { step = o.step, proposals = proposals }, rrt { step = o.step, proposals = proposals },
     lazy_prm { proposals = proposals }
 end
 
 pays.strategies = native.define({
   "pays.strategies", "hierarchies of guides, after the planners that nothing guides",
   returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.strategies { budget = 20000 }",
-  options = { budget },
+  options = { budget, step },
 }, function(o)
   local connect, tree, roadmap = unguided(o)
   return {
@@ -201,10 +242,28 @@ pays.strategies = native.define({
   }
 end)
 
+pays.space = native.define({
+  "pays.space", "hierarchies of guides for worlds of space, after the planners that nothing guides",
+  returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.space { step = 1, budget = 20000 }",
+  options = { budget, step },
+}, function(o)
+  local connect, tree, roadmap = unguided(o)
+  local all = { { "rrt_connect", connect }, { "rrt", tree }, { "lazy_prm", roadmap } }
+  for _, guide in ipairs {
+    { "workspace", workspace() }, { "skeleton", skeleton() }, { "decomposition", decomposition() },
+    { "shrink", shrink(0.5) }, { "lazy", lazy() },
+    { "workspace >> shrink", workspace() >> shrink(0.5) }, { "skeleton >> shrink", skeleton() >> shrink(0.5) },
+    { "workspace >> shrink >> lazy", workspace() >> shrink(0.5) >> lazy() },
+  } do
+    all[#all + 1] = { guide[1] .. " >> rrt_connect", guide[2] >> connect }
+  end
+  return all
+end)
+
 pays.catalogue = native.define({
   "pays.catalogue", "every guide of the catalogue over rrt, after the planners that nothing guides",
   returns = "{ [1]: string, [2]: trellis.Strategy }[]", usage = "pays.catalogue { budget = 20000 }",
-  options = { budget },
+  options = { budget, step },
 }, function(o)
   local connect, tree = unguided(o)
   local guides = {
@@ -250,13 +309,22 @@ pays.experiment = native.define({
     choice,
     {
       name = "strategies", type = "string[]", expects = "a list of names",
-      doc = "of pays.strategies or pays.catalogue; the planners that nothing guides are always there",
+      doc = "of pays.strategies, pays.catalogue or pays.space; the planners that nothing guides are always there",
     },
     { name = "seeds", unit = "seeds", default = 30, lo = 1, hi = 1e6, doc = "consecutive seeds" },
     budget,
   },
 }, function(o)
-  local all = o.catalogue and pays.catalogue { budget = o.budget } or pays.strategies { budget = o.budget }
+  local groups = pays.groups { only = o.only, catalogue = o.catalogue, mazes = o.mazes, space = o.space }
+  local largest = 0
+  for _, group in ipairs(o.space and groups or {}) do
+    for _, p in ipairs(group[2]) do
+      local b = p.world.bounds
+      for axis = 1, 3 do largest = math.max(largest, b[axis + 3] - b[axis]) end
+    end
+  end
+  local common = { budget = o.budget, step = o.space and largest / 30 or nil }
+  local all = o.space and pays.space(common) or o.catalogue and pays.catalogue(common) or pays.strategies(common)
   local some, found, known = {}, {}, {}
   for _, strategy in ipairs(all) do
     local alone = not strategy[1]:find(">>", 1, true)
@@ -264,7 +332,6 @@ pays.experiment = native.define({
     known[#known + 1] = strategy[1]
   end
   require_found("pays.experiment: field 'strategies'", o.strategies, found, known)
-  local groups = pays.groups { only = o.only, catalogue = o.catalogue, mazes = o.mazes }
   local problems = {}
   for _, group in ipairs(groups) do problems[#problems + 1] = group[2] end
   return experiment {

@@ -66,6 +66,7 @@ scenes.cup = scene("a U-shaped wall, open towards the start, with the goal behin
 })
 
 scenes.load = native.load_scene
+scenes.robot = native.load_robot
 scenes.exists = native.scene_exists
 
 return scenes

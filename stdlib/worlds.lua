@@ -340,4 +340,95 @@ for column = 0, 3 do
 end
 misleading("rows", "rows of boxes with gaps that the robot passes", rows, {1, 5, 0}, {9, 5, 0})
 
+-- Worlds of space -------------------------------------------------------------------------------------------------
+
+-- As `generated`, for a plank of 1.6 x 1 x 0.2 metres times `size`.
+local function generated_in_space(name, summary, usage, options, make)
+  options[#options + 1] = {
+    name = "size", unit = "times 1.6 x 1 x 0.2 m", default = 1, lo = 0.01, hi = 10, doc = "the robot's size",
+  }
+  options[#options + 1] = {
+    name = "name", type = "string", default = name, expects = "a string", doc = "how the report calls it",
+  }
+  worlds[name] = native.define({
+    "worlds." .. name, summary, returns = "problem", usage = usage, options = options,
+  }, function(o)
+    local bounds, obstacles, start, goal = make(o, random_of(integer(o.seed or 1)))
+    local x, y, z = 0.8 * o.size, 0.5 * o.size, 0.1 * o.size
+    return problem {
+      name = o.name, world = world { bounds = bounds, obstacles }, robot = robot.rigid { box {-x, -y, -z, x, y, z} },
+      start = start, goal = goal,
+    }
+  end)
+end
+
+local upright, flat = { axis = {0, 1, 0}, angle = math.pi / 2 }, { axis = {0, 0, 1}, angle = 0 }
+local function pose_at(x, y, z, turn) return pose { x, y, z, axis = turn.axis, angle = turn.angle } end
+
+-- A wall of cells of 2.5 metres from x to x + 0.5, each with an opening of this width and height in its middle.
+local function windows(boxes, x, cells)
+  for i, row in ipairs(cells) do
+    for j, opening in ipairs(row) do
+      local y, z, to = 2.5 * (i - 1), 2.5 * (j - 1), x + 0.5
+      local left, right = y + 1.25 - 0.5 * opening[1], y + 1.25 + 0.5 * opening[1]
+      local low, high = z + 1.25 - 0.5 * opening[2], z + 1.25 + 0.5 * opening[2]
+      boxes[#boxes + 1] = box {x, y, z, to, left, z + 2.5}
+      boxes[#boxes + 1] = box {x, right, z, to, y + 2.5, z + 2.5}
+      boxes[#boxes + 1] = box {x, left, z, to, right, low}
+      boxes[#boxes + 1] = box {x, left, high, to, right, z + 2.5}
+    end
+  end
+end
+
+generated_in_space("windows", "walls with 16 windows each: a point passes them all, the plank one in each wall",
+  "worlds.windows { walls = 2, seed = 3 }", { count("walls", 2, "walls across the world", 3), seed },
+  function(o, random)
+    local boxes, walls = {}, integer(o.walls)
+    for k = 1, walls do
+      local cells, open_i, open_j = {}, random.index(4), random.index(4)
+      for i = 1, 4 do
+        cells[i] = {}
+        for j = 1, 4 do cells[i][j] = (i == open_i and j == open_j) and {1.8, 1.0} or {0.7, 0.4} end
+      end
+      windows(boxes, 10 * k / (walls + 1) - 0.25, cells)
+    end
+    return {0, 0, 0, 10, 10, 10}, boxes, pose_at(1, 5, 5, upright), pose_at(9, 5, 5, upright)
+  end)
+
+generated_in_space("floating_boxes", "boxes at random places in space",
+  "worlds.floating_boxes { boxes = 80, seed = 2 }", { count("boxes", 60, "boxes", 1000), seed },
+  function(o, random)
+    local boxes = {}
+    while #boxes < integer(o.boxes) do
+      local centre, half, near = {}, {}, { 0, 0 }
+      for axis, ends in ipairs { {1, 9}, {1, 9}, {1, 9} } do
+        centre[axis], half[axis] = random.between(0, 10), random.between(0.2, 0.8)
+        for i = 1, 2 do near[i] = math.max(near[i], math.abs(centre[axis] - ends[i]) - half[axis]) end
+      end
+      -- Start and goal stay free.
+      if near[1] > 0.95 * math.max(1, o.size) and near[2] > 0.95 * math.max(1, o.size) then
+        local lo, hi = {}, {}
+        for axis = 1, 3 do
+          lo[axis] = math.max(0, centre[axis] - half[axis])
+          hi[axis] = math.min(10, centre[axis] + half[axis])
+        end
+        boxes[#boxes + 1] = box {lo[1], lo[2], lo[3], hi[1], hi[2], hi[3]}
+      end
+    end
+    return {0, 0, 0, 10, 10, 10}, boxes, pose_at(1, 1, 1, flat), pose_at(9, 9, 9, flat)
+  end)
+
+generated_in_space("slot", "a slot between two blocks, which the plank passes lying flat",
+  "worlds.slot { gap = 0.5 }",
+  { { name = "gap", unit = "m", default = 0.6, lo = 0.25, hi = 5, doc = "the slot's height" } },
+  function(o)
+    local below, above = 5 - 0.5 * o.gap, 5 + 0.5 * o.gap
+    local boxes = { box {4, 0, 0, 6, 10, below}, box {4, 0, above, 6, 10, 10} }
+    return {0, 0, 0, 10, 10, 10}, boxes, pose_at(1, 5, 5, upright), pose_at(9, 5, 5, upright)
+  end)
+
+generated_in_space("open_space", "a world of space without obstacles", "worlds.open_space {}", {}, function()
+  return {0, 0, 0, 10, 10, 10}, {}, pose_at(1, 1, 1, upright), pose_at(9, 9, 9, flat)
+end)
+
 return worlds

@@ -19,7 +19,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
 #include <trellis/instance/instance.hpp>
-#include <trellis/scene/readers.hpp>
+#include <trellis/reader/readers.hpp>
 
 namespace trellis::command {
 
@@ -29,6 +29,7 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr std::int64_t most_dimensions = 100;
+constexpr std::size_t width_of_rotation = 4;
 
 std::string joined(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
@@ -80,7 +81,7 @@ class Reader {
       result.free = text("free", "a scene of the standard library, a scene file, or a Lua script");
       if (space) result.valid = validity(result);
     });
-    result.tube.support = result.valid ? "free" : "all";
+    result.tube.support = result.valid ? TubeSettings::Support::free : TubeSettings::Support::all;
     errors.attempt([&] {
       const Json* seed = find("seed", "an integer of at least 0");
       if (seed == nullptr) return;
@@ -120,7 +121,7 @@ class Reader {
       fail(what);
     }
     if (!document_.is_object()) fail(fmt::format("a case must be a JSON object, got {}", describe(document_)));
-    static const std::vector<std::string> known = {"dim",  "coords", "weights", "lo",   "hi",   "periodic",
+    static const std::vector<std::string> known = {"dim",  "coords", "weights", "lo",   "hi",   "periodic", "rotations",
                                                    "path", "delta",  "samples", "free", "seed", "distance"};
     for (const auto& [key, value] : document_.items()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
@@ -202,8 +203,63 @@ class Reader {
       axes.push_back({names[j], lo[j], hi[j], weights[j], periodic[j]});
     }
     errors.raise();
-    result.space = Space(fmt::format("({})", joined(names)), std::move(axes));
+    std::vector<std::size_t> rotations;
+    errors.attempt([&] { rotations = read_rotations(axes); });
+    errors.raise();
+    result.space = space_of(axes, rotations);
+    result.coordinates = names;
     read_distance(result, names);
+  }
+
+  /// Returns the first column of each rotation.
+  std::vector<std::size_t> read_rotations(const std::vector<Axis>& axes) {
+    std::vector<std::size_t> first;
+    const Json* value =
+        find("rotations", "a list of rotations, each the names of four coordinates: a quaternion x, y, z, w");
+    if (value == nullptr) return first;
+    if (!value->is_array()) reject("rotations");
+    for (const Json& rotation : *value) {
+      if (!rotation.is_array() || rotation.size() != width_of_rotation) reject("rotations");
+      std::size_t at = 0;
+      while (at < axes.size() && rotation[0] != axes[at].name) ++at;
+      for (std::size_t k = 0; k < width_of_rotation; ++k) {
+        if (at + k >= axes.size() || rotation[k] != axes[at + k].name) {
+          fail(fmt::format("rotations: {} must be four neighbouring coordinates of coords, in their order",
+                           describe(rotation)));
+        }
+        const Axis& axis = axes[at + k];
+        if (axis.periodic) fail(fmt::format("rotations: {} cannot be periodic", axis.name));
+        if (axis.weight != axes[at].weight) {
+          fail(fmt::format("rotations: {} needs one weight, metres per radian, for its four coordinates",
+                           describe(rotation)));
+        }
+      }
+      first.push_back(at);
+    }
+    return first;
+  }
+
+  /// Returns the product of the axes and the rotations at their columns.
+  static Space space_of(const std::vector<Axis>& axes, const std::vector<std::size_t>& rotations) {
+    std::vector<std::pair<double, Space>> factors;
+    std::vector<Axis> line;
+    const auto add_line = [&] {
+      std::vector<std::string> names;
+      names.reserve(line.size());
+      for (const Axis& axis : line) names.push_back(axis.name);
+      if (!line.empty()) factors.emplace_back(1.0, Space(fmt::format("({})", joined(names)), std::exchange(line, {})));
+    };
+    for (std::size_t j = 0; j < axes.size();) {
+      if (std::find(rotations.begin(), rotations.end(), j) == rotations.end()) {
+        line.push_back(axes[j++]);
+        continue;
+      }
+      add_line();
+      factors.emplace_back(1.0, Space::so3(axes[j].weight, axes[j].name));
+      j += width_of_rotation;
+    }
+    add_line();
+    return factors.size() == 1 ? factors.front().second : Space::product(factors);
   }
 
   std::vector<std::string> coordinates(std::size_t dimension) {
@@ -237,17 +293,22 @@ class Reader {
   void read_distance(Case& result, const std::vector<std::string>& names) {
     const std::size_t dimension = names.size();
     const Json* distance = find("distance", R"("planar" or "full")");
-    result.tube.distance = "full";
+    result.tube.distance = TubeSettings::Distance::full;
     if (distance == nullptr) return;
     if (*distance != "planar" && *distance != "full") reject("distance");
-    result.tube.distance = distance->get<std::string>();
-    if (result.tube.distance == "full") return;
+    if (*distance == "full") return;
+    result.tube.distance = TubeSettings::Distance::planar;
     if (dimension < 2) fail(R"(distance "planar" needs two coordinates of a position, and dim is 1; write "full")");
     const auto x = std::find(names.begin(), names.end(), "x");
     const auto y = std::find(names.begin(), names.end(), "y");
     const bool named = x != names.end() && y != names.end();
     result.position = {named ? static_cast<std::size_t>(x - names.begin()) : 0,
                        named ? static_cast<std::size_t>(y - names.begin()) : 1};
+    // A body in space has a position of three coordinates.
+    const auto z = std::find(names.begin(), names.end(), "z");
+    if (!result.space.flat() && named && z != names.end()) {
+      result.position.push_back(static_cast<std::size_t>(z - names.begin()));
+    }
   }
 
   void read_path(Case& result) {
@@ -266,7 +327,7 @@ class Reader {
     errors.raise();
     if (!has_length(result)) {
       fail(fmt::format("path has no length{}: a tube needs two configurations that differ",
-                       result.tube.distance == "planar" ? " in the position" : ""));
+                       result.tube.distance == TubeSettings::Distance::planar ? " in the position" : ""));
     }
   }
 
@@ -285,8 +346,10 @@ class Reader {
       }
       q.push_back(coordinate.get<double>());
     }
+    if (!normalise_rotations(space, q)) wrong("has a quaternion of a norm that is not 1");
+    const std::vector<Axis> axes = space.coordinates();
     for (std::size_t j = 0; j < dimension; ++j) {
-      const Axis& axis = space.axes()[j];
+      const Axis& axis = axes[j];
       if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
       wrong(fmt::format("lies outside of the space: {} = {:g} is not in [{:g}, {:g}]", axis.name, q[j], axis.lo,
                         axis.hi));
@@ -297,7 +360,11 @@ class Reader {
   static bool has_length(const Case& c) {
     Configuration step(c.space.dimension());
     for (std::size_t i = 0; i + 1 < c.path.size(); ++i) {
-      c.space.difference(c.path[i], c.path[i + 1], step);
+      if (c.space.flat()) {
+        c.space.difference(c.path[i], c.path[i + 1], step);
+      } else {
+        for (std::size_t j = 0; j < step.size(); ++j) step[j] = c.path[i + 1][j] - c.path[i][j];
+      }
       for (std::size_t j = 0; j < step.size(); ++j) {
         const bool counts =
             c.position.empty() || std::find(c.position.begin(), c.position.end(), j) != c.position.end();
@@ -322,8 +389,8 @@ class Reader {
     if (name) {
       dsl::Session session(folder);
       auto there = session.evaluate(
-          "local names = {} for name in pairs(scenes) do if name ~= 'load' and name ~= 'exists' then "
-          "names[#names + 1] = name end end table.sort(names) return table.unpack(names)",
+          "local names = {} for name in pairs(scenes) do if name ~= 'load' and name ~= 'exists' and name ~= 'robot' "
+          "then names[#names + 1] = name end end table.sort(names) return table.unpack(names)",
           "free");
       if (std::find(there.begin(), there.end(), free) == there.end()) {
         throw Error(fmt::format(
@@ -355,14 +422,14 @@ class Reader {
     const Problem& problem = found.front();
     for (const Problem& other : found) {
       const bool same =
-          other.scene->world.identity() == problem.scene->world.identity() && other.space == problem.space;
+          other.scene->world_identity() == problem.scene->world_identity() && other.space == problem.space;
       if (!same) {
         fail(fmt::format(
             "free: '{}' holds {} problems in different worlds; name a Lua script that returns the one meant", c.free,
             found.size()));
       }
     }
-    const auto& axes = problem.space.axes();
+    const std::vector<Axis> axes = problem.space.coordinates();
     std::vector<std::string> names;
     names.reserve(axes.size());
     for (const Axis& axis : axes) names.push_back(axis.name);
@@ -371,7 +438,7 @@ class Reader {
                        axes.size(), joined(names), c.space.dimension(), c.space.name()));
     }
     for (std::size_t j = 0; j < axes.size(); ++j) {
-      const std::string& name = c.space.axes()[j].name;
+      const std::string& name = c.coordinates[j];
       const auto there = std::find(names.begin(), names.end(), name);
       if (there == names.end() || there == names.begin() + static_cast<std::ptrdiff_t>(j)) continue;
       fail(fmt::format("free: the coordinates of '{}' are in another order: ({}), those of the case are {}",
@@ -389,6 +456,19 @@ class Reader {
 };
 
 }  // namespace
+
+bool normalise_rotations(const Space& space, MutableView q) {
+  if (space.flat()) return true;
+  constexpr double accuracy = 0.01;
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    double square = 0.0;
+    for (std::size_t k = 0; k < factor.width(); ++k) square += q[factor.column + k] * q[factor.column + k];
+    if (!(std::abs(std::sqrt(square) - 1.0) <= accuracy)) return false;
+  }
+  space.normalise(q);
+  return true;
+}
 
 Case read_case(const std::string& file, const dsl::SessionOptions& scripts) { return Reader(file, scripts).read(); }
 

@@ -17,6 +17,7 @@ namespace trellis::command {
 struct Case {
   std::string file;  ///< as typed
   Space space;
+  std::vector<std::string> coordinates;  ///< names of the columns
   Configurations path;
   std::vector<std::size_t> position;  ///< axes of the position, for the planar distance
   TubeSettings tube;
@@ -25,6 +26,10 @@ struct Case {
   Target::Valid valid;  ///< empty without
   std::uint64_t seed = 1;
 };
+
+/// Brings the quaternions of a configuration, which files hold with few decimals, to norm 1. \return false, and no
+/// change, where a norm differs from 1 by more than 1 %
+bool normalise_rotations(const Space& space, MutableView q);
 
 /// Reads a case (docs/formats.md); `scripts` are the options of a script that decides validity. Paths in the file are
 /// relative to its folder. Does not read the samples yet.

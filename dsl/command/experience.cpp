@@ -18,6 +18,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {
 
@@ -97,7 +98,7 @@ void learn(const Experiment& experiment, const ExperimentResult& result, const s
     if (!run.run.solved) continue;
     const auto problem = std::find_if(experiment.problems.begin(), experiment.problems.end(),
                                       [&](const Problem& p) { return p.name == run.problem; });
-    const double least = novelty.value_or(characteristic_length(problem->scene->robot, problem->space));
+    const double least = novelty.value_or(characteristic_length(*problem->scene, problem->space));
     ++solved;
     added += library.add(stored_path(*problem, run.run.path), problem->space, least) ? 1 : 0;
   }

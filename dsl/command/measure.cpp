@@ -28,7 +28,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* default_estimator = "knn";
+/// Returns the default estimator of a space with so many degrees of freedom.
+const char* default_estimator(std::size_t degrees) { return degrees < most_across ? "knn" : "arc"; }
 constexpr const char* no_density = "the density that the samples were drawn from is not known: a file holds none";
 
 /// The result of one estimator for the samples.
@@ -46,17 +47,17 @@ struct Measured {
   std::vector<std::string> notes;
 };
 
-std::vector<EstimatorSpec> specs_of(const std::string& asked) {
+std::vector<EstimatorSpec> specs_of(const std::string& asked, std::size_t degrees) {
   std::vector<EstimatorSpec> specs;
   if (asked == "all") {
     for (const auto& kind : measure::estimator_kinds()) specs.push_back(EstimatorSpec::make(kind.component->name));
     const auto first =
-        std::find_if(specs.begin(), specs.end(), [](const auto& s) { return s.name() == default_estimator; });
+        std::find_if(specs.begin(), specs.end(), [&](const auto& s) { return s.name() == default_estimator(degrees); });
     std::rotate(specs.begin(), first, first + 1);
     return specs;
   }
   try {
-    specs.push_back(EstimatorSpec::make(asked.empty() ? default_estimator : asked));
+    specs.push_back(EstimatorSpec::make(asked.empty() ? default_estimator(degrees) : asked));
   } catch (const Error& error) {
     throw Error(fmt::format("--estimator: {}; all is each of them", error.what()));
   }
@@ -68,9 +69,10 @@ std::vector<EstimatorSpec> specs_of(const std::string& asked) {
 std::vector<std::string> notes_on(const Space& space, const Configurations& samples) {
   constexpr double many_turns = 4.0;
   std::vector<std::string> notes;
-  for (std::size_t j = 0; j < space.dimension(); ++j) {
-    const Axis& axis = space.axes()[j];
-    if (!axis.periodic) continue;
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::circle) continue;
+    const std::size_t j = factor.column;
+    const Axis& axis = factor.axis;
     double lo = samples[0][j];
     double hi = lo;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -87,9 +89,8 @@ std::vector<std::string> notes_on(const Space& space, const Configurations& samp
 
 /// \throws Error if there are no samples, no target, or no value from the first estimator.
 Measured measured(const Case& c, const std::vector<EstimatorSpec>& specs) {
-  std::vector<std::string> names;
-  for (const Axis& axis : c.space.axes()) names.push_back(axis.name);
-  const Configurations samples = read_csv(c.samples, names, c.file + ": samples");
+  Configurations samples = read_csv(c.samples, c.coordinates, c.file + ": samples");
+  for (std::size_t i = 0; i < samples.size(); ++i) normalise_rotations(c.space, samples[i]);
   const Target target(c.space, c.path, c.position, c.tube, c.valid, c.seed);
   if (target.empty() && !c.valid) {
     throw Error(fmt::format("{}: delta = {:g} is too small for this space: nothing was found within it of the path",
@@ -226,14 +227,16 @@ std::string row(std::string_view name, double x, std::string_view meaning) {
 }
 
 std::string meaning_of(const std::string& flag) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> meanings = {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> meanings = {
       {{"underpowered", "as many uniform samples would put fewer than 10 into the target: draw more"},
        {"censored",
         "no sample lies in the target: D_mass_LB95 is all that is known, the rest is what so few leave possible"},
        {"partial", "the samples cover less of the target than as many uniform ones would"},
        {"below mass bound", "D is below what the share of the samples in the target allows: do not believe it"},
-       {"lower bound", "mass and arc length alone: the divergence is at least this"},
+       {"lower bound",
+        "mass and arc length alone: the divergence is at least this, nats above uniform are at most this"},
        {"indicative", "nearest neighbours are far from the truth in so many dimensions: --estimator arc gives a bound"},
+       {"few in target", "fewer than 300 samples lie in the target: the bound may be off by more than 0.1; draw more"},
        {"cannot reach", "part of the target is invalid, and these samples can never be"},
        {"invalid path", "a configuration of the path is invalid: is 'free' the scene that it was planned in?"}}};
   const auto* const it = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == flag; });
@@ -268,7 +271,7 @@ std::string table(const Case& c, const Measured& m) {
       fmt::format("{}: {} samples {}, {} of them in the target\n", c.samples, e.samples, c.space.name(), e.in_target);
   text += fmt::format("target: {} within {:g} m of the path of {} ({:.3g} m long), {}\n",
                       c.valid ? "the valid configurations" : "the configurations", c.tube.delta, c.file, e.along.length,
-                      c.tube.distance == "planar" ? "by position alone" : "in the full metric");
+                      c.tube.distance == TubeSettings::Distance::planar ? "by position alone" : "in the full metric");
   if (c.valid) text += fmt::format("valid: by '{}', {:.1f} % of the tube\n", c.free, 100.0 * e.free_share);
   if (m.outside > 0) {
     text += fmt::format("outside of the space: {} of the samples; they count, and reach nothing\n", m.outside);
@@ -332,12 +335,12 @@ struct Options {
 };
 
 int measure(const Options& options) {
-  const auto specs = specs_of(options.estimator);
+  specs_of(options.estimator, 1);  // reports an unknown estimator before it reads the case
   const bool to_stdout = options.json == "-";
   const bool to_file = !options.json.empty() && !to_stdout;
   if (to_file) require_writable_file(options.json);
   const Case c = read_case(options.file, session_options(options.scripts));
-  const Measured m = measured(c, specs);
+  const Measured m = measured(c, specs_of(options.estimator, c.space.degrees()));
   const std::string json = document(c, m).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (to_file) write_file(options.json, json);
   print_all(to_stdout ? json : table(c, m));
@@ -352,7 +355,8 @@ void add_measure(CommandLine& line) {
                              [options] { return measure(*options); });
   verb.argument("CASE", "FILE", options->file, "a case file: the space, the path, and where the samples are");
   verb.text("--json", "FILE", options->json, "write all figures to a file, - for the standard output");
-  verb.text("--estimator", "NAME", options->estimator, "the estimator instead of knn, or all");
+  verb.text("--estimator", "NAME", options->estimator,
+            "the estimator instead of knn (arc from five degrees of freedom on), or all");
   add_script_options(verb, options->scripts);
 }
 

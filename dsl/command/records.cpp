@@ -24,6 +24,7 @@
 #include <trellis/report/files.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {
 
@@ -146,8 +147,7 @@ Manifest ScriptFiles::manifest(const std::string& script, const std::string& opt
                                const Experiment& experiment) const {
   std::map<std::string, std::string> worlds;
   for (const Problem& problem : experiment.problems) {
-    worlds[utf8(problem.name)] =
-        fmt::format("{:016x}{:016x}", identity(problem.scene->world), identity(problem.scene->robot));
+    worlds[utf8(problem.name)] = fmt::format("{:016x}{:016x}", world_hash(*problem.scene), robot_hash(*problem.scene));
   }
   return {std::string(version()),     script, hash_of(dsl::read_file(script)), *files_, worlds, options, shard,
           experiment_line(experiment)};

@@ -31,6 +31,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {
 
@@ -268,19 +269,11 @@ std::string change_of(const Problem& before, const Problem& after) {
   const auto note = [&](bool same, const char* part) {
     if (!same) parts.emplace_back(part);
   };
-  note(identity(before.scene->world) == identity(after.scene->world), "world");
-  note(identity(before.scene->robot) == identity(after.scene->robot), "robot");
+  note(world_hash(*before.scene) == world_hash(*after.scene), "world");
+  note(robot_hash(*before.scene) == robot_hash(*after.scene), "robot");
   note(identity(before.space) == identity(after.space), "space");
   note(before.start == after.start, "start");
-  const auto goals = [](const Problem& problem) {
-    std::vector<Configuration> all = {problem.goal};
-    for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
-      const View q = problem.further_goals[i];
-      all.emplace_back(q.begin(), q.end());
-    }
-    return all;
-  };
-  note(goals(before) == goals(after) && before.goal_tolerance == after.goal_tolerance, "goal");
+  note(before.goals == after.goals && before.goal_tolerance == after.goal_tolerance, "goal");
   note(before.resolution == after.resolution && before.collision == after.collision, "collision checks");
   return parts.empty() ? "" : fmt::format("has another {}", fmt::join(parts, ", "));
 }

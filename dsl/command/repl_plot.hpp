@@ -15,7 +15,7 @@ struct Screen {
 };
 
 /// Draws a level of a run in characters: the world, the tree or roadmap, the rejected proposals, and the path.
-/// \throws Error for a level without a position in the plane.
+/// \throws Error for a level without a position in the plane or in space.
 std::string plot_text(const Run& run, std::size_t level, const Screen& screen);
 
 /// Draws the same as a picture; the file's extension selects the format: .svg, .png or .pdf.

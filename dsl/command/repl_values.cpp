@@ -229,8 +229,8 @@ std::string configuration_text(const Configuration& q) {
 
 std::string problem_text(const Problem& problem) {
   return fmt::format("problem '{}' in {}: the robot '{}' from {} to {}, {} obstacles\n", problem.name,
-                     problem.space.name(), problem.scene->robot.name(), configuration_text(problem.start),
-                     configuration_text(problem.goal), problem.scene->world.obstacles().size());
+                     problem.space.name(), problem.scene->robot_name(), configuration_text(problem.start),
+                     configuration_text(problem.goal()), problem.scene->obstacle_count());
 }
 
 }  // namespace

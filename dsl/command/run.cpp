@@ -34,6 +34,7 @@
 #include <trellis/experiment/unused.hpp>
 #include <trellis/figures/costs_figures.hpp>
 #include <trellis/figures/figures.hpp>
+#include <trellis/figures/gltf.hpp>
 #include <trellis/figures/html.hpp>
 #include <trellis/memory/library.hpp>
 #include <trellis/report/costs.hpp>
@@ -63,6 +64,7 @@ struct Options {
   std::string html;                    ///< a file, "" if not given
   std::string samples;                 ///< a folder, "" if not given
   std::string figures;                 ///< a folder, "" if not given
+  std::string gltf;                    ///< a folder, "" if not given
   std::string out;                     ///< a folder for tables, figures and the document, "" if not given
   std::string learn;                   ///< a library of paths, "" if not given
   std::optional<double> novelty;       ///< metres
@@ -357,6 +359,7 @@ int run(const Options& options) {
   if (!options.html.empty()) require_writable_file(options.html);
   OutputFolder samples(options.samples);
   OutputFolder figures(options.figures);
+  OutputFolder gltf(options.gltf);
   OutputFolder out(options.out);
   std::optional<Resume> resume;
   if (!options.out.empty()) {
@@ -381,6 +384,7 @@ int run(const Options& options) {
                                          : run_cells(experiment, threads, options.quiet, finished);
   samples.keep();
   figures.keep();
+  gltf.keep();
   if (resume) tell_unsolved(experiment, result);
 
   Writers writers;
@@ -393,6 +397,11 @@ int run(const Options& options) {
   writers.attempt(!options.figures.empty(), [&] {
     write_all_figures(experiment, result, options.figures, drawing, options.quiet);
     write_comparison_figures(experiment, result, options.figures, drawing.style);
+  });
+  writers.attempt(!options.gltf.empty(), [&] {
+    for (const std::string& note : write_gltf(experiment, result, options.gltf)) {
+      if (!options.quiet) fmt::print(stderr, "trellis: {}\n", note);
+    }
   });
   writers.attempt(!options.learn.empty(),
                   [&] { learn(experiment, result, options.learn, options.novelty, options.quiet); });
@@ -444,6 +453,8 @@ void add_run(CommandLine& line) {
   verb.text("--html", "FILE", options->html, "write a page that shows the results and replays the runs");
   verb.text("--samples", "FOLDER", options->samples, "write all samples and paths into a folder");
   verb.text("--figures", "FOLDER", options->figures, "draw the results into a folder");
+  verb.text("--gltf", "FOLDER", options->gltf,
+            "write the motions in space as glTF 2.0 into a folder, a file for each strategy");
   verb.text("--out", "FOLDER", options->out,
             "write tables, the document and figures into a folder, problem by problem; continues when repeated");
   verb.flag("--restart", options->restart, "delete the records in the folder of --out and start again");

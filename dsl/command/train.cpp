@@ -16,8 +16,9 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/model.hpp>
 #include <trellis/memory/search_model.hpp>
+#include <trellis/reader/readers.hpp>
 #include <trellis/report/report.hpp>
-#include <trellis/scene/readers.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::command {
 
@@ -55,9 +56,9 @@ std::vector<LearningTask> tasks_in(const fs::path& folder) {
   for (const std::string& path : sorted_entries(folder, ".png")) {
     for (const Problem& problem : read_problems(path, {})) {
       tasks.push_back({problem.name,
-                       problem.scene->world,
+                       planar(*problem.scene).world,
                        {problem.start[0], problem.start[1]},
-                       {problem.goal[0], problem.goal[1]}});
+                       {problem.goal()[0], problem.goal()[1]}});
     }
   }
   if (tasks.empty()) {

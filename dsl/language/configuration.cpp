@@ -30,7 +30,7 @@ namespace {
 template <class Push>
 void set_list(Stack& stack, Value table, const char* name, const Space& space, const Push& push) {
   const Value list = stack.push_table();
-  for (const Axis& axis : space.axes()) {
+  for (const Axis& axis : space.coordinates()) {
     push(axis);
     stack.append(list);
   }
@@ -101,7 +101,7 @@ Configuration read_configuration(Value value, const Space& space, const std::str
   Configuration q = read_numbers(value, what);
   if (q.size() == space.dimension()) return q;
   std::string names;
-  for (const Axis& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  for (const Axis& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
   throw Error(
       fmt::format("{} must be a configuration of {} numbers ({}), got {}", what, space.dimension(), names, q.size()));
 }
@@ -159,8 +159,9 @@ Space read_space(Value value, const Space& c, const std::string& what) {
 
 void bring_into(const Space& space, MutableView q, const std::string& what) {
   space.normalise(q);
+  const std::vector<Axis> axes = space.coordinates();
   for (std::size_t j = 0; j < q.size(); ++j) {
-    const Axis& axis = space.axes()[j];
+    const Axis& axis = axes[j];
     if (axis.periodic || (q[j] >= axis.lo && q[j] <= axis.hi)) continue;
     throw Error(fmt::format("{} must lie in the space {}: {} = {:g} is outside of [{:g}, {:g}]", what, space.name(),
                             axis.name, q[j], axis.lo, axis.hi));

@@ -210,7 +210,8 @@ void check_field(const Construct& construct, const Field& field, const Arguments
                      ((field.type == "table" || field.type == "number[]") && value.type() != Type::table) ||
                      (field.type == "string" && value.type() != Type::string);
   if (wrong) arguments.reject(field.name);
-  if (field.type == "number[]") read_numbers(value, fmt::format("{}: field '{}'", construct.name, field.name));
+  const bool pose = field.type == "number[]|trellis.Pose" && value.get<Pose3>() == nullptr;
+  if (field.type == "number[]" || pose) read_numbers(value, fmt::format("{}: field '{}'", construct.name, field.name));
 }
 
 int call_defined(const Defined& defined, Stack& call) {

@@ -236,7 +236,7 @@ std::pair<const Component*, std::vector<Options::Entry>> options_of(const Target
     options.insert(options.end(), entries.begin(), entries.end());
   };
   if (const auto* tube = std::get_if<TubeSettings>(&target)) {
-    own(tube_settings().component(), {{"distance", tube->distance}, {"support", tube->support}});
+    own(tube_settings().component(), {{"distance", to_string(tube->distance)}, {"support", to_string(tube->support)}});
   } else if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
     own(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
   } else if (const auto* progress = std::get_if<ProgressSettings>(&target)) {

@@ -127,6 +127,8 @@ class Modules {
     const Value natives = stack.push_table();
     stack.push_function(scene_loader(place_));
     stack.set_field(natives, "load_scene");
+    stack.push_function(robot_loader(place_));
+    stack.set_field(natives, "load_robot");
     stack.push_function(scene_finder(place_.folder, place_.trust));
     stack.set_field(natives, "scene_exists");
     stack.push_function(definer(described_));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -12,10 +13,12 @@
 #include <utility>
 
 #include <dsl/language/motion.hpp>
+#include <dsl/language/scene_values.hpp>
 #include <dsl/language/script_place.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/collision/checker.hpp>
 #include <trellis/instance/resolve_goal.hpp>
-#include <trellis/scene/readers.hpp>
+#include <trellis/reader/readers.hpp>
 #include <trellis/strategy/executor.hpp>
 
 namespace trellis::dsl {
@@ -29,23 +32,29 @@ using lua::Value;
 struct LoadSettings {
   double weight = 1.0 / std::numbers::pi;
   double resolution = Problem{}.resolution;
-  std::string collision = "planar";
+  std::string collision = "auto";
   bool motion = true;
   double goal_tolerance = ReadOptions{}.goal_tolerance;
 };
 struct ProblemSettings {
   double weight = LoadSettings{}.weight;
   double resolution = LoadSettings{}.resolution;
-  std::string collision = "planar";
+  std::string collision = "auto";
   double goal_tolerance = Problem{}.goal_tolerance;
 };
 
 template <class S>
 Settings<S> with_scene_options(Settings<S> settings) {
-  return settings.number("weight", &S::weight, "m/rad", Range::positive(), "metres of the metric per radian of turning")
+  return settings
+      .number(
+          "weight", &S::weight, "m/rad", Range::positive(),
+          "metres of the metric per radian of turning; of a body in space its bounding radius, if this is not given")
       .number("resolution", &S::resolution, "m", Range::positive(),
               "how far the robot's fastest point moves between two checked configurations")
-      .choice("collision", &S::collision, {"planar", "fcl"}, "the collision backend");
+      .choice(
+          "collision", &S::collision, {"auto", "planar", "fcl", "fcl_plain"},
+          "the collision backend: in the plane \"planar\" or \"fcl\"; in space \"fcl\", which decides what it can by "
+          "bounds on distances, or \"fcl_plain\" without these; \"auto\" is the first that the world has");
 }
 
 const Settings<ProblemSettings>& problem_settings() {
@@ -70,57 +79,99 @@ const Settings<LoadSettings>& load_settings() {
 
 std::string axes_of(const Space& space) {
   std::string names;
-  for (const auto& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  for (const auto& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
   return names;
 }
 
+/// Returns a pose as a configuration.
+Configuration configuration_of(const Pose3& pose, const std::string& what, const Space& space) {
+  const auto& [x, y, z] = pose.position;
+  const Quaternion& turn = pose.orientation;
+  if (space.dimension() == 7 && !space.flat()) return {x, y, z, turn.x, turn.y, turn.z, turn.w};
+  if (space.dimension() == 3 && turn == Quaternion{}) return {x, y, z};
+  throw Error(
+      fmt::format("problem: {} is a pose, which a configuration of this robot is not: it has {} coordinates ({})", what,
+                  space.dimension(), axes_of(space)));
+}
+
+/// Brings quaternions that were written with few decimals to norm 1.
+void normalise_quaternions(MutableView q, const std::string& what, const Space& space) {
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    const MutableView part = q.subspan(factor.column, factor.width());
+    double length = 0.0;
+    for (const double x : part) length += x * x;
+    length = std::sqrt(length);
+    constexpr double rounding = 1e-3;
+    if (!(std::abs(length - 1.0) <= rounding)) {
+      throw Error(
+          fmt::format("problem: {}: its last 4 coordinates are the quaternion x, y, z, w of the body's "
+                      "orientation, of norm 1; this one has norm {:g}. A pose is easier to write: "
+                      "pose {{ {:g}, axis = {{0, 0, 1}}, angle = 1.57 }}",
+                      what, length, fmt::join(q.first(factor.column), ", ")));
+    }
+  }
+  space.normalise(q);
+}
+
 Configuration read_configuration(Value value, const std::string& what, const Space& space) {
+  if (const auto* pose = value.get<Pose3>()) return configuration_of(*pose, what, space);
   auto q = read_numbers(value, fmt::format("problem: {}", what));
   if (q.size() != space.dimension()) {
     throw Error(fmt::format("problem: {} must have {} coordinates ({}), got {}", what, space.dimension(),
                             axes_of(space), q.size()));
   }
+  if (!space.flat()) normalise_quaternions(q, what, space);
   return q;
+}
+
+/// The weight of rotations: the one given; else in space the body's bounding radius, so that the metric bounds how far
+/// its points move.
+double weight_of(const Scene& scene, double weight, bool given) {
+  return given || scene.planar() != nullptr || scene.is_point() ? weight : scene.bounding_radius();
+}
+
+/// The backend's name for "auto".
+std::string backend_of(const Scene& scene, const std::string& collision) {
+  const auto known = collision_backends(scene);
+  if (collision == "auto") return known.front();
+  if (std::find(known.begin(), known.end(), collision) != known.end()) return collision;
+  throw Error(fmt::format("problem: collision = \"{}\" is not for {}; there are {}", collision,
+                          scene.planar() != nullptr ? "the plane" : "space", fmt::join(known, " and ")));
 }
 
 /// One goal, or a list of them.
 void read_goals(Value value, Problem& problem) {
   bool several = false;
   if (value.type() == lua::Type::table) {
-    value.each(
-        [&](std::size_t i, Value element) { several = several || (i == 1 && element.type() == lua::Type::table); });
+    value.each([&](std::size_t i, Value element) {
+      several = several || (i == 1 && (element.type() == lua::Type::table || element.get<Pose3>() != nullptr));
+    });
   }
   if (!several) {
-    problem.goal = read_configuration(value, "field 'goal'", problem.space);
+    problem.goals = {read_configuration(value, "field 'goal'", problem.space)};
     return;
   }
-  problem.further_goals = Configurations(problem.space.dimension());
   value.each([&](std::size_t i, Value element) {
-    auto q = read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem.space);
-    if (i == 1) {
-      problem.goal = std::move(q);
-    } else {
-      problem.further_goals.push(q);
-    }
+    problem.goals.push_back(read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem.space));
   });
 }
 
 /// Reads the world, the robot and the motion model, which say what the coordinates are.
 void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& faults) {
-  const auto* world = arguments["world"].get<World>();
-  const auto* robot = arguments["robot"].get<Robot>();
+  const auto world = world_in(arguments["world"]);
+  const auto robot = robot_in(arguments["robot"]);
   const auto* motion = arguments["motion"].get<Motion>();
-  for (const auto& [name, missing] :
-       {std::pair{"world", world == nullptr}, {"robot", robot == nullptr}, {"motion", motion == nullptr}}) {
+  for (const auto& [name, missing] : {std::pair{"world", !world}, {"robot", !robot}, {"motion", motion == nullptr}}) {
     if (missing && arguments[name].given()) {
       faults.attempt([&, name = name] { arguments.reject(name); });
     }
   }
   ProblemSettings settings;
   faults.attempt([&] { settings = problem_settings().read(arguments.options()); });
-  if (!faults.none() && (world == nullptr || robot == nullptr)) return;
-  problem.scene = std::make_shared<const Scene>(Scene{*world, *robot});
-  problem.space = default_space(*robot, *world, settings.weight);
+  if (!faults.none() && (!world || !robot)) return;
+  if (!faults.attempt([&] { problem.scene = make_scene(*world, *robot); })) return;
+  problem.space = problem.scene->default_space(weight_of(*problem.scene, settings.weight, arguments["weight"].given()));
   if (motion != nullptr) {
     problem.motion_model = *motion;
     problem.space = state_space(problem.space, **motion);
@@ -128,7 +179,7 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   problem.goal_tolerance = motion != nullptr && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance
                                                                                      : settings.goal_tolerance;
   problem.resolution = settings.resolution;
-  problem.collision = settings.collision;
+  faults.attempt([&] { problem.collision = backend_of(*problem.scene, settings.collision); });
 }
 
 int make_problem(Stack& call) {
@@ -167,8 +218,8 @@ void push_coordinates(Stack& call, View q) {
 const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
   static const std::map<std::string, void (*)(Stack&, const Problem&)> fields = {
       {"name", [](Stack& call, const Problem& p) { call.push(p.name); }},
-      {"world", [](Stack& call, const Problem& p) { call.push_object(p.scene->world); }},
-      {"robot", [](Stack& call, const Problem& p) { call.push_object(p.scene->robot); }},
+      {"world", [](Stack& call, const Problem& p) { push_world(call, *p.scene); }},
+      {"robot", [](Stack& call, const Problem& p) { push_robot(call, *p.scene); }},
       {"motion",
        [](Stack& call, const Problem& p) {
          if (p.motion_model) {
@@ -180,12 +231,10 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
       {"start", [](Stack& call, const Problem& p) { push_coordinates(call, p.start); }},
       {"goal",
        [](Stack& call, const Problem& p) {
-         if (p.further_goals.empty()) return push_coordinates(call, p.goal);
+         if (p.goals.size() == 1) return push_coordinates(call, p.goal());
          const Value list = call.push_table();
-         push_coordinates(call, p.goal);
-         call.append(list);
-         for (std::size_t i = 0; i < p.further_goals.size(); ++i) {
-           push_coordinates(call, p.further_goals[i]);
+         for (const Configuration& goal : p.goals) {
+           push_coordinates(call, goal);
            call.append(list);
          }
        }},
@@ -266,15 +315,18 @@ const Construct& problem_construct() {
       .summary = "a planning problem: what the robot is, where it is, and where it is to go",
       .list = "",
       .element = "",
-      .fields = {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
-                 {"world", "trellis.World", "a world", "as world { ... } makes it", true},
-                 {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
-                 {"start", "number[]", "a list of numbers",
-                  "the start configuration, in metres and radians; with a motion model its velocities follow", true},
-                 {"goal", "number[]|number[][]", "a list of numbers, or a list of such lists",
-                  "the goal configuration, in metres and radians, or several of which any will do", true},
-                 {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
-                  "how the robot is driven; without one it moves straight to any configuration"}},
+      .fields =
+          {{"name", "string", "a string", "how the report calls it", false, "\"problem\""},
+           {"world", "trellis.World", "a world", "as world { ... } makes it", true},
+           {"robot", "trellis.Robot", "a robot", "as robot.rectangle(0.6, 0.2) makes it", true},
+           {"start", "number[]|trellis.Pose", "a list of numbers, or a pose",
+            "the start configuration, in metres and radians; with a motion model its velocities follow; of a body "
+            "in space its pose, or x, y, z and a quaternion x, y, z, w",
+            true},
+           {"goal", "number[]|number[][]|trellis.Pose|trellis.Pose[]", "a list of numbers or a pose, or a list of such",
+            "the goal configuration, in metres and radians, or several of which any will do", true},
+           {"motion", "trellis.Motion", "a motion model, as motion.unicycle1 {}",
+            "how the robot is driven; without one it moves straight to any configuration"}},
       .options = problem_settings().component(),
       .returns = "trellis.Problem"};
   return construct;
@@ -293,15 +345,39 @@ ObjectType problem_type() {
   return type;
 }
 
+namespace {
+
+std::vector<Field> load_fields() {
+  return {{"robot", "trellis.Robot", "a robot",
+           "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m"},
+          {"start", "number[]", "a list of numbers", "the start, in place of the file's or where it has none"},
+          {"goal", "number[]", "a list of numbers", "the goal, in place of the file's or where it has none"}};
+}
+
+}  // namespace
+
 const Construct& load_construct() {
   static const Construct construct = {.name = "scenes.load",
                                       .usage = "scenes.load(\"ompl_tests/circle_obstacles.txt\", { resolution = 0.1 })",
                                       .summary = "the problems in a scene file made by others",
                                       .list = "",
                                       .element = "",
-                                      .fields = {},
+                                      .fields = load_fields(),
                                       .options = load_settings().component(),
                                       .returns = "trellis.Problem[]",
+                                      .arguments = {scene_file}};
+  return construct;
+}
+
+const Construct& robot_file_construct() {
+  static const Construct construct = {.name = "scenes.robot",
+                                      .usage = "scenes.robot \"bench_mr/shared/car.svg\"",
+                                      .summary = "a robot with the outline that a drawing (SVG) of one shape has",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = {},
+                                      .returns = "trellis.Robot",
                                       .arguments = {scene_file}};
   return construct;
 }
@@ -335,24 +411,106 @@ std::string missing_scene(const std::string& file, const std::string& script_fol
                      no_scenes ? "; the environment's TRELLIS_SCENES names no folder of scenes" : "");
 }
 
+std::string scene_path(const char* function, const std::string& file, const ScriptPlace& place) {
+  if (!place.trust) require_within(function, file, place.folder);
+  std::string path = find_scene(file, place.folder);
+  if (path.empty()) throw Error(fmt::format("{}: {}", function, missing_scene(file, place.folder)));
+  if (place.watch) place.watch(file, path);
+  return path;
+}
+
+namespace {
+
+/// \throws Error unless the second argument of scenes.load is a table of fields and options
+void check_load_table(Stack& call) {
+  const Component& component = load_settings().component();
+  if (call.count() > 2 || call[2].type() != lua::Type::table) {
+    throw Error(fmt::format("scenes.load: after the file a table belongs, as {{ resolution = 0.1 }}, got {}",
+                            call.count() > 2 ? fmt::format("{} arguments", call.count()) : describe(call[2])));
+  }
+  std::vector<std::string> known;
+  for (const Field& field : load_construct().fields) known.push_back(field.name);
+  for (const Option& option : component.options) known.push_back(option.name);
+  const lua::Keys keys = call[2].keys();
+  if (keys.length > 0 || !keys.odd.empty()) throw Error("scenes.load: options have names, as in { resolution = 0.1 }");
+  lua::Faults faults;
+  for (const auto& name : keys.names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    faults.add(fmt::format("scenes.load: unknown option '{}'{}; its options are: {}", name, did_you_mean(name, known),
+                           fmt::join(known, ", ")));
+  }
+  faults.raise();
+}
+
+/// Reads the table of scenes.load: the robot, start and goal, and the options into `given`.
+ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given) {
+  ReadOptions options;
+  if (call.count() < 2) return options;
+  check_load_table(call);
+  lua::Faults faults;
+  for (const Option& option : load_settings().component().options) {
+    const Value value = call[2].field(option.name);
+    if (value.given()) {
+      faults.attempt([&] { read_option(load_settings().component(), option.name, value, given); });
+    }
+  }
+  if (const Value value = call[2].field("robot"); value.given()) {
+    faults.attempt([&] {
+      const auto robot = robot_in(value);
+      if (!robot) {
+        throw Error(fmt::format("scenes.load: option 'robot' must be a robot, as scenes.robot \"car.svg\", got {}",
+                                describe(value)));
+      }
+      if (const auto* planar = std::get_if<Robot>(&*robot)) options.robot = *planar;
+      if (!options.robot) throw Error("scenes.load: option 'robot' must be a robot of the plane");
+    });
+  }
+  for (const auto& [name, end] : {std::pair{"start", &options.start}, {"goal", &options.goal}}) {
+    const Value value = call[2].field(name);
+    if (!value.given()) continue;
+    faults.attempt([&, name = name, end = end] {
+      if (const auto* pose = value.get<Pose3>()) {
+        const auto& [x, y, z] = pose->position;
+        const Quaternion& turn = pose->orientation;
+        *end = {x, y, z, turn.x, turn.y, turn.z, turn.w};
+      } else {
+        *end = read_numbers(value, fmt::format("scenes.load: option '{}'", name));
+      }
+    });
+  }
+  faults.raise();
+  return options;
+}
+
+}  // namespace
+
 lua::Callback scene_loader(ScriptPlace place) {
   return [place = std::move(place)](Stack& call) {
-    const std::string file = file_argument(call, "scenes.load");
-    if (!place.trust) require_within("scenes.load", file, place.folder);
-    const std::string path = find_scene(file, place.folder);
-    if (path.empty()) throw Error("scenes.load: " + missing_scene(file, place.folder));
-    if (place.watch) place.watch(file, path);
-    const Given given = read_options(load_settings().component(), call, 2, false);
-    const auto settings = load_settings().read(validated(load_settings().component(), given.options));
-    auto problems = read_problems(
-        path, {settings.weight, settings.resolution, settings.collision, settings.motion, settings.goal_tolerance});
+    const std::string path = scene_path("scenes.load", file_argument(call, "scenes.load"), place);
+    std::vector<Options::Entry> given;
+    ReadOptions options = read_load_fields(call, given);
+    const auto settings = load_settings().read(validated(load_settings().component(), given));
+    const bool weighted =
+        std::any_of(given.begin(), given.end(), [](const auto& option) { return option.first == "weight"; });
+    options.weight = weighted ? settings.weight : 0.0;
+    options.resolution = settings.resolution;
+    options.motion = settings.motion;
+    options.goal_tolerance = settings.goal_tolerance;
+    auto problems = read_problems(path, options);
     const Value list = call.push_table();
     for (auto& problem : problems) {
+      problem.collision = backend_of(*problem.scene, settings.collision);
       resolve_goal(problem);
       call.push_object(std::move(problem));
       call.append(list);
     }
     return 1;
+  };
+}
+
+lua::Callback robot_loader(ScriptPlace place) {
+  return [place = std::move(place)](Stack& call) {
+    return call.result(read_robot(scene_path("scenes.robot", file_argument(call, "scenes.robot"), place)));
   };
 }
 

@@ -15,6 +15,8 @@ void open_problem(lua::Stack& stack);
 const Construct& problem_construct();
 /// scenes.load("FILE", { resolution = 0.02 }).
 const Construct& load_construct();
+/// scenes.robot "FILE".
+const Construct& robot_file_construct();
 /// scenes.exists "FILE".
 const Construct& exists_construct();
 /// The readable members of a problem.
@@ -26,10 +28,15 @@ ObjectType problem_type();
 std::string find_scene(const std::string& file, const std::string& script_folder);
 /// The message for a file that find_scene does not find: the paths that it tried.
 std::string missing_scene(const std::string& file, const std::string& script_folder);
+/// Returns the path of a file of scenes or meshes that a script names, and reports it to the place's watch.
+/// \throws Error that starts with the function's name, for a file that does not exist, or that the script may not read
+std::string scene_path(const char* function, const std::string& file, const ScriptPlace& place);
 
 /// scenes.load(file, options): returns a list of problems. Without the place's trust, the file lies in the script's
 /// folder or in the folder of scenes.
 lua::Callback scene_loader(ScriptPlace place);
+/// scenes.robot(file): returns a robot; reads the same files.
+lua::Callback robot_loader(ScriptPlace place);
 /// scenes.exists(file).
 lua::Callback scene_finder(std::string script_folder, bool trust);
 

@@ -119,14 +119,15 @@ const Settings<WhenSettings>& when_settings() {
 }
 
 struct EfficiencySettings {
-  std::string role = "tree";
-  std::string target = "own";
+  bool expansion = false;
+  bool root = false;
 };
 const Settings<EfficiencySettings>& efficiency_settings() {
   static const auto settings =
       Settings<EfficiencySettings>(Component::Kind::combinator, "has_efficiency", "how well a level samples", "")
-          .choice("role", &EfficiencySettings::role, {"tree", "expansion"}, "the level's nodes, or what its h proposed")
-          .choice("target", &EfficiencySettings::target, {"own", "root"},
+          .choice("role", &EfficiencySettings::expansion, {{"tree", false}, {"expansion", true}},
+                  "the level's nodes, or what its h proposed")
+          .choice("target", &EfficiencySettings::root, {{"own", false}, {"root", true}},
                   "in its own space on its own path, or lifted to the root on the root's");
   return settings;
 }
@@ -273,8 +274,8 @@ int make_has_efficiency(Stack& call) {
   const auto settings =
       efficiency_settings().read(validated(component, read_options(component, call, 3, false).options));
   trial::Level level(name);
-  if (settings.role == "expansion") level = level.expansion();
-  if (settings.target == "root") level = level.lifted();
+  if (settings.expansion) level = level.expansion();
+  if (settings.root) level = level.lifted();
   return call.result(trial::has_efficiency(level, nats));
 }
 

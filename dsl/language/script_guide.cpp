@@ -15,6 +15,7 @@
 
 #include <dsl/language/configuration.hpp>
 #include <dsl/language/guiding_space.hpp>
+#include <dsl/language/scene_values.hpp>
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/pieces.hpp>
@@ -31,7 +32,7 @@ using lua::Value;
 
 std::string names_of(const Space& space) {
   std::string names;
-  for (const Axis& axis : space.axes()) names += (names.empty() ? "" : ", ") + axis.name;
+  for (const Axis& axis : space.coordinates()) names += (names.empty() ? "" : ", ") + axis.name;
   return names;
 }
 
@@ -49,7 +50,7 @@ void read_coordinates(const Stack& stack, int first, int count, const Space& spa
     if (!fits) break;
     if (!std::isfinite(*number)) {
       throw Located(fmt::format("{} must be finite numbers: {} is {:g}", what,
-                                space.axes()[static_cast<std::size_t>(i)].name, *number));
+                                space.coordinates()[static_cast<std::size_t>(i)].name, *number));
     }
     out[static_cast<std::size_t>(i)] = *number;
   }
@@ -103,11 +104,11 @@ void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr
   set("space");
   push_numbers(stack, instance.start);
   set("start");
-  push_numbers(stack, instance.goal);
+  push_numbers(stack, instance.goal());
   set("goal");
-  stack.push_object(instance.scene->robot);
+  push_robot(stack, *instance.scene);
   set("robot");
-  stack.push_object(instance.scene->world);
+  push_world(stack, *instance.scene);
   set("world");
   stack.push(instance.goal_tolerance);
   set("goal_tolerance");
@@ -706,7 +707,7 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
   const GuideDefinition& definition = calls_->definition();
   const bool same_axes = s_->dimension() == parent.space.dimension() && !calls_->has(Slot::project);
   const bool checked = calls_->has(Slot::robot) || calls_->has(Slot::world);
-  sub.scene = same_axes ? parent.scene : std::make_shared<const Scene>(Scene{parent.scene->world, Robot::point()});
+  sub.scene = same_axes ? parent.scene : parent.scene->of_point();
   if (definition.calls(Slot::valid)) {
     validity_ = std::make_shared<ScriptValidity>(calls_, *s_, parent.resolution);
     sub.validity = validity_;
@@ -725,26 +726,27 @@ void ScriptGuide::make_validity(Instance& parent, Instance& sub) {
   if (!checked && !same_axes) {
     throw Error("S has other axes than C, so 'robot', 'world' or 'valid' must say what is valid in it");
   }
-  Scene scene = *parent.scene;
+  AnyWorld world = world_of(*parent.scene);
+  AnyRobot robot = robot_of(*parent.scene);
   if (calls_->has(Slot::robot)) {
     with_value(Slot::robot, parent, [&](Value value) {
-      const auto* robot = value.get<Robot>();
-      if (robot == nullptr) throw Located(fmt::format("it must be a robot, got {}", describe(value)));
-      scene.robot = *robot;
+      const auto given = robot_in(value);
+      if (!given) throw Located(fmt::format("it must be a robot, got {}", describe(value)));
+      robot = *given;
     });
   }
   if (calls_->has(Slot::world)) {
     with_value(Slot::world, parent, [&](Value value) {
-      const auto* world = value.get<World>();
-      if (world == nullptr) throw Located(fmt::format("it must be a world, got {}", describe(value)));
-      scene.world = *world;
+      const auto given = world_in(value);
+      if (!given) throw Located(fmt::format("it must be a world, got {}", describe(value)));
+      world = *given;
     });
   }
-  if (!sub.validity_of && scene.robot.dimension() > s_->dimension()) {
-    throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", scene.robot.dimension(),
+  sub.scene = make_scene(std::move(world), std::move(robot));
+  if (!sub.validity_of && sub.scene->robot_dimension() > s_->dimension()) {
+    throw Error(fmt::format("its robot needs {} coordinates, and S has {} ({})", sub.scene->robot_dimension(),
                             s_->dimension(), names_of(*s_)));
   }
-  sub.scene = std::make_shared<const Scene>(std::move(scene));
   // Checks collisions, even if the parent presumes validity.
   sub.validity = sub.validity_in(sub.scene);
 }
@@ -832,14 +834,10 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   }
   make_validity(c, *sub);
   if (calls_->has(Slot::graph)) make_graph(c, *sub);
-  sub->start.resize(s_->dimension());
-  sub->goal.resize(s_->dimension());
-  for (const auto& [q, into, what] :
-       {std::tuple<const Configuration&, Configuration&, const char*>{parent.start, sub->start, "f of the start"},
-        {parent.goal, sub->goal, "f of the goal"}}) {
-    projection_->project(q, into);
-    if (s_->contains(into)) continue;
-    throw Error(fmt::format("{}, {}, is outside of S, which is {} with {}", what, coordinates_of(into), s_->name(),
+  project_ends(*projection_, parent, *sub);
+  for (const auto& [s, what] : {std::pair{sub->start, "f of the start"}, {sub->goal(), "f of the goal"}}) {
+    if (s_->contains(s)) continue;
+    throw Error(fmt::format("{}, {}, is outside of S, which is {} with {}", what, coordinates_of(s), s_->name(),
                             names_of(*s_)));
   }
   if (const auto axes = std::dynamic_pointer_cast<const AxisProjection>(projection_)) {
@@ -850,7 +848,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
       }
     }
     if (sub->position_axes.size() != parent.position_axes.size()) sub->position_axes.clear();
-  } else if (calls_->has(Slot::robot) && sub->scene->robot.translates()) {
+  } else if (calls_->has(Slot::robot) && sub->scene->translates()) {
     sub->position_axes = {0, 1};
   }
   sub->checks = c.checks;
@@ -965,7 +963,8 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
   return std::make_unique<LiftedHeuristic>(projection_, *s_, compose(lift->distribution(), true), parent_->start,
-                                           parent_->goal, LiftedHeuristic::Points::unknown, calls_->definition().name);
+                                           parent_->goal(), LiftedHeuristic::Points::unknown,
+                                           calls_->definition().name);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

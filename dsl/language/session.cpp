@@ -23,6 +23,7 @@
 #include <dsl/language/publication.hpp>
 #include <dsl/language/random.hpp>
 #include <dsl/language/scenario.hpp>
+#include <dsl/language/spatial_world.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/tuning.hpp>
 #include <dsl/language/world.hpp>
@@ -103,6 +104,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   book->random = open_random(stack, options.seed);
   open_algebra(stack, place, book->warnings);
   open_world(stack);
+  open_spatial_world(stack, place, book->warnings);
   open_motion(stack);
   open_problem(stack);
   open_measure(stack, book->each, book->given);

@@ -28,7 +28,7 @@ constexpr std::size_t most_combinations = 1000;
 struct TuneOptions {
   std::int64_t budget = 200;
   std::int64_t seed = 1;
-  std::string by = "checks";
+  TuneBy by = TuneBy::checks;
 };
 
 const Settings<TuneOptions>& tune_settings() {
@@ -37,14 +37,10 @@ const Settings<TuneOptions>& tune_settings() {
           .integer("budget", &TuneOptions::budget, "runs", Range{.lo = 1, .hi = 1e9},
                    "the largest number of runs; a quarter of them, or more, are for seeds that nothing is selected on")
           .integer("seed", &TuneOptions::seed, "", Range::non_negative(), "the first of consecutive seeds")
-          .choice("by", &TuneOptions::by, {"checks", "time", "length"},
+          .choice("by", &TuneOptions::by,
+                  {{"checks", TuneBy::checks}, {"time", TuneBy::time}, {"length", TuneBy::length}},
                   "the cost: validity checks of all levels, CPU time (differs from run to run), or length of the path");
   return settings;
-}
-
-TuneBy by_of(const std::string& name) {
-  if (name == "time") return TuneBy::time;
-  return name == "length" ? TuneBy::length : TuneBy::checks;
 }
 
 /// A name of `over` with its values.
@@ -259,7 +255,7 @@ Program read_tuning(Stack& call) {
   experiment.strategies = Combinations(call, call[1], choices).make();
   experiment.seeds = consecutive_seeds(program.seed, 1);
   experiment.baseline = experiment.strategies.front().first;
-  program.tuning = {by_of(settings.by), static_cast<std::uint64_t>(settings.budget), program.seed};
+  program.tuning = {settings.by, static_cast<std::uint64_t>(settings.budget), program.seed};
   check(experiment);
   return program;
 }

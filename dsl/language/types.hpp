@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -10,7 +11,8 @@
 #include <trellis/base/component.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/measure/estimator.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/spec.hpp>
 
 // The types of Lua values, and their names in messages.
@@ -24,9 +26,9 @@ struct Constructor {
 
 /// An obstacle or a robot's part.
 struct NamedShape {
-  std::string name;  ///< the script's name for it, "" for none
-  std::string text;  ///< "box 4 0 6 4.75"
-  Shape shape;
+  std::string name;                  ///< the script's name for it, "" for none
+  std::string text;                  ///< "box 4 0 6 4.75"
+  std::variant<Shape, Solid> shape;  ///< of the plane, or of space
 };
 
 }  // namespace trellis::dsl
@@ -36,7 +38,13 @@ namespace trellis::lua {
 template <>
 struct Weight<dsl::NamedShape> {
   static std::size_t of(const dsl::NamedShape& shape) {
-    return sizeof shape + shape.name.size() + shape.text.size() + of(shape.shape);
+    return sizeof shape + shape.name.size() + shape.text.size() +
+           std::visit([](const auto& kind) { return of(kind); }, shape.shape);
+  }
+  static std::size_t of(const Solid& solid) {
+    const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape);
+    if (mesh == nullptr) return sizeof solid;
+    return sizeof solid + (*mesh)->vertices().size() * sizeof(Vec3) + (*mesh)->triangles().size() * sizeof(Triangle);
   }
   static std::size_t of(const Shape& shape) {
     const auto* polygon = std::get_if<Polygon>(&shape);
@@ -63,10 +71,27 @@ struct Weight<Robot> {
   }
 };
 template <>
+struct Weight<World3> {
+  static std::size_t of(const World3& world) {
+    std::size_t sum = sizeof world;
+    for (const auto& obstacle : world.obstacles())
+      sum += obstacle.name.size() + Weight<dsl::NamedShape>::of(obstacle.solid);
+    return sum;
+  }
+};
+template <>
+struct Weight<Robot3> {
+  static std::size_t of(const Robot3& robot) {
+    std::size_t sum = sizeof robot;
+    for (const auto& solid : robot.solids()) sum += Weight<dsl::NamedShape>::of(solid);
+    return sum;
+  }
+};
+template <>
 struct Weight<Problem> {
   static std::size_t of(const Problem& problem) {
     constexpr std::size_t axis = 128;
-    return sizeof problem + sizeof(Scene) + problem.name.size() + axis * problem.space.dimension();
+    return sizeof problem + sizeof(PlanarScene) + problem.name.size() + axis * problem.space.dimension();
   }
 };
 template <>
@@ -107,6 +132,18 @@ struct TypeName<World> {
 template <>
 struct TypeName<Robot> {
   static constexpr const char* value = "robot";
+};
+template <>
+struct TypeName<Pose3> {
+  static constexpr const char* value = "pose";
+};
+template <>
+struct TypeName<World3> {
+  static constexpr const char* value = "world of space";
+};
+template <>
+struct TypeName<Robot3> {
+  static constexpr const char* value = "robot of space";
 };
 template <>
 struct TypeName<Problem> {

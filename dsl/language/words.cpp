@@ -21,6 +21,7 @@
 #include <dsl/language/problem.hpp>
 #include <dsl/language/publication.hpp>
 #include <dsl/language/scenario.hpp>
+#include <dsl/language/spatial_world.hpp>
 #include <dsl/language/stdlib.hpp>
 #include <dsl/language/tuning.hpp>
 #include <dsl/language/world.hpp>
@@ -135,6 +136,7 @@ std::vector<Word> make_words() {
 std::vector<ObjectType> make_types() {
   std::vector<ObjectType> all = algebra_types();
   for (ObjectType& type : world_types()) all.push_back(std::move(type));
+  for (ObjectType& type : spatial_world_types()) all.push_back(std::move(type));
   all.push_back({"trellis.Motion", "how what moves can be driven", "", {}, {}});
   all.push_back(problem_type());
   for (ObjectType& type : measure_types()) all.push_back(std::move(type));
@@ -208,10 +210,11 @@ std::vector<const Construct*> constructs() {
   all.push_back(&ablations_construct());
   for (const Construct* construct : guiding_space_constructs()) all.push_back(construct);
   for (const Construct* construct : world_constructs()) all.push_back(construct);
+  for (const Construct* construct : spatial_world_constructs()) all.push_back(construct);
   for (const Construct* construct : motion_constructs()) all.push_back(construct);
-  all.insert(all.end(), {&problem_construct(), &load_construct(), &exists_construct(), &target_construct(),
-                         &experiment_construct(), &tune_construct(), &published_construct(), &claim_construct(),
-                         &help_construct(), &require_construct()});
+  all.insert(all.end(), {&problem_construct(), &load_construct(), &robot_file_construct(), &exists_construct(),
+                         &target_construct(), &experiment_construct(), &tune_construct(), &published_construct(),
+                         &claim_construct(), &help_construct(), &require_construct()});
   for (const Construct* construct : scenario_constructs()) all.push_back(construct);
   return all;
 }

@@ -4,9 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <type_traits>
 #include <utility>
 
+#include <dsl/language/configuration.hpp>
+#include <dsl/language/spatial_world.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/scene/planar/shapes.hpp>
 
@@ -20,14 +25,18 @@ using lua::Value;
 
 const Field name_field = {"name", "string", "a string", "how messages call it"};
 
-const Construct box_construct = {.name = "box",
-                                 .usage = "box { xmin, ymin, xmax, ymax, name = \"left wall\" }",
-                                 .summary = "an axis-aligned rectangle, in metres",
-                                 .list = "its four numbers",
-                                 .element = "number",
-                                 .fields = {name_field},
-                                 .options = {},
-                                 .returns = "trellis.Shape"};
+const Construct& box_construct() {
+  static const Construct construct = {
+      .name = "box",
+      .usage = "box { xmin, ymin, xmax, ymax, name = \"left wall\" }",
+      .summary = "an axis-aligned rectangle, or with six numbers a box in space, in metres",
+      .list = "its numbers: xmin, ymin, xmax, ymax; in space xmin, ymin, zmin, xmax, ymax, zmax",
+      .element = "number",
+      .fields = {name_field, pose_field()},
+      .options = {},
+      .returns = "trellis.Shape"};
+  return construct;
+}
 const Construct disc_construct = {.name = "disc",
                                   .usage = "disc { x, y, radius, name = \"pillar\" }",
                                   .summary = "a disc, in metres",
@@ -44,24 +53,63 @@ const Construct polygon_construct = {.name = "polygon",
                                      .fields = {name_field},
                                      .options = {},
                                      .returns = "trellis.Shape"};
-const Construct world_construct = {
-    .name = "world",
-    .usage = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.75}, ... }",
-    .summary = "a planar workspace: a boundary box that the whole robot stays in, and obstacles",
-    .list = "obstacles: box, disc, polygon, and lists of these",
-    .element = "trellis.Shape|trellis.Shape[]",
-    .fields = {{"bounds", "number[]", "a list of 4 numbers: xmin, ymin, xmax, ymax", "the boundary box, in metres",
-                true}},
-    .options = {},
-    .returns = "trellis.World"};
-const Construct point_construct = {.name = "robot.point",
-                                   .usage = "robot.point()",
-                                   .summary = "a point that moves in the plane",
-                                   .list = "",
-                                   .element = "",
-                                   .fields = {},
-                                   .options = {},
-                                   .returns = "trellis.Robot"};
+struct WorldSettings {
+  Contain contain = Contain::robot;
+  bool surface = false;
+};
+
+const Settings<WorldSettings>& world_settings() {
+  static const auto settings =
+      Settings<WorldSettings>(Component::Kind::scene, "world", "a workspace", "")
+          .choice("contain", &WorldSettings::contain,
+                  {{"robot", Contain::robot}, {"reference", Contain::reference}, {"none", Contain::none}},
+                  "what the bounds of a world of space contain: every point of the robot, its reference point, or "
+                  "nothing, so that they only limit where configurations are drawn; in the plane \"robot\"")
+          .boolean("surface", &WorldSettings::surface,
+                   "in space, a closed mesh is only its surface, so that a body inside it is not in collision, as in "
+                   "planners that use FCL directly");
+  return settings;
+}
+
+const Construct& world_construct() {
+  static const Construct construct = {
+      .name = "world",
+      .usage = "world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4.75}, ... }",
+      .summary =
+          "a workspace of the plane, or with six bounds of space: a boundary box that the whole robot stays in, "
+          "and obstacles",
+      .list =
+          "obstacles: box, disc, polygon; in space box, sphere, cylinder, capsule, convex, mesh; and lists of these",
+      .element = "trellis.Shape|trellis.Shape[]",
+      .fields = {{"bounds", "number[]",
+                  "a list of 4 numbers: xmin, ymin, xmax, ymax, or of 6: xmin, ymin, zmin, xmax, ymax, zmax",
+                  "the boundary box, in metres", true}},
+      .options = world_settings().component(),
+      .returns = "trellis.World"};
+  return construct;
+}
+struct PointSettings {
+  std::int64_t dimension = 2;
+};
+
+const Settings<PointSettings>& point_settings() {
+  static const auto settings = Settings<PointSettings>(Component::Kind::scene, "robot", "a point", "")
+                                   .integer("dimension", &PointSettings::dimension, "coordinates", {.lo = 2, .hi = 3},
+                                            "2 in the plane, 3 in space");
+  return settings;
+}
+
+const Construct& point_construct() {
+  static const Construct construct = {.name = "robot.point",
+                                      .usage = "robot.point()",
+                                      .summary = "a point that moves in the plane, or in space",
+                                      .list = "",
+                                      .element = "",
+                                      .fields = {},
+                                      .options = point_settings().component(),
+                                      .returns = "trellis.Robot"};
+  return construct;
+}
 const Construct disc_robot_construct = {.name = "robot.disc",
                                         .usage = "robot.disc(0.2)",
                                         .summary = "a disc that moves in the plane",
@@ -104,14 +152,15 @@ const Construct& polygon_robot_construct() {
   return construct;
 }
 const Construct& rigid_construct() {
-  static const Construct construct = {.name = "robot.rigid",
-                                      .usage = "robot.rigid { box {-0.3, -0.1, 0.3, 0.1}, disc {0.3, 0, 0.15} }",
-                                      .summary = "one rigid body of several shapes, its reference point at (0, 0)",
-                                      .list = "its shapes: box, disc, polygon",
-                                      .element = "trellis.Shape|trellis.Shape[]",
-                                      .fields = {},
-                                      .options = rigid_settings().component(),
-                                      .returns = "trellis.Robot"};
+  static const Construct construct = {
+      .name = "robot.rigid",
+      .usage = "robot.rigid { box {-0.3, -0.1, 0.3, 0.1}, disc {0.3, 0, 0.15} }",
+      .summary = "one rigid body of several shapes, its reference point at the origin",
+      .list = "its shapes: box, disc, polygon; in space box, sphere, cylinder, capsule, convex, mesh",
+      .element = "trellis.Shape|trellis.Shape[]",
+      .fields = {},
+      .options = rigid_settings().component(),
+      .returns = "trellis.Robot"};
   return construct;
 }
 
@@ -182,14 +231,31 @@ Polygon vertices(const Construct& construct, const Arguments& arguments) {
 
 /// Converts a shape to a value; uses the same checks as obstacles.
 int shape(Stack& call, const Arguments& arguments, std::string text, Shape shape) {
+  static_cast<void>(World({{0, 0}, {1, 1}}, {{text, shape}}));
   NamedShape named{arguments.string("name").value_or(""), std::move(text), std::move(shape)};
-  static_cast<void>(World({{0, 0}, {1, 1}}, {{named.text, named.shape}}));
+  return call.result(std::move(named));
+}
+
+int make_cuboid(Stack& call, const Arguments& arguments) {
+  const auto n = elements(box_construct(), arguments, 6);
+  const Vec3 lo{n[0], n[1], n[2]}, hi{n[3], n[4], n[5]};
+  std::string text = fmt::format("box {:g}", fmt::join(n, " "));
+  if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) {
+    throw Error(fmt::format("{}: a box needs xmin < xmax, ymin < ymax and zmin < zmax", text));
+  }
+  const Pose3 centre{0.5 * (lo + hi), {}};
+  NamedShape named{arguments.string("name").value_or(""), std::move(text),
+                   Solid{Cuboid{hi - lo}, pose_of(arguments) * centre}};
+  check_solid(std::get<Solid>(named.shape), named.text);
   return call.result(std::move(named));
 }
 
 int make_box(Stack& call) {
-  const Arguments arguments(box_construct, call);
-  const auto n = elements(box_construct, arguments, 4);
+  const Arguments arguments(box_construct(), call);
+  if (arguments.count() == 6) return make_cuboid(call, arguments);
+  if (arguments.count() == 5) throw Error("box takes 4 numbers in the plane and 6 in space, got 5");
+  const auto n = elements(box_construct(), arguments, 4);
+  if (arguments["pose"].given()) throw Error("box: a pose is for boxes of space, which have 6 numbers");
   return shape(call, arguments, fmt::format("box {:g} {:g} {:g} {:g}", n[0], n[1], n[2], n[3]),
                Box2{{n[0], n[1]}, {n[2], n[3]}});
 }
@@ -244,31 +310,64 @@ class ShapeReader {
   std::vector<const void*> within_;  // the lists that are currently read
 };
 
+/// Returns the obstacles of a world, numbered in their names.
+/// \throws Error for a shape of the other kind of world
+template <class Obstacle, class Kind>
+std::vector<Obstacle> obstacles_of(const std::vector<NamedShape>& shapes) {
+  constexpr bool space = std::is_same_v<Kind, Solid>;
+  std::vector<Obstacle> obstacles;
+  obstacles.reserve(shapes.size());
+  for (const auto& [name, text, shape] : shapes) {
+    const auto* fitting = std::get_if<Kind>(&shape);
+    if (fitting == nullptr) {
+      throw Error(fmt::format("world: obstacle {} ({}) is {}, and the bounds are {}", obstacles.size() + 1,
+                              name.empty() ? text : name, space ? "planar" : "of space",
+                              space ? "6 numbers: give it in space, as box {0, 0, 0, 1, 1, 1}"
+                                    : "4 numbers: a world of space has 6, as bounds = {0, 0, 0, 10, 10, 10}"));
+    }
+    obstacles.push_back({fmt::format("obstacle {} ({})", obstacles.size() + 1, name.empty() ? text : name), *fitting});
+  }
+  return obstacles;
+}
+
 int make_world(Stack& call) {
   lua::Faults faults;
-  const Arguments arguments(world_construct, call, faults);
+  const Arguments arguments(world_construct(), call, faults);
   if (!arguments.readable()) faults.raise();
-  std::vector<double> bounds;
+  std::array<double, 6> bounds{};
+  bool planar = false;
   if (const Value given = arguments["bounds"]; given.given()) {
     faults.attempt([&] {
-      bounds = read_numbers(given, "world: field 'bounds'");
-      if (bounds.size() != 4) arguments.reject("bounds");
+      const std::vector<double> numbers = read_numbers(given, "world: field 'bounds'");
+      planar = numbers.size() == 4;
+      if (!planar && numbers.size() != bounds.size()) {
+        throw Error(fmt::format("world: field 'bounds' must be {}, got {} numbers", world_construct().fields[0].expects,
+                                numbers.size()));
+      }
+      std::copy(numbers.begin(), numbers.end(), bounds.begin());
     });
   }
-  ShapeReader reader(world_construct.name);
+  WorldSettings settings;
+  faults.attempt([&] { settings = world_settings().read(arguments.options()); });
+  ShapeReader reader(world_construct().name);
   arguments.each([&](std::size_t i, Value value) { faults.attempt([&] { reader.read(i, value); }); });
   faults.raise();
-  std::vector<Obstacle> obstacles;
-  for (const auto& [name, text, shape] : reader.shapes()) {
-    obstacles.push_back({fmt::format("obstacle {} ({})", obstacles.size() + 1, name.empty() ? text : name), shape});
+  if (planar) {
+    if (settings.contain != Contain::robot || settings.surface) {
+      throw Error("world: 'contain' and 'surface' are for worlds of space, whose bounds have 6 numbers");
+    }
+    return call.result(
+        World({{bounds[0], bounds[1]}, {bounds[2], bounds[3]}}, obstacles_of<Obstacle, Shape>(reader.shapes())));
   }
-  return call.result(World({{bounds[0], bounds[1]}, {bounds[2], bounds[3]}}, std::move(obstacles)));
+  return call.result(World3({{bounds[0], bounds[1], bounds[2]}, {bounds[3], bounds[4], bounds[5]}},
+                            obstacles_of<Obstacle3, Solid>(reader.shapes()), settings.contain, settings.surface));
 }
 
 bool rotates(const Arguments& arguments) { return rigid_settings().read(arguments.options()).rotates; }
 
 int make_point(Stack& call) {
-  const Arguments arguments(point_construct, call);
+  const Arguments arguments(point_construct(), call);
+  if (point_settings().read(arguments.options()).dimension == 3) return call.result(Robot3::point());
   return call.result(Robot::point());
 }
 
@@ -297,8 +396,23 @@ int make_rigid(Stack& call) {
   const Arguments arguments(rigid_construct(), call);
   ShapeReader reader(rigid_construct().name);
   arguments.each([&](std::size_t i, Value value) { reader.read(i, value); });
+  const auto& given = reader.shapes();
+  const bool space = !given.empty() && std::holds_alternative<Solid>(given.front().shape);
+  for (const NamedShape& named : given) {
+    if (std::holds_alternative<Solid>(named.shape) == space) continue;
+    throw Error(fmt::format("robot.rigid: {} is {} and {} is {}; a robot is of the plane or of space",
+                            given.front().text, space ? "of space" : "planar", named.text,
+                            space ? "planar" : "of space"));
+  }
+  if (space) {
+    std::vector<Solid> solids;
+    solids.reserve(given.size());
+    for (const auto& named : given) solids.push_back(std::get<Solid>(named.shape));
+    return call.result(Robot3("rigid", std::move(solids), rotates(arguments)));
+  }
   std::vector<Shape> shapes;
-  for (const auto& named : reader.shapes()) shapes.push_back(named.shape);
+  shapes.reserve(given.size());
+  for (const auto& named : given) shapes.push_back(std::get<Shape>(named.shape));
   if (shapes.empty()) throw Error(fmt::format("robot.rigid: it needs a shape, as in {}", rigid_construct().usage));
   return call.result(Robot::rigid(shapes, rotates(arguments)));
 }
@@ -306,7 +420,7 @@ int make_rigid(Stack& call) {
 /// The members of a world that a script may read.
 const std::vector<Field>& world_members() {
   static const std::vector<Field> members = {
-      {"bounds", "number[]", "", "xmin, ymin, xmax, ymax of the boundary box, in metres"},
+      {"bounds", "number[]", "", "xmin, ymin, xmax, ymax of the boundary box, in metres; in space with z"},
       {"obstacles", "trellis.Shape[]", "", "its obstacles, as world { ... } takes them"}};
   return members;
 }
@@ -317,7 +431,8 @@ const std::vector<Field>& robot_members() {
       {"scaled", "fun(self: trellis.Robot, factor: number): trellis.Robot", "",
        "the same robot, scaled about its reference point"},
       {"bounding_radius", "number", "", "no point of it is ever farther than this from its reference point, in metres"},
-      {"inscribed_radius", "number", "", "of the largest disc about the reference point inside of it, in metres"}};
+      {"inscribed_radius", "number", "",
+       "of the largest disc, or ball, about the reference point inside of it, in metres"}};
   return members;
 }
 
@@ -332,31 +447,37 @@ std::string member(Stack& call, const std::vector<Field>& members, const char* w
                           name ? did_you_mean(*name, known) : "", fmt::join(known, ", ")));
 }
 
+/// Returns the name before the number was added: "left wall" of "obstacle 3 (left wall)".
+std::string given_name(const std::string& obstacle) {
+  const auto open = obstacle.find('(');
+  const bool numbered = obstacle.starts_with("obstacle ") && open != std::string::npos;
+  return numbered ? obstacle.substr(open + 1, obstacle.size() - open - 2) : obstacle;
+}
+
+std::vector<double> numbers_of(const Box2& box) { return {box.lo.x, box.lo.y, box.hi.x, box.hi.y}; }
+std::vector<double> numbers_of(const Box3& box) { return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}; }
+const Shape& shape_of(const Obstacle& obstacle) { return obstacle.shape; }
+const Solid& shape_of(const Obstacle3& obstacle) { return obstacle.solid; }
+
+template <class W>
 int read_world(Stack& call) {
-  const World world = *call[1].get<World>();
-  const std::string asked = member(call, world_members(), "a world");
-  const Value result = call.push_table();
-  if (asked == "bounds") {
-    const auto& [lo, hi] = world.bounds();
-    for (const double x : {lo.x, lo.y, hi.x, hi.y}) {
-      call.push(x);
-      call.append(result);
-    }
+  const W world = *call[1].get<W>();
+  if (member(call, world_members(), "a world") == "bounds") {
+    push_numbers(call, numbers_of(world.bounds()));
     return 1;
   }
-  for (const Obstacle& obstacle : world.obstacles()) {
-    // The name before the number was added: "left wall" of "obstacle 3 (left wall)".
-    const auto open = obstacle.name.find('(');
-    const bool numbered = obstacle.name.starts_with("obstacle ") && open != std::string::npos;
-    const std::string name = numbered ? obstacle.name.substr(open + 1, obstacle.name.size() - open - 2) : obstacle.name;
-    call.push_object(NamedShape{name, name, obstacle.shape});
+  const Value result = call.push_table();
+  for (const auto& obstacle : world.obstacles()) {
+    const std::string name = given_name(obstacle.name);
+    call.push_object(NamedShape{name, name, shape_of(obstacle)});
     call.append(result);
   }
   return 1;
 }
 
+template <class R>
 int scale_robot(Stack& call) {
-  const auto* robot = call[1].get<Robot>();
+  const auto* robot = call[1].get<R>();
   if (robot == nullptr) throw Error("scaled is called with a colon: robot:scaled(0.5)");
   const auto factor = call[2].number();
   if (!factor || !(*factor > 0.0) || !std::isfinite(*factor)) {
@@ -365,13 +486,25 @@ int scale_robot(Stack& call) {
   return call.result(robot->scaled(*factor));
 }
 
+template <class R>
 int read_robot(Stack& call) {
-  const Robot robot = *call[1].get<Robot>();
+  const R robot = *call[1].get<R>();
   const std::string name = member(call, robot_members(), "a robot");
   if (name == "bounding_radius") return call.result(robot.bounding_radius());
   if (name == "inscribed_radius") return call.result(robot.inscribed_radius());
-  call.push_function(scale_robot);
+  call.push_function(scale_robot<R>);
   return 1;
+}
+
+template <class W>
+std::string world_text(const W& world) {
+  return fmt::format("world of {} obstacles in {:g}", world.obstacles().size(),
+                     fmt::join(numbers_of(world.bounds()), " "));
+}
+
+template <class R>
+std::string robot_text(const R& robot) {
+  return fmt::format("robot '{}'", robot.name());
 }
 
 int make_arm(Stack& call) {
@@ -416,34 +549,29 @@ lua::Callback text_of(std::string (*text)(const T&)) {
 }  // namespace
 
 std::vector<const Construct*> world_constructs() {
-  return {&box_construct,     &disc_construct,       &polygon_construct,     &world_construct,
-          &point_construct,   &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
+  return {&box_construct(),   &disc_construct,       &polygon_construct,     &world_construct(),
+          &point_construct(), &disc_robot_construct, &rectangle_construct(), &polygon_robot_construct(),
           &rigid_construct(), &arm_construct()};
 }
 
 std::vector<ObjectType> world_types() {
   return {{"trellis.Shape", "an obstacle or a robot's part", "", {}, {}},
-          {"trellis.World", "a planar workspace", "", world_members(), {}},
+          {"trellis.World", "a workspace of the plane or of space", "", world_members(), {}},
           {"trellis.Robot", "what moves", "", robot_members(), {}}};
 }
 
 void open_world(Stack& stack) {
   stack.declare<NamedShape>({{"__tostring", text_of<NamedShape>([](const NamedShape& shape) { return shape.text; })}});
-  stack.declare<World>({{"__tostring", text_of<World>([](const World& world) {
-                           const auto& [lo, hi] = world.bounds();
-                           return fmt::format("world of {} obstacles in {:g} {:g} {:g} {:g}", world.obstacles().size(),
-                                              lo.x, lo.y, hi.x, hi.y);
-                         })},
-                        {"__index", read_world}});
-  stack.declare<Robot>(
-      {{"__tostring", text_of<Robot>([](const Robot& robot) { return fmt::format("robot '{}'", robot.name()); })},
-       {"__index", read_robot}});
+  stack.declare<World>({{"__tostring", text_of<World>(world_text<World>)}, {"__index", read_world<World>}});
+  stack.declare<World3>({{"__tostring", text_of<World3>(world_text<World3>)}, {"__index", read_world<World3>}});
+  stack.declare<Robot>({{"__tostring", text_of<Robot>(robot_text<Robot>)}, {"__index", read_robot<Robot>}});
+  stack.declare<Robot3>({{"__tostring", text_of<Robot3>(robot_text<Robot3>)}, {"__index", read_robot<Robot3>}});
 
   for (const auto& [construct, make] :
-       std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct, make_box},
+       std::vector<std::pair<const Construct*, int (*)(Stack&)>>{{&box_construct(), make_box},
                                                                  {&disc_construct, make_disc},
                                                                  {&polygon_construct, make_polygon},
-                                                                 {&world_construct, make_world}}) {
+                                                                 {&world_construct(), make_world}}) {
     stack.push_function(make);
     stack.set_global(construct->name);
   }

@@ -34,7 +34,7 @@ class SampledRrt final : public Planner {
     BudgetMonitor monitor(context_, budget);
     // The first call, a call for another path, or an instance that changed. Else the search continues.
     if (root_ == no_node || solved() || epoch_ != instance.epoch()) {
-      if (auto invalid = keep_valid_ends(context_.instance)) return std::move(*invalid);
+      if (auto invalid = remove_invalid_goals(context_.instance)) return std::move(*invalid);
       context_.guidance.restart();
       epoch_ = instance.epoch();
       root_ = best_ = add_node(context_, instance.start);

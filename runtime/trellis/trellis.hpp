@@ -9,7 +9,8 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
-#include <trellis/scene/readers.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/reader/readers.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/spec.hpp>

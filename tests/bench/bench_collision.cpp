@@ -13,6 +13,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/planar/planar_checker.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace {
 
@@ -36,8 +37,8 @@ std::shared_ptr<const Scene> random_scene(std::size_t obstacles) {
     boxes.push_back({"", Box2{{x, y}, {x + width, y + height}}});
   }
   const Box2 robot{{-0.3, -0.1}, {0.3, 0.1}};
-  return std::make_shared<const Scene>(
-      Scene{World({{0.0, 0.0}, {world_size, world_size}}, std::move(boxes)), Robot::rigid({robot})});
+  return std::make_shared<const PlanarScene>(World({{0.0, 0.0}, {world_size, world_size}}, std::move(boxes)),
+                                             Robot::rigid({robot}));
 }
 
 struct Queries {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 #include <trellis/strategy/spec.hpp>
 
@@ -27,13 +27,12 @@ trellis::Problem problem(const bench::Scene& scene, const std::string& collision
   const trellis::Vec2 half{bench::robot_length / 2, bench::robot_width / 2};
   trellis::Problem result;
   result.name = scene.name;
-  result.scene = std::make_shared<trellis::Scene>(trellis::Scene{
-      .world = trellis::World({.lo = {0, 0}, .hi = {bench::world_size, bench::world_size}}, std::move(obstacles)),
-      .robot = trellis::Robot::rigid({trellis::Box2{.lo = {-half.x, -half.y}, .hi = half}}),
-  });
+  result.scene = std::make_shared<trellis::PlanarScene>(
+      trellis::World({.lo = {0, 0}, .hi = {bench::world_size, bench::world_size}}, std::move(obstacles)),
+      trellis::Robot::rigid({trellis::Box2{.lo = {-half.x, -half.y}, .hi = half}}));
   result.space = trellis::Space::se2({0, bench::world_size}, {0, bench::world_size});
   result.start.assign(scene.start.begin(), scene.start.end());
-  result.goal.assign(scene.goal.begin(), scene.goal.end());
+  result.goals.emplace_back(scene.goal.begin(), scene.goal.end());
   result.goal_tolerance = bench::goal_tolerance;
   result.resolution = bench::resolution;
   result.collision = collision;

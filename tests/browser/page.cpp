@@ -424,3 +424,87 @@ return experiment {
   CHECK(shown.at("without width")["width"] == "0");
   CHECK(std::stoi(shown.at("with width")["width"]) > 100);
 }
+
+TEST_CASE("the page of a problem in space turns its view, and shows samples, robots and what obstacles hide",
+          "[browser][slow]") {
+  if (!browser_is_here()) return;
+  const Place place;
+  place.script("script.lua", R"(
+local blocks = world { bounds = {0, 0, 0, 10, 10, 10}, box {4, 0, 0, 6, 10, 4.6}, box {4, 0, 5.4, 6, 10, 10},
+                       sphere {2.5, 5, 5, 0.6}, box {0, 0, 10, 10, 10, 10.2, name = "ceiling"} }
+local slot = problem {
+  name = "slot", world = blocks, robot = robot.rigid { box {-0.8, -0.5, -0.1, 0.8, 0.5, 0.1} },
+  start = pose {1, 5, 5, axis = {0, 1, 0}, angle = math.pi / 2}, goal = pose {9, 5, 5, axis = {1, 0, 0}, angle = math.pi / 2} }
+local planner = rrt_connect { step = 1 }
+return experiment { problems = {slot}, strategies = { rrt_connect = planner, nested = workspace() >> shrink(0.5) >> planner },
+                    seeds = 1 }
+)");
+  const auto outcome = place.run({"run", "script.lua", "--quiet", "--html", "report.html", "--samples", "samples"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  CHECK(fs::file_size(place / "report.html") < 5'000'000);
+
+  const std::string look = R"(
+    const canvas = document.getElementById('canvas'), solids = canvas.solids.picture, data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+    let sum = 0; for (let i = 0; i < data.length; i++) sum = (sum * 31 + data[i]) % 1000000007;
+    view.dataset.picture = sum;
+    view.dataset.covered = solids.depths.filter(d => d > -Infinity).length / solids.depths.length;)";
+  const auto drag = [](const std::string& more) {
+    return R"(
+    const hand = document.getElementById('canvas'), box = hand.getBoundingClientRect();
+    const at = (x, y) => ({clientX: box.left + x, clientY: box.top + y, bubbles: true, buttons: 1, pointerId: 1)" +
+           more + R"(});
+    hand.dispatchEvent(new PointerEvent('pointerdown', at(200, 200)));
+    hand.dispatchEvent(new PointerEvent('pointermove', at(300, 250)));
+    hand.dispatchEvent(new PointerEvent('pointerup', at(300, 250)));)";
+  };
+  const std::string nested = "scene=slot&method=nested&seed=1";
+  const auto shown =
+      perform(place, {{"first", nested, look},
+                      {"again", nested, look},
+                      {"keys", nested, "press('j', 'j', 'k');" + look},
+                      {"restored", nested, "press('0');" + look},
+                      {"dragged", nested, drag("") + look},
+                      {"moved", nested, "press('0');" + drag(", shiftKey: true") + look},
+                      {"address", nested + "&view=90,90", look},
+                      {"driven", nested + "&along=500&layers=0:path", look},
+                      {"farther", nested + "&along=600&layers=0:path", look},
+                      {"selected", "scene=slot&method=rrt_connect&seed=1&select=0:tree:3&layers=0:tree", look},
+                      {"beside", nested + "&beside=rrt_connect",
+                       "view.dataset.covered = document.getElementById('canvas-beside').solids.picture.depths.length;"},
+                      {"samples", nested + "&show=samples&layers=0:expansion,1:tree,2:tree", look}});
+  const auto picture = [&](const char* name) { return shown.at(name)["picture"]; };
+  CHECK(picture("first") == picture("again"));
+  CHECK(picture("first") != picture("keys"));
+  CHECK(shown.at("keys")["view"] == "-80,20");
+  CHECK(picture("restored") == picture("first"));
+  CHECK(shown.at("restored")["view"].empty());
+  CHECK(shown.at("dragged")["view"] == "-100,50");
+  CHECK(picture("moved") != picture("first"));
+  CHECK(shown.at("moved")["view"].empty());
+  CHECK(picture("address") != picture("first"));
+  CHECK(picture("driven") != picture("farther"));
+  CHECK(shown.at("driven")["along"] == "500");
+  // The blocks are drawn, and the ceiling does not close the view from above: it would cover five times as much.
+  CHECK(std::stod(shown.at("first")["covered"]) > 0.03);
+  CHECK(std::stod(shown.at("address")["covered"]) > 0.01);
+  CHECK(std::stod(shown.at("address")["covered"]) < 0.06);
+  CHECK(std::stod(shown.at("beside")["covered"]) > 0.0);
+
+  const Shown& selected = shown.at("selected");
+  CHECK(selected["select"] == "0:tree:3");
+  const auto tree = samples(place / "samples/slot/rrt_connect/seed-1/samples.csv", "0", "tree");
+  REQUIRE(tree.size() > 3);
+  REQUIRE(tree[3].q.size() == 7);
+  for (const auto& [axis, value] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
+    std::string said = selected.said(axis);
+    CHECK(std::stod(said) == Approx(tree[3].q[static_cast<std::size_t>(value)]).margin(0.002));
+  }
+  const double angle = 2.0 * std::acos(std::min(1.0, std::abs(tree[3].q[6]))) * 180.0 / 3.14159265358979;
+  CHECK(std::stod(selected.said("rotation")) == Approx(angle).margin(0.6));
+  CHECK_THAT(selected.said("rotation"), Catch::Matchers::Contains("° about ("));
+  if (const char* screenshots = std::getenv("TRELLIS_SCREENSHOTS")) {
+    browse(place, "report.html#" + nested,
+           "--window-size=1400,1900 --screenshot='" + std::string(screenshots) + "/space.png'");
+  }
+}

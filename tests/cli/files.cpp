@@ -188,8 +188,9 @@ TEST_CASE("a read-only folder is refused before the run, and an unprivileged use
     WARN("skipped: setpriv is not installed");
     return;
   }
-  for (const std::string output : {"--json folder/all.json", "--html folder/page.html", "--out folder/new",
-                                   "--samples folder", "--figures folder/new", "--learn folder/paths.db"}) {
+  for (const std::string output :
+       {"--json folder/all.json", "--html folder/page.html", "--out folder/new", "--samples folder",
+        "--figures folder/new", "--gltf folder/new", "--learn folder/paths.db"}) {
     const Outcome outcome = place.shell(user + "./program run endless.lua " + output);
     INFO(output << "\n" << outcome.err);
     CHECK(outcome.status == 2);

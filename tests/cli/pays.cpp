@@ -97,6 +97,20 @@ TEST_CASE("no strategy and no group disappears from pays.experiment", "[pays]") 
   }
 }
 
+TEST_CASE("pays.experiment runs in space, with steps that suit the world", "[pays]") {
+  const Place place;
+  place.script("space.lua", "return pays.experiment { space = true, only = {'slot'}, seeds = 1 }");
+  const auto outcome = place.run({"check", "space.lua"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  for (const std::string strategy : {"rrt_connect", "workspace >> rrt_connect", "skeleton >> shrink >> rrt_connect",
+                                     "workspace >> shrink >> lazy >> rrt_connect"}) {
+    INFO(strategy);
+    CHECK(outcome.out.find("\n  " + strategy + ": ") != std::string::npos);
+  }
+  CHECK(outcome.out.find("step = 0.333333") != std::string::npos);
+}
+
 TEST_CASE("every guide of the catalogue that searches a space or samples is in pays.catalogue", "[pays]") {
   const Place place;
   place.script("catalogue.lua", "return pays.experiment { catalogue = true, seeds = 1 }");
@@ -143,6 +157,58 @@ TEST_CASE("worlds are the same in every run, and every one has a path", "[pays][
   CHECK(place.run({"compare", "nothing.json"}).status == 2);
   CHECK(place.run({"compare", "a.json", "--baseline", "conect"}).err ==
         "trellis: there is no strategy 'conect' (did you mean 'connect'?); there are: connect\n");
+}
+
+TEST_CASE("worlds of space are the same in every run, and every one has a path", "[pays][slow][worlds]") {
+  const Place place;
+  place.script(
+      "space.lua",
+      "return experiment { problems = { worlds.slot(), worlds.windows { walls = 1 }, "
+      "worlds.floating_boxes { seed = 3 }, worlds.open_space() }, "
+      "strategies = { connect = rrt_connect { step = 0.5, proposals = 200000 } }, measure = false, seeds = 1 }");
+  for (const std::string seed : {"1", "5"}) {
+    const auto outcome = place.run({"run", "space.lua", "--seed", seed, "--json", seed + ".json", "--quiet"});
+    INFO(outcome.err);
+    REQUIRE(outcome.status == 0);
+    CHECK(content(place / (seed + ".json")).find("\"status\":\"budget_spent\"") == std::string::npos);
+  }
+  place.script("hashes.lua",
+               "print(worlds.windows {}.world, worlds.floating_boxes { boxes = 20 }.world) "
+               "return rrt {}, worlds.slot {}");
+  const auto first = place.run({"check", "hashes.lua"});
+  CHECK(first.status == 0);
+  CHECK(place.run({"check", "hashes.lua"}).out == first.out);
+}
+
+TEST_CASE("a false window is one: a body of less than half the size passes, the plank does not",
+          "[pays][slow][worlds]") {
+  const Place place;
+  place.script("window.lua", R"(
+    local function wall(name, size)
+      return problem {
+        name = name,
+        world = world {
+          bounds = {0, 0, 0, 6, 2.5, 2.5},
+          box {2.75, 0, 0, 3.25, 0.9, 2.5}, box {2.75, 1.6, 0, 3.25, 2.5, 2.5},
+          box {2.75, 0.9, 0, 3.25, 1.6, 1.05}, box {2.75, 0.9, 1.45, 3.25, 1.6, 2.5},
+        },
+        robot = robot.rigid { box {-0.8 * size, -0.5 * size, -0.1 * size, 0.8 * size, 0.5 * size, 0.1 * size} },
+        start = pose {1, 1.25, 1.25}, goal = pose {5, 1.25, 1.25},
+      }
+    end
+    return experiment {
+      problems = { wall("whole", 1), wall("small", 0.45) },
+      strategies = { connect = rrt_connect { step = 0.3, proposals = 20000 } }, measure = false, seeds = 2,
+    }
+  )");
+  REQUIRE(place.run({"run", "window.lua", "--json", "window.json", "--quiet"}).status == 0);
+  const std::string json = content(place / "window.json");
+  const auto ended = [&](const std::string& name, const std::string& status) {
+    return json.find("\"problem\":\"" + name + "\",\"strategy\":\"connect\",\"seed\":1,\"status\":\"" + status +
+                     "\"") != std::string::npos;
+  };
+  CHECK(ended("whole", "budget_spent"));
+  CHECK(ended("small", "solved"));
 }
 
 TEST_CASE("a false gap is one: half the robot passes, the robot does not", "[pays][slow][worlds]") {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "support/catch.hpp"
+#include "support/golden.hpp"
 #include "support/process.hpp"
 #include "support/terminal.hpp"
 
@@ -367,6 +368,32 @@ TEST_CASE("a picture of a run is written") {
   CHECK_THAT(content(place / "run.svg"), Contains("<svg"));
   CHECK_THAT(sitting.enter("plot 'run.gif'"), Contains("ends with .svg, .png or .pdf"));
   CHECK_THAT(sitting.enter("plot(3)"), Contains("the levels 0 to 0, got 3"));
+}
+
+TEST_CASE("a run in space is drawn as edges from a corner, and written as a picture") {
+  const Place place;
+  const Piped piped =
+      pipe(place,
+           "blocks = world { bounds = {0, 0, 0, 10, 10, 10}, box {4, 0, 0, 6, 10, 4.6}, "
+           "box {4, 0, 5.4, 6, 10, 10}, sphere {2.5, 2, 2, 1} }\n"
+           "plank = robot.rigid { box {-0.8, -0.5, -0.1, 0.8, 0.5, 0.1} }\n"
+           "slot = problem { world = blocks, robot = plank, start = pose {1, 5, 5}, goal = pose {9, 5, 5} }\n"
+           "hall = problem { world = world { bounds = {0, 0, 0, 10, 10, 4}, box {4, 4, 0, 6, 6, 3} }, "
+           "robot = plank, start = pose {1, 1, 1}, goal = pose {9, 9, 3} }\n"
+           "unplanned = plan(rrt_connect { proposals = 1 }, slot)\n"
+           "plot()\n"
+           "planned = plan(workspace() >> rrt_connect { step = 1 }, hall)\n"
+           "plot 'hall.svg'\n"
+           "plot(1)\n");
+  CHECK(piped.err.empty());
+  const std::size_t begin = piped.out.find("┌");
+  REQUIRE(begin != std::string::npos);
+  const std::size_t end = piped.out.find("elevation", begin);
+  REQUIRE(end != std::string::npos);
+  trellis::test::check_golden("plot_space.txt", piped.out.substr(begin, piped.out.find('\n', end) + 1 - begin));
+  CHECK_THAT(piped.out,
+             Contains("level 1, workspace(0): ") && Contains("a world of 10 m x 10 m x 4 m from azimuth -60"));
+  CHECK_THAT(content(place / "hall.svg"), Contains("<svg"));
 }
 
 TEST_CASE("a run of a document is replayed by the script that it names") {

@@ -16,6 +16,7 @@
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
+#include "support/timeless.hpp"
 
 using Json = nlohmann::json;
 using trellis::test::content;
@@ -36,20 +37,10 @@ return experiment {
 )";
 constexpr const char* module = "return { step = 0.5 }\n";
 
-void remove_times(Json& json) {
-  if (json.is_object()) {
-    json.erase("time_s");
-    json.erase("cpu_s");
-  }
-  if (json.is_structured()) {
-    for (Json& part : json) remove_times(part);
-  }
-}
-
 /// The runs of a folder without times, in their order.
 std::string runs(const std::string& folder) {
   Json all = Json::parse(content(folder + "/results.json")).at("runs");
-  remove_times(all);
+  trellis::test::remove_times(all);
   return all.dump();
 }
 

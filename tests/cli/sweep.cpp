@@ -17,6 +17,7 @@
 
 #include "support/catch.hpp"
 #include "support/process.hpp"
+#include "support/timeless.hpp"
 
 using Json = nlohmann::json;
 using trellis::test::content;
@@ -33,20 +34,10 @@ return experiment {
 }
 )";
 
-void remove_times(Json& json) {
-  if (json.is_object()) {
-    json.erase("time_s");
-    json.erase("cpu_s");
-  }
-  if (json.is_structured()) {
-    for (Json& part : json) remove_times(part);
-  }
-}
-
 /// The bytes of results or of one record, without times.
 std::string timeless(const std::string& text) {
   Json json = Json::parse(text);
-  remove_times(json);
+  trellis::test::remove_times(json);
   return json.dump();
 }
 

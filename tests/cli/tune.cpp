@@ -28,7 +28,7 @@ SCENARIO("trellis tune prints the best strategy to paste", "[cli][tune]") {
     WHEN("it is tuned by one thread and by two") {
       const Outcome one = place.run({"tune", "own.lua"});
       const Outcome two = place.run({"tune", "own.lua", "--jobs", "2"});
-      THEN("both print the same, with the known best step, its intervals and seeds that were held out") {
+      THEN("both print the same, with the known best step, its intervals and held-out seeds") {
         INFO(one.err);
         REQUIRE(one.status == 0);
         CHECK(one.out == two.out);

@@ -7,6 +7,7 @@
 
 #include <trellis/memory/library.hpp>
 #include <trellis/memory/model.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/executor.hpp>
 
 #include "support/catch.hpp"
@@ -69,7 +70,7 @@ SCENARIO("learned: worlds of the family that it was learnt of, and those of anot
     std::vector<LearningTask> tasks;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
       const Problem problem = upper_gaps(1000 + seed);
-      tasks.push_back({problem.name, problem.scene->world, {0.5, 5.0}, {9.5, 5.0}});
+      tasks.push_back({problem.name, planar(*problem.scene).world, {0.5, 5.0}, {9.5, 5.0}});
     }
     TrainingSettings settings;
     settings.cells = 50;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <trellis/base/random.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/worlds.hpp"
 

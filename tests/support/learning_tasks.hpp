@@ -10,15 +10,18 @@
 #include <vector>
 
 #include <trellis/memory/learning_task.hpp>
-#include <trellis/scene/readers.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/reader/readers.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/scenes.hpp"
 
 namespace trellis::test {
 
 inline LearningTask task_of(const Problem& problem) {
-  return {problem.name, problem.scene->world, {problem.start[0], problem.start[1]}, {problem.goal[0], problem.goal[1]}};
+  return {problem.name,
+          planar(*problem.scene).world,
+          {problem.start[0], problem.start[1]},
+          {problem.goal()[0], problem.goal()[1]}};
 }
 
 /// `count` worlds of a family, from seed `first` on.

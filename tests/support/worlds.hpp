@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <trellis/base/random.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis::test {
 
@@ -50,9 +50,9 @@ inline Problem make_problem(std::string name, World world, Robot robot, Configur
   Problem problem;
   problem.name = std::move(name);
   problem.space = default_space(robot, world, 1.0 / std::numbers::pi);
-  problem.scene = std::make_shared<Scene>(Scene{std::move(world), std::move(robot)});
+  problem.scene = std::make_shared<PlanarScene>(std::move(world), std::move(robot));
   problem.start = std::move(start);
-  problem.goal = std::move(goal);
+  problem.goals = {std::move(goal)};
   return problem;
 }
 
@@ -75,7 +75,7 @@ inline Problem driven(Problem problem, const std::string& model = "unicycle1") {
   problem.motion_model = kind.make(Options::validate(*kind.component, quick));
   problem.space = state_space(problem.space, *problem.motion_model);
   problem.start.resize(problem.space.dimension());
-  problem.goal.resize(problem.space.dimension());
+  for (Configuration& goal : problem.goals) goal.resize(problem.space.dimension());
   problem.goal_tolerance = 0.6;
   problem.name += " by " + model;
   return problem;

@@ -12,6 +12,7 @@
 #include <trellis/collision/planar/kernel.hpp>
 #include <trellis/collision/planar/part_index.hpp>
 #include <trellis/collision/planar/planar_checker.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 
@@ -266,7 +267,7 @@ TEST_CASE("a motion across the end of the angle's period takes the shorter direc
 TEST_CASE("positions on a torus jump at the border of the world") {
   const World world({{0, 0}, {10, 10}}, {box(4, 2, 6, 5)});
   const Space torus("torus", {{"x", 0, 10, 1, true}, {"y", 0, 10, 1, true}});
-  const auto scene = std::make_shared<const Scene>(Scene{world, Robot::point()});
+  const auto scene = std::make_shared<const PlanarScene>(world, Robot::point());
   for (const auto& backend : backends) {
     const auto checker = make_checker(backend, scene, torus, 0.05);
     CHECK(checker->motion(Configuration{1, 3}, Configuration{9, 3}).valid);
@@ -309,20 +310,21 @@ TEST_CASE("a contact names the first body and obstacle that touch") {
     std::vector<Pose2> poses(c.bodies.size());
     for (int i = 0; i < 5000; ++i) {
       c.space.sample_uniform(stream, q);
-      c.scene->robot.place(q, poses);
+      trellis::planar(*c.scene).robot.place(q, poses);
       std::optional<Contact> expected;
       for (std::size_t body = 0; body < c.bodies.size() && !expected; ++body) {
         bool out = false;
-        for (std::size_t o = 0; o < c.scene->world.obstacles().size() && !expected; ++o) {
+        for (std::size_t o = 0; o < c.scene->obstacle_count() && !expected; ++o) {
           for (const Shape& part : c.bodies[body]) {
             const Shape shape = moved(part, poses[body]);
-            out = out || reference_margin(shape, c.scene->world.bounds()) < 0;
-            if (reference_distance(shape, c.scene->world.obstacles()[o].shape) == 0) expected = Contact{body, o};
+            out = out || reference_margin(shape, trellis::planar(*c.scene).world.bounds()) < 0;
+            if (reference_distance(shape, trellis::planar(*c.scene).world.obstacles()[o].shape) == 0)
+              expected = Contact{body, o};
           }
         }
         if (!expected && out) expected = Contact{body, std::nullopt};
       }
-      for (const auto& [first, second] : c.scene->robot.pairs()) {
+      for (const auto& [first, second] : trellis::planar(*c.scene).robot.pairs()) {
         if (expected) break;
         for (const Shape& part : c.bodies[first]) {
           for (const Shape& other : c.bodies[second]) {
@@ -345,10 +347,11 @@ TEST_CASE("a contact names the first body and obstacle that touch") {
 }
 
 TEST_CASE("contacts in words") {
-  const Scene scene{World({{0, 0}, {10, 10}}, {{"obstacle 1 (box 4 2 6 5)", Box2{{4, 2}, {6, 5}}}}), Robot::point()};
+  const PlanarScene scene{World({{0, 0}, {10, 10}}, {{"obstacle 1 (box 4 2 6 5)", Box2{{4, 2}, {6, 5}}}}),
+                          Robot::point()};
   CHECK(describe({0, 0}, scene) == "obstacle 1 (box 4 2 6 5)");
   CHECK(describe({0, std::nullopt}, scene) == "the world's boundary");
-  const Scene arm{World({{0, 0}, {10, 10}}, {}), Robot::arm({.links = {1, 1, 1}, .widths = {0.1, 0.1, 0.1}})};
+  const PlanarScene arm{World({{0, 0}, {10, 10}}, {}), Robot::arm({.links = {1, 1, 1}, .widths = {0.1, 0.1, 0.1}})};
   CHECK(describe({0, std::nullopt, 2}, arm) == "itself (link 1 meets link 3)");
 }
 
@@ -360,8 +363,8 @@ TEST_CASE("an arm that folds upon itself is invalid, and one whose links may cro
     for (const bool kept_apart : {true, false}) {
       INFO(backend << kept_apart);
       arm.self_collision = kept_apart;
-      const auto scene = std::make_shared<const Scene>(Scene{World({{0, 0}, {10, 10}}, {}), Robot::arm(arm)});
-      const auto checker = make_checker(backend, scene, default_space(scene->robot, scene->world, 0.3), 0.05);
+      const auto scene = std::make_shared<const PlanarScene>(World({{0, 0}, {10, 10}}, {}), Robot::arm(arm));
+      const auto checker = make_checker(backend, scene, scene->default_space(0.3), 0.05);
       CHECK(checker->valid(stretched));
       CHECK(checker->valid(folded) == !kept_apart);
       CHECK(checker->motion(stretched, folded).valid == !kept_apart);
@@ -401,7 +404,7 @@ TEST_CASE("the index finds the boxes that overlap and no others") {
 }
 
 TEST_CASE("a world without obstacles has only its boundary") {
-  const auto scene = std::make_shared<const Scene>(Scene{World({{0, 0}, {1, 1}}, {}), Robot::disc(0.25)});
+  const auto scene = std::make_shared<const PlanarScene>(World({{0, 0}, {1, 1}}, {}), Robot::disc(0.25));
   const auto space = Space::euclidean({{0, 1}, {0, 1}});
   for (const auto& backend : backends) {
     const auto checker = make_checker(backend, scene, space, 0.05);

@@ -28,7 +28,7 @@ std::size_t poses() {
 
 /// A checker may count a gap of up to 2^-43 of the world's size as touching.
 double tolerance(const Case& c) {
-  const Box2& bounds = c.scene->world.bounds();
+  const Box2& bounds = planar(*c.scene).world.bounds();
   const Vec2 size = bounds.hi - bounds.lo;
   const double largest = std::max(
       {std::abs(bounds.lo.x), std::abs(bounds.lo.y), std::abs(bounds.hi.x), std::abs(bounds.hi.y), size.x, size.y});

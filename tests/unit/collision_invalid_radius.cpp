@@ -10,6 +10,7 @@
 
 #include <trellis/collision/checker.hpp>
 #include <trellis/collision/planar/distance.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include "collision_worlds.hpp"
 #include "support/catch.hpp"
 
@@ -130,7 +131,7 @@ TEST_CASE("the invalid radius is one of the metric, whatever its weights", "[col
     for (const Case& c : mixed_cases()) {
       std::vector<Axis> axes = c.space.axes();
       for (std::size_t j = 0; j < axes.size(); ++j) {
-        const bool position = c.scene->robot.translates() && j < 2;
+        const bool position = c.scene->translates() && j < 2;
         axes[j].weight = position ? (j == 0 ? 0.5 : 2.0) : angle;
       }
       CAPTURE(c.name, angle);
@@ -182,8 +183,8 @@ TEST_CASE("where no joint can free an arm the invalid radius is the diameter of 
   link.parent = 0;
   link.angle_axis = 0;
   const Robot arm("arm", {foot, link}, false, {5, 5});
-  const auto scene = std::make_shared<const Scene>(Scene{World({{0, 0}, {10, 10}}, {box(5.5, 5.5, 7, 7)}), arm});
-  const Space space = default_space(arm, scene->world, 1.0 / pi);
+  const auto scene = std::make_shared<const PlanarScene>(World({{0, 0}, {10, 10}}, {box(5.5, 5.5, 7, 7)}), arm);
+  const Space space = default_space(arm, planar(*scene).world, 1.0 / pi);
   const auto checker = make_planar_checker(scene, space, 0.05);
   CHECK(checker->invalid_radius(Configuration{0.1}) == space.diameter());
 }

@@ -16,6 +16,7 @@
 
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace collision_test {
 
@@ -35,7 +36,7 @@ inline Obstacle box(double xmin, double ymin, double xmax, double ymax) {
 
 inline Case make_case(std::string name, World world, Robot robot, std::vector<std::vector<Shape>> bodies) {
   Space space = default_space(robot, world, 1.0 / std::numbers::pi);
-  auto scene = std::make_shared<const Scene>(Scene{std::move(world), std::move(robot)});
+  auto scene = std::make_shared<const PlanarScene>(std::move(world), std::move(robot));
   return {std::move(name), std::move(scene), std::move(space), std::move(bodies)};
 }
 
@@ -205,20 +206,20 @@ inline double reference_margin(const Shape& shape, const Box2& bounds) {
 /// Not positive in collision.
 inline double reference_clearance(const Case& c, View q) {
   std::vector<Pose2> poses(c.bodies.size());
-  c.scene->robot.place(q, poses);
+  planar(*c.scene).robot.place(q, poses);
   double best = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.bodies.size(); ++i) {
     for (const Shape& part : c.bodies[i]) {
       const Shape shape = moved(part, poses[i]);
-      best = std::min(best, reference_margin(shape, c.scene->world.bounds()));
+      best = std::min(best, reference_margin(shape, planar(*c.scene).world.bounds()));
       if (best < 0) return best;
-      for (const auto& obstacle : c.scene->world.obstacles()) {
+      for (const auto& obstacle : planar(*c.scene).world.obstacles()) {
         best = std::min(best, reference_distance(shape, obstacle.shape));
         if (best == 0) return 0;
       }
     }
   }
-  for (const auto& [first, second] : c.scene->robot.pairs()) {
+  for (const auto& [first, second] : planar(*c.scene).robot.pairs()) {
     for (const Shape& part : c.bodies[first]) {
       for (const Shape& other : c.bodies[second]) {
         best = std::min(best, reference_distance(moved(part, poses[first]), moved(other, poses[second])));
@@ -232,7 +233,7 @@ inline double reference_clearance(const Case& c, View q) {
 inline bool reference_valid(const Case& c, View q) { return reference_clearance(c, q) > 0; }
 
 inline MotionReport reference_motion(const Case& c, double resolution, View a, View b) {
-  const double bound = c.scene->robot.displacement_bound(c.space, a, b);
+  const double bound = planar(*c.scene).robot.displacement_bound(c.space, a, b);
   const int n = std::max(1, static_cast<int>(std::ceil(bound / resolution)));
   Configuration q(c.space.dimension());
   MotionReport report;

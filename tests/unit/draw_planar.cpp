@@ -122,7 +122,7 @@ TEST_CASE("a circle's area is in proportion to the mean count", "[draw][planar]"
   const std::vector<double> mean = {1.0, 4.0, 0.0, 9.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 16.0};
   figure.panels = {{.layers = {{"", Role::tree, mean}}}};
   const Grid grid(figure.world, figure.cell);
-  const double area = area_per_sample(figure.panels[0], grid);
+  const double area = area_per_sample(figure.panels[0].layers, grid.cell());
   const auto seen = circles(svg(figure));
   // Each is a disc and its ring; then those of the legend below, of 10, 2 and half a sample.
   REQUIRE(seen.size() == 2 * 5 + 2 * 3);
@@ -139,7 +139,7 @@ TEST_CASE("a circle's area is in proportion to the mean count", "[draw][planar]"
     // The ring's outer edge is the circle's.
     CHECK(seen[5 + i].radius == Approx(seen[i].radius - 0.4).margin(6e-3));
   }
-  const auto sizes = sizes_explained(figure.panels[0]);
+  const auto sizes = sizes_explained(figure.panels[0].layers);
   REQUIRE(sizes == std::vector<double>{0.5, 2.0, 10.0});
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     CHECK(seen[10 + 2 * i].radius == Approx(seen[0].radius * std::sqrt(sizes[i])).margin(6e-3));
@@ -158,7 +158,7 @@ TEST_CASE("nearly all circles fit into their cells", "[draw][planar]") {
       counts[17] += peak;
       panel.layers.push_back(layer(counts, role));
     }
-    const double area = area_per_sample(panel, grid);
+    const double area = area_per_sample(panel.layers, grid.cell());
     std::size_t beyond = 0;
     for (const auto& l : panel.layers) {
       for (const double n : l.mean) {
@@ -169,8 +169,8 @@ TEST_CASE("nearly all circles fit into their cells", "[draw][planar]") {
     }
     CHECK(beyond <= grid.size() / 10);
   }
-  CHECK(area_per_sample({}, grid) == 0.0);
-  CHECK(area_per_sample({.layers = {layer(std::vector<double>(grid.size(), 0.0))}}, grid) == 0.0);
+  CHECK(area_per_sample({}, grid.cell()) == 0.0);
+  CHECK(area_per_sample({layer(std::vector<double>(grid.size(), 0.0))}, grid.cell()) == 0.0);
 }
 
 TEST_CASE("the sizes below a panel are round and at most the largest", "[draw][planar]") {
@@ -178,7 +178,7 @@ TEST_CASE("the sizes below a panel are round and at most the largest", "[draw][p
   std::uniform_real_distribution<double> power(-4.0, 9.0);
   for (int trial = 0; trial < 500; ++trial) {
     const double most = std::pow(10.0, power(random));
-    const auto sizes = sizes_explained({.layers = {layer({0.0, most})}});
+    const auto sizes = sizes_explained({layer({0.0, most})});
     REQUIRE(sizes.size() == 3);
     CHECK(std::is_sorted(sizes.begin(), sizes.end()));
     CHECK(sizes.back() <= most * (1.0 + 1e-6));
@@ -189,8 +189,8 @@ TEST_CASE("the sizes below a panel are round and at most the largest", "[draw][p
       CHECK(is_round);
     }
   }
-  CHECK(sizes_explained({.layers = {layer({5.0})}}) == std::vector<double>{0.2, 1.0, 5.0});
-  CHECK(sizes_explained({.layers = {layer({0.0})}}).empty());
+  CHECK(sizes_explained({layer({5.0})}) == std::vector<double>{0.2, 1.0, 5.0});
+  CHECK(sizes_explained({layer({0.0})}).empty());
 }
 
 TEST_CASE("roles are distinguishable with any colour vision", "[draw][planar]") {

@@ -30,13 +30,13 @@ TEST_CASE("an arm is a robot of links, with limits where they are given") {
   CHECK(p.space.axes()[0].lo == -3.0);
   CHECK(p.space.axes()[0].hi == 2.0);
   CHECK(p.space.axes()[2].periodic);
-  CHECK(p.scene->robot.base() == Vec2{5, 5});
-  CHECK(p.scene->robot.pairs().size() == 1);
-  CHECK(p.scene->robot.bounding_radius() > 3.0);
+  CHECK(planar(*p.scene).robot.base() == Vec2{5, 5});
+  CHECK(planar(*p.scene).robot.pairs().size() == 1);
+  CHECK(p.scene->bounding_radius() > 3.0);
   const Problem crossing = problem(
       problem_of("robot.arm { links = {1, 2, 1}, widths = {0.1, 0.2, 0.3}, base = {5, 5}, self_collision = false }",
                  "start = {0, 2.8, 2.8}, goal = {0, 0, 0}"));
-  CHECK(crossing.scene->robot.pairs().empty());
+  CHECK(planar(*crossing.scene).robot.pairs().empty());
   CHECK(value("robot.arm { links = {1} }") == "robot 'arm'");
 }
 

@@ -51,7 +51,7 @@ TEST_CASE("a completion reports the position where it begins") {
 
 TEST_CASE("after a dot come the fields of a module or a library") {
   CHECK(next("scenes.tr") == Words{"trap"});
-  CHECK(next("scenes.") == Words{"cup", "exists", "load", "simple_passage", "trap"});
+  CHECK(next("scenes.") == Words{"cup", "exists", "load", "robot", "simple_passage", "trap"});
   CHECK(next("return robot. rec") == Words{"rectangle"});
   CHECK(next("strategies.parasol_i") == Words{"parasol_irc"});
   CHECK(next("math.sqr") == Words{"sqrt"});

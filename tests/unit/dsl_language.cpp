@@ -14,6 +14,7 @@
 #include <dsl/language/vocabulary.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/report/table.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/registry.hpp>
 
 namespace fs = std::filesystem;
@@ -36,26 +37,26 @@ TEST_CASE("the paper's scenes are as published") {
   const Problem passage = problem("scenes.simple_passage()");
   CHECK(passage.name == "simple_passage");
   CHECK(passage.start == Configuration{1, 8.5, 0});
-  CHECK(passage.goal == Configuration{9, 1.5, 0});
+  CHECK(passage.goal() == Configuration{9, 1.5, 0});
   CHECK(passage.space.name() == "SE(2)");
   CHECK(passage.space.axes()[2].weight == Approx(1 / std::numbers::pi));
   CHECK(passage.resolution == 0.05);
   CHECK(passage.collision == "planar");
-  const World& world = passage.scene->world;
+  const World& world = planar(*passage.scene).world;
   CHECK(world.bounds() == Box2{{0, 0}, {10, 10}});
   REQUIRE(world.obstacles().size() == 2);
   CHECK(world.obstacles()[0].name == "obstacle 1 (box 4 0 6 4.75)");
   CHECK(std::get<Box2>(world.obstacles()[1].shape) == Box2{{4, 5.25}, {6, 10}});
-  CHECK(passage.scene->robot.bounding_radius() == Approx(std::hypot(0.3, 0.1)));
+  CHECK(passage.scene->bounding_radius() == Approx(std::hypot(0.3, 0.1)));
 
   const Problem trap = problem("scenes.trap()");
   CHECK(trap.start == Configuration{1, 4, 0});
-  CHECK(trap.goal == Configuration{9, 4, 0});
-  CHECK(trap.scene->world.obstacles().size() == 10);
+  CHECK(trap.goal() == Configuration{9, 4, 0});
+  CHECK(trap.scene->obstacle_count() == 10);
   const Problem cup = problem("scenes.cup()");
   CHECK(cup.start == Configuration{1, 5, 0});
-  CHECK(cup.goal == Configuration{9, 5, 0});
-  CHECK(cup.scene->world.obstacles().size() == 3);
+  CHECK(cup.goal() == Configuration{9, 5, 0});
+  CHECK(cup.scene->obstacle_count() == 3);
 }
 
 TEST_CASE("a scene takes what shall differ") {
@@ -63,7 +64,7 @@ TEST_CASE("a scene takes what shall differ") {
   CHECK(trap.collision == "fcl");
   CHECK(trap.resolution == 0.02);
   CHECK(trap.start == Configuration{1, 5, 0});
-  CHECK(trap.goal == Configuration{9, 4, 0});
+  CHECK(trap.goal() == Configuration{9, 4, 0});
   CHECK(trap.space.axes()[2].weight == 1);
   CHECK(problem("scenes.trap()").collision == "planar");
 }
@@ -90,12 +91,12 @@ TEST_CASE("worlds and robots are made of shapes") {
       "polygon { {6, 1}, {7, 1}, {6.2, 1.2}, {6, 2} } }, "
       "robot = robot.rigid { box {-0.2, -0.1, 0.2, 0.1}, disc {0.2, 0, 0.1} }, start = {1, 1, 0}, goal = {7, 5, 1} }");
   CHECK(here.name == "here");
-  CHECK(here.scene->world.obstacles().size() == 3);
-  CHECK(here.scene->world.parts().size() > 3);
-  CHECK(here.scene->robot.bodies().front().parts.size() == 2);
+  CHECK(here.scene->obstacle_count() == 3);
+  CHECK(planar(*here.scene).world.parts().size() > 3);
+  CHECK(planar(*here.scene).robot.bodies().front().parts.size() == 2);
   CHECK(here.space.dimension() == 3);
   const std::string around = ", world = world { bounds = {0, 0, 8, 6} }, start = {1, 1}, goal = {2, 2} }";
-  CHECK(problem("problem { robot = robot.point()" + around).scene->robot.is_point());
+  CHECK(problem("problem { robot = robot.point()" + around).scene->is_point());
   CHECK(problem("problem { robot = robot.disc(0.3)" + around).space.dimension() == 2);
   CHECK(problem("problem { robot = robot.rectangle { 0.3, 0.1, rotates = false }" + around).space.dimension() == 2);
   CHECK(problem("problem { robot = robot.polygon { {0, 0}, {0.5, 0}, {0, 0.5}, rotates = false }" + around)
@@ -126,7 +127,7 @@ TEST_CASE("an experiment holds what was given, in a known order") {
   CHECK(e.strategies[2].first == "plain");
   REQUIRE(e.measure);
   CHECK(std::get<TubeSettings>(e.measure->target).delta == 0.25);
-  CHECK(std::get<TubeSettings>(e.measure->target).distance == "full");
+  CHECK(std::get<TubeSettings>(e.measure->target).distance == TubeSettings::Distance::full);
 
   const auto listed = load(
       "return experiment { problems = scenes.cup(), strategies = { {'z', rrt {}}, {'a', prm {}}, rrt_connect {} }, "

@@ -242,7 +242,7 @@ TEST_CASE("a user's target that is the tube's gives the tube's figures") {
   const Target mine =
       Target::distribution(problem.space, own, own.make({problem, path, std::max(own.points, own.pool), 7}));
   TubeSettings settings;
-  settings.support = "all";
+  settings.support = TubeSettings::Support::all;
   const Target tube(problem.space, path, {0, 1}, settings, {}, 7);
   const double exact = std::log(100.0) - std::log(6.0 + std::numbers::pi / 4.0);
   CHECK(mine.uniform() == Approx(exact));

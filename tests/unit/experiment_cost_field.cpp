@@ -20,7 +20,7 @@ namespace {
 
 CostFieldInstance instance_of(const Problem& problem) {
   const std::shared_ptr<Instance> instance = make_instance(problem);
-  return {problem.space, problem.start, problem.goal, [instance](View q) { return instance->validity->state(q); },
+  return {problem.space, problem.start, problem.goal(), [instance](View q) { return instance->validity->state(q); },
           [instance](View a, View b) { return instance->validity->motion(a, b).valid; }};
 }
 
@@ -71,7 +71,7 @@ double geodesic(Vec2 a, Vec2 b) {
 std::pair<double, double> excess(const CostField& field, const Problem& problem, int points) {
   Stream stream(1, "", "points");
   const Vec2 start{problem.start[0], problem.start[1]};
-  const Vec2 goal{problem.goal[0], problem.goal[1]};
+  const Vec2 goal{problem.goal()[0], problem.goal()[1]};
   double sum = 0.0;
   double most = 0.0;
   int counted = 0;
@@ -100,7 +100,7 @@ TEST_CASE("in open space the cost is that of two straight lines", "[experiment][
         test::make_problem("open", test::rectangle_world({}), test::rectangle_robot(), {1, 5, -2.5}, {9, 5, 2.5})}) {
     CAPTURE(problem.name);
     const CostField field(instance_of(problem), {300}, 1);
-    CHECK(field.optimum() == Approx(problem.space.distance(problem.start, problem.goal)).epsilon(1e-12));
+    CHECK(field.optimum() == Approx(problem.space.distance(problem.start, problem.goal())).epsilon(1e-12));
     CHECK(field.path().size() == 2);
     Stream stream(2, "", "points");
     Configuration q(problem.space.dimension());
@@ -110,7 +110,7 @@ TEST_CASE("in open space the cost is that of two straight lines", "[experiment][
       problem.space.sample_uniform(stream, q);
       // Clear of the walls, where the robot may not be.
       if (q[0] < 0.4 || q[0] > 9.6 || q[1] < 0.4 || q[1] > 9.6) continue;
-      const double truth = problem.space.distance(problem.start, q) + problem.space.distance(q, problem.goal);
+      const double truth = problem.space.distance(problem.start, q) + problem.space.distance(q, problem.goal());
       if (i < 500) CHECK(field.cost(q) == Approx(truth).epsilon(1e-9));
       inside += truth <= 1.1 * field.optimum() ? 1 : 0;
       if (q.size() == 2) {
@@ -136,7 +136,7 @@ TEST_CASE("past a wall costs come down to those of the visibility graph", "[expe
     CHECK(field.optimum() >= truth - 0.01);
     CHECK(path_length(problem.space, field.path()) == Approx(field.optimum()).epsilon(1e-12));
     CHECK(field.cost(problem.start) == Approx(field.optimum()).epsilon(1e-9));
-    CHECK(field.cost(problem.goal) == Approx(field.optimum()).epsilon(1e-9));
+    CHECK(field.cost(problem.goal()) == Approx(field.optimum()).epsilon(1e-9));
     const auto [mean, most] = excess(field, problem, 400);
     CHECK(field.optimum() / truth - 1.0 < before);
     CHECK(mean < before);
@@ -165,7 +165,7 @@ TEST_CASE("where nothing leads there the cost is infinite", "[experiment][cost_f
   CHECK(field.path().empty());
   CHECK(field.cost(problem.start) == std::numeric_limits<double>::infinity());
   CHECK(field.cost(std::array{5.0, 5.0}) == std::numeric_limits<double>::infinity());
-  problem.goal = {5, 5};
+  problem.goals = {{5, 5}};
   CHECK_THROWS_WITH(CostField(instance_of(problem), {10}, 1), Catch::Matchers::Contains("valid goal"));
 }
 

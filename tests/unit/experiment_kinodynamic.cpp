@@ -42,7 +42,7 @@ TEST_CASE("a driven path is recorded as its controls, which give its states to t
       CHECK(std::equal(states.values().begin(), states.values().end(), run.path.values().begin()));
       CHECK(run.trajectory.duration() == Approx(0.1 * static_cast<double>(states.size() - 1)));
       CHECK(run.shortcut_checks == 0);
-      CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
+      CHECK(problem.space.distance(run.path.back(), problem.goal()) <= problem.goal_tolerance);
       auto instance = make_instance(problem);
       for (std::size_t i = 0; i < states.size(); ++i) CHECK(instance->valid(states[i]));
       for (std::size_t i = 1; i < states.size(); ++i) CHECK(instance->motion(states[i - 1], states[i]).valid);

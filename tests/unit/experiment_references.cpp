@@ -53,7 +53,7 @@ TEST_CASE("in every scene the oracle scores 0 and uniform sampling its own diver
   const std::vector<Problem> scenes = {test::simple_passage_problem(), test::trap_problem(), test::cup_problem(),
                                        test::point_problem(3)};
   for (const Problem& scene : scenes) {
-    for (const char* distance : {"planar", "full"}) {
+    for (const auto distance : {TubeSettings::Distance::planar, TubeSettings::Distance::full}) {
       // Expansions of RRT have a closed density: `exact` scores these, `knn` the trees.
       Experiment experiment = experiment_on(scene, plain(), 8);
       TubeSettings tube;
@@ -73,7 +73,7 @@ TEST_CASE("in every scene the oracle scores 0 and uniform sampling its own diver
         uniform_tree.push_back(root.uniform->tree.gain);
         uniform_expansion.push_back(root.uniform->expansion.gain);
       }
-      CAPTURE(scene.name, distance);
+      CAPTURE(scene.name, to_string(distance));
       check_perfect(perfect_tree);
       check_perfect(perfect_expansion);
       check_zero(uniform_tree);
@@ -110,7 +110,7 @@ TEST_CASE("every estimator that claims accuracy scores the oracle 0", "[referenc
 TEST_CASE("identity() is near perfect on the tube that it proposes in, and a thinner tube is not", "[references]") {
   constexpr double delta = 0.4;
   TubeSettings tube;
-  tube.distance = "full";
+  tube.distance = TubeSettings::Distance::full;
   tube.delta = delta;
   struct Found {
     std::vector<double> value;

@@ -19,6 +19,7 @@
 
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/space.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -446,4 +447,58 @@ TEST_CASE("the page warns as the printed report does, and says why levels were s
     CAPTURE(expected);
     CHECK(html.find(expected) != std::string::npos);
   }
+}
+
+TEST_CASE("the page of problems in space has their triangles, positions of three axes, and the viewer",
+          "[report][html]") {
+  Experiment experiment = test::slot_experiment();
+  ExperimentResult result = run(experiment);
+  forget_times(result);
+  const std::string html = report_html(experiment, result);
+  CHECK(fault(html).empty());
+  CHECK(html.find("const space3 = ") != std::string::npos);
+  const Json data = Json::parse(script(html, "data"));
+  REQUIRE(data["problems"].size() == 1);
+  const Json& problem = data["problems"][0];
+  CHECK(problem["bounds"] == Json{0.0, 0.0, 0.0, 10.0, 10.0, 10.0});
+  CHECK(problem["position"] == Json{0, 1, 2});
+  REQUIRE(data["worlds"].size() == 1);
+  const Json& world = data["worlds"][problem["world"].get<std::size_t>()];
+  // Of each obstacle the numbers of vertices, triangles and edges, and whether it is closed.
+  const auto parts = numbers(world["parts"]);
+  REQUIRE(parts.size() == 4 * 6);
+  CHECK(parts[0] == 8);
+  CHECK(parts[1] == 12);
+  CHECK(parts[2] == 12);
+  CHECK(parts[3] == 1);
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  for (std::size_t i = 0; i < parts.size(); i += 4) {
+    vertices += parts[i];
+    triangles += parts[i + 1];
+  }
+  CHECK(bytes(world["vertices"]).size() == 12 * vertices);
+  CHECK(numbers(world["triangles"]).size() == 3 * triangles);
+
+  // The nested run: the robots of its levels, and their configurations within the steps of 16 bits.
+  const Json run_json = Json::parse(script(html, "run-1"));
+  const auto& levels = result.runs.back().levels;
+  REQUIRE(run_json["levels"].size() == levels.size());
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const Json& level = run_json["levels"][i];
+    const LevelRecord& record = levels[i].record;
+    CHECK(level["position"].size() == 3);
+    CHECK(level.contains("rotations") == !record.space.flat());
+    if (record.space.flat()) continue;
+    CHECK(level["rotations"] == Json{3});
+    const std::string nodes = bytes(level["nodes"]);
+    CHECK(nodes.size() == 2 * 7 * record.search.nodes.size());
+    const unsigned share = static_cast<unsigned char>(nodes[12]) + 256U * static_cast<unsigned char>(nodes[13]);
+    CHECK(-1.0 + 2.0 * share / 65535.0 == Approx(record.search.nodes[0][6]).margin(1e-4));
+    const Json& robot = data["robots"][level["robot"].get<std::size_t>()];
+    CHECK(robot["dimension"] == 7);
+    CHECK(numbers(robot["surfaces"]["parts"])[1] == 12);
+  }
+  CHECK(report_html(experiment, result) == html);
+  CHECK(report_html(small(), run(small())).find("const space3 = ") == std::string::npos);
 }

@@ -13,6 +13,7 @@
 #include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/pieces.hpp>
 #include <trellis/guide/position.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -73,7 +74,7 @@ TEST_CASE("the position of an arm is that of its tip", "[guide][arm]") {
   for (int i = 0; i < 100; ++i) {
     parent->space.sample_uniform(stream, q);
     position.project(q, s);
-    CHECK(norm(Vec2{s[0], s[1]} - tip(problem.scene->robot, q, 0.7)) < 1e-12);
+    CHECK(norm(Vec2{s[0], s[1]} - tip(planar(*problem.scene).robot, q, 0.7)) < 1e-12);
   }
 }
 

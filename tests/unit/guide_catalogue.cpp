@@ -12,6 +12,7 @@
 #include <trellis/planner/nearest.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/polygon.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/density.hpp"
@@ -103,10 +104,10 @@ double outside(const Polygon& polygon, Vec2 p) {
 TEST_CASE("hulls hold what they stand for, and a smaller error makes more of them", "[guide][aggregate]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
-    const World world = mixed_field(seed).scene->world;
+    const World world = planar(*mixed_field(seed).scene).world;
     const auto checker = [](const World& w) {
       const Space space = default_space(Robot::point(), w, 1.0);
-      return make_planar_checker(std::make_shared<Scene>(Scene{w, Robot::point()}), space, 0.05);
+      return make_planar_checker(std::make_shared<PlanarScene>(w, Robot::point()), space, 0.05);
     };
     const auto real = checker(world);
     std::size_t before = 0;
@@ -152,7 +153,7 @@ TEST_CASE("every path found among hulls is valid among the obstacles", "[guide][
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Problem problem = mixed_field(seed);
     const auto checker = make_planar_checker(problem.scene, problem.space, problem.resolution);
-    if (!checker->valid(problem.start) || !checker->valid(problem.goal)) continue;
+    if (!checker->valid(problem.start) || !checker->valid(problem.goal())) continue;
     for (const double error : {0.1, 0.3, 1.0}) {
       CAPTURE(seed, error);
       const Work w = work("aggregate", {{"error", error}}, problem, seed);
@@ -251,10 +252,10 @@ TEST_CASE("drop identifies the world's obstacles by name", "[guide][drop]") {
   CHECK_NOTHROW(make("obstacle 2"));
   // As scripts name them.
   auto problem = test::cup_problem();
-  auto obstacles = problem.scene->world.obstacles();
+  auto obstacles = planar(*problem.scene).world.obstacles();
   obstacles[1].name = "obstacle 2 (lower wall)";
-  problem.scene =
-      std::make_shared<Scene>(Scene{World(problem.scene->world.bounds(), std::move(obstacles)), problem.scene->robot});
+  problem.scene = std::make_shared<PlanarScene>(World(planar(*problem.scene).world.bounds(), std::move(obstacles)),
+                                                planar(*problem.scene).robot);
   for (const auto* name : {"lower wall", "obstacle 2", "obstacle 2 (lower wall)"}) {
     CAPTURE(name);
     const auto w = work("drop", {{"obstacles", std::vector<std::string>{name}}}, problem);
@@ -278,7 +279,7 @@ TEST_CASE("widened obstacles are thinner, and thin ones are gone", "[guide][wide
       test::make_problem("shapes", World(Box2{{0, 0}, {10, 10}}, obstacles), Robot::point(), {1, 1}, {9, 1});
   const auto w = work("widen", {{"distance", 0.2}}, problem);
   const auto valid = [&](double x, double y) { return w.sub->valid(Configuration{x, y}); };
-  CHECK(w.sub->scene->world.obstacles().size() == 3);
+  CHECK(w.sub->scene->obstacle_count() == 3);
   CHECK(valid(4.19, 2));
   CHECK_FALSE(valid(4.21, 2));
   CHECK(valid(5, 5.1));
@@ -300,7 +301,7 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
   for (const double cost : {2.2, 3.5, 6.0}) {
     CAPTURE(cost);
     const Work w = work("informed", {{"cost", cost}}, problem);
-    const auto detour = [&](View q) { return space.distance(problem.start, q) + space.distance(q, problem.goal); };
+    const auto detour = [&](View q) { return space.distance(problem.start, q) + space.distance(q, problem.goal()); };
     Stream stream(3, "", "informed");
     Configuration q(3);
     for (int i = 0; i < 5000; ++i) {

@@ -128,12 +128,12 @@ TEST_CASE("a stored path is followed from the query's start to its goal, in eith
   for (const bool backwards : {false, true}) {
     // Near the stored ends, not at them.
     Problem query = plane({{4, 0, 6, 3}}, {1.2, 1.1}, {8.9, 1.3});
-    if (backwards) std::swap(query.start, query.goal);
+    if (backwards) std::swap(query.start, query.goals.front());
     const auto r = retrieve(query, {{"db", library.file()}});
     REQUIRE(r.found.solved());
     const Configurations path = r.h->lifted_path();
     CHECK(std::equal(path.front().begin(), path.front().end(), query.start.begin()));
-    CHECK(std::equal(path.back().begin(), path.back().end(), query.goal.begin()));
+    CHECK(std::equal(path.back().begin(), path.back().end(), query.goal().begin()));
     CHECK(farthest(query.space, path, path_of(over)) < 0.4);
     CHECK(r.sub->checks.validity > 0);
     CHECK(r.parent->checks.motion == 0);

@@ -214,7 +214,7 @@ TEST_CASE("a path that guides by itself forgets the nodes that the planner lost"
   const auto parent = make_instance(test::simple_passage_problem());
   Configurations path(3);
   path.push(parent->start);
-  path.push(parent->goal);
+  path.push(parent->goal());
   for (const std::string follow : {"steps", "tube"}) {
     CAPTURE(follow);
     const auto piece = along(path, Options::validate(along_settings().component(), {{"follow", follow}}));
@@ -224,7 +224,7 @@ TEST_CASE("a path that guides by itself forgets the nodes that the planner lost"
       static_cast<void>(guide->heuristic(*parent, nullptr, nullptr));
       Configuration q(3);
       for (int i = 0; learns && i <= 20; ++i) {
-        parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
+        parent->space.interpolate(parent->start, parent->goal(), i / 40.0, q);
         guide->learn(test::reached(q, 3));
       }
       if (restarts) guide->restart();
@@ -253,7 +253,7 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
       found.status = Status::solved;
       found.path = Configurations(sub->space.dimension());
       Configuration middle(sub->space.dimension());
-      sub->space.interpolate(sub->start, sub->goal, 0.5, middle);
+      sub->space.interpolate(sub->start, sub->goal(), 0.5, middle);
       if (sub->graph) {
         found.path = Configurations(sub->graph->vertices.dimension());
         found.path.push(sub->graph->vertices[sub->graph->start]);
@@ -261,13 +261,13 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
       } else {
         found.path.push(sub->start);
         found.path.push(middle);
-        found.path.push(sub->goal);
+        found.path.push(sub->goal());
       }
       static_cast<void>(guide->heuristic(*parent, sub.get(), &found));
       if (learns) {
         Configuration q(parent->space.dimension());
         for (int i = 0; i <= 40; ++i) {
-          parent->space.interpolate(parent->start, parent->goal, i / 40.0, q);
+          parent->space.interpolate(parent->start, parent->goal(), i / 40.0, q);
           guide->learn(test::reached(q, 3));
         }
       }

@@ -10,6 +10,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/handles.hpp>
 #include <trellis/planner/planner.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -188,13 +189,13 @@ TEST_CASE("handles are points of the robot that a script gives", "[guide][handle
   const Problem truck = with_trailer();
   const auto parent = make_instance(truck);
   const auto position = std::make_shared<PositionProjection>("workspace", *parent);
-  const auto handles = parse_handles("workspace", {"0.5, 0", "2: -1.2,0.1"}, truck.scene->robot);
+  const auto handles = parse_handles("workspace", {"0.5, 0", "2: -1.2,0.1"}, planar(*truck.scene).robot);
   REQUIRE(handles.size() == 2);
   CHECK(handles[0].body == 0);
   CHECK(handles[1].body == 1);
   CHECK(handles[1].point.y == 0.1);
   // The car's nose alone is drawn to the axis, the rest of it is left where it is.
-  const HandleLift nose(position, *parent, parse_handles("workspace", {"0.5, 0"}, truck.scene->robot));
+  const HandleLift nose(position, *parent, parse_handles("workspace", {"0.5, 0"}, planar(*truck.scene).robot));
   const HandleLift ends(position, *parent);
   Configuration q = truck.start;
   q[1] += 0.3;
@@ -204,7 +205,7 @@ TEST_CASE("handles are points of the robot that a script gives", "[guide][handle
   CHECK(nose.distance(placed) != Approx(ends.distance(placed)));
   const auto fault = [&](const std::string& text) {
     try {
-      static_cast<void>(parse_handles("workspace", {text}, truck.scene->robot));
+      static_cast<void>(parse_handles("workspace", {text}, planar(*truck.scene).robot));
     } catch (const Error& e) {
       return std::string(e.what());
     }

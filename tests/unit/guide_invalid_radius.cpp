@@ -5,6 +5,7 @@
 
 #include <trellis/guide/changing_world.hpp>
 #include <trellis/guide/excluded.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -14,11 +15,11 @@ using namespace trellis;
 TEST_CASE("a world that changes bounds the invalid radius as its checker does", "[guide][invalid_radius]") {
   const auto problem = test::cup_problem();
   const auto parent = make_instance(problem);
-  ChangingWorld world(*parent, problem.scene->world);
+  ChangingWorld world(*parent, problem.scene);
   const Configuration inside{6.75, 5, 0};
   CHECK(parent->validity->invalid_radius(inside) > 0.2);
   CHECK(world.invalid_radius(inside) == parent->validity->invalid_radius(inside));
-  world.set(World(problem.scene->world.bounds(), {}));
+  world.set(problem.scene->with_obstacles({}));
   CHECK(world.invalid_radius(inside) == 0.0);
 }
 

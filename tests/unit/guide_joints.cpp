@@ -10,6 +10,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/joint_ranges.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/worlds.hpp"
@@ -53,7 +54,7 @@ std::string fault_of(const std::vector<std::string>& axes, const Problem& proble
 
 /// The number of configurations of S, among this many, in which it differs from a separate checker.
 int differences(Instance& sub, const Robot& robot, const World& world) {
-  const auto scene = std::make_shared<const Scene>(Scene{world, robot});
+  const auto scene = std::make_shared<const PlanarScene>(world, robot);
   const auto checker = make_checker("planar", scene, sub.space, sub.resolution);
   Stream stream(2, "joints", "differences");
   Configuration s(sub.space.dimension());
@@ -75,9 +76,9 @@ TEST_CASE("without its last joints an arm is cut off", "[guide][joints]") {
     const auto guide = guide_of({{"first", static_cast<std::int64_t>(links)}});
     const auto sub = guide->project(*parent);
     REQUIRE(sub->space.dimension() == links);
-    CHECK(sub->scene->robot.bodies().size() == links);
-    CHECK(sub->scene->robot.pairs() == arm_of(links).pairs());
-    CHECK(differences(*sub, arm_of(links), problem.scene->world) == 0);
+    CHECK(sub->scene->body_count() == links);
+    CHECK(planar(*sub->scene).robot.pairs() == arm_of(links).pairs());
+    CHECK(differences(*sub, arm_of(links), planar(*problem.scene).world) == 0);
   }
 }
 
@@ -90,7 +91,7 @@ TEST_CASE("a joint in the middle moves the links that it carries", "[guide][join
     CHECK(sub->space.axes()[0].name == "theta");
     // At any other angle, it checks the first link only.
     Stream stream(1, "joints", "middle");
-    const auto link = std::make_shared<const Scene>(Scene{problem.scene->world, arm_of(1)});
+    const auto link = std::make_shared<const PlanarScene>(planar(*problem.scene).world, arm_of(1));
     const auto checker = make_checker("planar", link, default_space(link->robot, link->world, 1.0), 0.05);
     for (int i = 0; i < 2000; ++i) {
       Configuration s(2);
@@ -106,7 +107,7 @@ TEST_CASE("without its angle a body is the largest disc inside it", "[guide][joi
   const auto sub = keeping({"x", "y"})->project(*parent);
   CHECK(sub->space.name() == "x, y of SE(2)");
   CHECK(sub->position_axes == std::vector<std::size_t>{0, 1});
-  CHECK(differences(*sub, Robot::disc(0.1), problem.scene->world) == 0);
+  CHECK(differences(*sub, Robot::disc(0.1), planar(*problem.scene).world) == 0);
   CHECK(sub->start == Configuration{1, 8.5});
 }
 
@@ -148,10 +149,10 @@ TEST_CASE("the free range of a joint is what slices of it are valid", "[guide][j
     const auto ranges = ranges_of(problem, slices);
     const double width = 2.0 * std::numbers::pi / slices;
     // An independent checker of the arm up to the joint, at the middles of slices.
-    const auto scene = std::make_shared<const Scene>(
-        Scene{problem.scene->world, problem.name == "slit" ? Robot::arm(slit_arm()) : arm_of(2)});
-    const auto checker =
-        make_checker("planar", scene, default_space(scene->robot, scene->world, 1.0), parent->resolution);
+    const auto scene = std::make_shared<const PlanarScene>(planar(*problem.scene).world,
+                                                           problem.name == "slit" ? Robot::arm(slit_arm()) : arm_of(2));
+    const auto checker = make_checker("planar", scene, default_space(planar(*scene).robot, planar(*scene).world, 1.0),
+                                      parent->resolution);
     const auto middle = [&](std::size_t slice) {
       return -std::numbers::pi + (static_cast<double>(slice) + 0.5) * width;
     };
@@ -233,7 +234,7 @@ TEST_CASE("a slice of S without a free range of the next joint is invalid, and p
   const auto sub = guide->project(*parent);
   guide->attach(*sub);
   CHECK(sub->valid(sub->start));
-  CHECK(sub->valid(sub->goal));
+  CHECK(sub->valid(sub->goal()));
   Stream stream(3, "0", "slices");
   Configuration s(1);
   int lost = 0;

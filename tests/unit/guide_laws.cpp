@@ -38,7 +38,7 @@ Problem free_arm_problem() {
 /// Whether S has the position of an arm's tip. It is a box and holds positions that the arm does not reach: these are
 /// invalid, and have no fibre.
 bool is_tip(const GuideKind& kind, const Problem& problem) {
-  return kind.claims.needs == GuideClaims::Needs::position && !problem.scene->robot.translates();
+  return kind.claims.needs == GuideClaims::Needs::position && !problem.scene->translates();
 }
 
 /// Whether S is f(C). A subspace is put into a box, which holds more: that is invalid, and has no fibre. Nor are its
@@ -85,7 +85,7 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   Search search;
   search.nodes = Configurations(s.sub->space.dimension());
   search.proposals = Configurations(s.sub->space.dimension());
-  s.ends_valid = s.sub->valid(s.sub->start) && s.sub->valid(s.sub->goal);
+  s.ends_valid = s.sub->valid(s.sub->start) && s.sub->valid(s.sub->goal());
   s.guide->attach(*s.sub);
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
@@ -112,12 +112,12 @@ TEST_CASE("f maps start and goal into S, and S is what it says", "[guide][projec
       REQUIRE((sub == nullptr) == kind.default_planner.empty());
       if (!sub) continue;
       CHECK(sub->space.contains(sub->start));
-      CHECK(sub->space.contains(sub->goal));
+      CHECK(sub->space.contains(sub->goal()));
       Configuration s(sub->space.dimension());
       guide->project(parent->start, s);
       CHECK(s == sub->start);
-      guide->project(parent->goal, s);
-      CHECK(s == sub->goal);
+      guide->project(parent->goal(), s);
+      CHECK(s == sub->goal());
       CHECK((sub->graph != nullptr) == find_planner(kind.default_planner)->graph);
     }
   }
@@ -255,12 +255,12 @@ TEST_CASE("an end that is invalid in C leaves a guide with a distribution over C
     for (const bool at_goal : {false, true}) {
       CAPTURE(kind.component->name, at_goal);
       auto problem = test::cup_problem();
-      (at_goal ? problem.goal : problem.start) = {6.75, 5, 0};  // inside the cup's bottom
+      (at_goal ? problem.goals.front() : problem.start) = {6.75, 5, 0};  // inside the cup's bottom
       auto solved = solve(kind, problem, 1, 500);
       if (solved.sub) {
-        const Configuration& end = at_goal ? solved.sub->goal : solved.sub->start;
+        const Configuration& end = at_goal ? solved.sub->goal() : solved.sub->start;
         Configuration s(end.size());
-        solved.guide->project(at_goal ? problem.goal : problem.start, s);
+        solved.guide->project(at_goal ? problem.goal() : problem.start, s);
         CHECK(s == end);  // f moves nothing
         if (!solved.ends_valid) CHECK_FALSE(solved.found.solved());
       }
@@ -281,7 +281,7 @@ TEST_CASE("a guide whose space has no path goes by what it claims to", "[guide][
     REQUIRE(path.size() >= 2);
     const Space& space = solved.parent->space;
     CHECK(space.distance(path.front(), solved.parent->start) == 0.0);
-    CHECK(space.distance(path.back(), solved.parent->goal) < space.distance(path.front(), solved.parent->goal));
+    CHECK(space.distance(path.back(), solved.parent->goal()) < space.distance(path.front(), solved.parent->goal()));
   }
 }
 
@@ -320,7 +320,7 @@ TEST_CASE("samples of h fall where its density says", "[guide][density][slow]") 
         };
         return static_cast<std::size_t>(part(0) * cells + part(1));
       };
-      const Configuration goal = solved.parent->goal;
+      const Configuration goal = solved.parent->goal();
       double atoms = 0.0;
       // The box that holds all draws, a little wider: where the density is integrated.
       std::vector<std::pair<double, double>> box(space.dimension(), {1e9, -1e9});
@@ -452,8 +452,7 @@ TEST_CASE("lifting what is uniform on S is uniform on C, per volume in either's 
 TEST_CASE("a shrunken robot's path keeps to the world that the larger one sees", "[guide][shrink]") {
   const auto solved = solve(*find_guide("shrink"), test::simple_passage_problem());
   REQUIRE(solved.found.solved());
-  CHECK(solved.sub->scene->robot.bounding_radius() ==
-        Approx(0.5 * solved.parent->scene->robot.bounding_radius()).epsilon(1e-12));
+  CHECK(solved.sub->scene->bounding_radius() == Approx(0.5 * solved.parent->scene->bounding_radius()).epsilon(1e-12));
   for (std::size_t i = 0; i < solved.found.path.size(); ++i) CHECK(solved.sub->valid(solved.found.path[i]));
 }
 

@@ -217,7 +217,7 @@ TEST_CASE("several paths are separated except near their ends, and exclusions en
     REQUIRE(w.paths.size() == 2);
     const auto& space = w.parent->space;
     const auto far = [&](View q) {
-      return space.distance(q, problem.start) > 1.5 && space.distance(q, problem.goal) > 1.5;
+      return space.distance(q, problem.start) > 1.5 && space.distance(q, problem.goal()) > 1.5;
     };
     Configuration q(3);
     for (std::size_t i = 1; i < w.paths[1].size(); ++i) {
@@ -326,7 +326,7 @@ TEST_CASE("a region is dropped after so many failures in a row, and then the who
 
 TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
-  const double robot = problem.scene->robot.bounding_radius();
+  const double robot = problem.scene->bounding_radius();
   // The same walker, beside the skeleton by one bounding radius and a half: inside a region of two with its reference
   // point, not with its whole circle.
   const auto travelled = [&](double penetration) {
@@ -348,7 +348,7 @@ TEST_CASE("a region moves on where enough of the robot is inside it", "[guide][s
 
 TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skeleton]") {
   const auto problem = test::simple_passage_problem();
-  const double robot = problem.scene->robot.bounding_radius();
+  const double robot = problem.scene->bounding_radius();
   auto w = work("skeleton", {{"follow", std::string("regions")}, {"prune", false}}, problem);
   // A vertex of the path that is far from where regions are.
   const Graph& graph = *w.sub->graph;
@@ -356,7 +356,8 @@ TEST_CASE("regions begin at every vertex that a node comes near", "[guide][skele
   for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
     const View at = std::as_const(graph.vertices)[v];
     if (least_distance(w.sub->space, at, w.found.path) > 0.0) continue;
-    const double from_ends = std::min(w.sub->space.distance(at, w.sub->start), w.sub->space.distance(at, w.sub->goal));
+    const double from_ends =
+        std::min(w.sub->space.distance(at, w.sub->start), w.sub->space.distance(at, w.sub->goal()));
     if (from_ends > 8.0 * robot) far = v;
   }
   REQUIRE(far);
@@ -474,7 +475,7 @@ TEST_CASE("with bottlenecks inhibited, further paths keep away from where C may 
     for (std::size_t i = 0; i < w.paths.size(); ++i) {
       std::vector<Configuration> invalid;
       for (const auto& q : points_of(w.paths[i])) {
-        const bool near_ends = space.distance(q, problem.start) <= 0.7 || space.distance(q, problem.goal) <= 0.7;
+        const bool near_ends = space.distance(q, problem.start) <= 0.7 || space.distance(q, problem.goal()) <= 0.7;
         if (!near_ends && !w.parent->validity->state(q)) invalid.push_back(q);
       }
       through_the_bottleneck += invalid.empty() ? 0 : 1;

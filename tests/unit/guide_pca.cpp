@@ -11,6 +11,7 @@
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/principal_axes.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
@@ -79,7 +80,7 @@ TEST_CASE("with its ends on it, a path of the subspace is one of C", "[guide][pc
   // Each sample was a check at least.
   CHECK(sub->checks.validity >= 100);
   CHECK(sub->valid(sub->start));
-  CHECK(sub->valid(sub->goal));
+  CHECK(sub->valid(sub->goal()));
 
   const PlannerKind& planner = *find_planner("rrt_connect");
   UniformGuidance uniform(sub->space);
@@ -92,7 +93,7 @@ TEST_CASE("with its ends on it, a path of the subspace is one of C", "[guide][pc
   const Configurations path = h->lifted_path();
   REQUIRE(path.size() == found.path.size());
   CHECK(problem.space.distance(path.front(), problem.start) < 1e-9);
-  CHECK(problem.space.distance(path.back(), problem.goal) < 1e-9);
+  CHECK(problem.space.distance(path.back(), problem.goal()) < 1e-9);
   const auto checker = make_checker("planar", problem.scene, problem.space, problem.resolution);
   for (std::size_t i = 1; i < path.size(); ++i) CHECK(checker->motion(path[i - 1], path[i]).valid);
 }
@@ -170,6 +171,116 @@ TEST_CASE("the density on the fibres of a subspace is one, fibre by fibre", "[gu
     const double expected = std::exp(sub->space.log_volume()) * inside / tries;
     CHECK(std::abs(mass - expected) < 5.0 * error + 0.01 * expected);
   }
+}
+
+namespace {
+
+/// A plank among a block and a ball.
+Problem plank_problem() {
+  World3 world({{0, 0, 0}, {4, 3, 3}},
+               {{"block", {Cuboid{{0.4, 3, 1}}, {{2, 1.5, 0.5}, {}}}}, {"ball", {Sphere{0.4}, {{2, 1.5, 2.2}, {}}}}});
+  Problem problem;
+  problem.name = "plank";
+  problem.scene =
+      std::make_shared<const SpatialScene>(std::move(world), Robot3("plank", {{Cuboid{{0.8, 0.5, 0.1}}, {}}}));
+  problem.space = problem.scene->default_space(problem.scene->bounding_radius());
+  const double half = std::sqrt(0.5);
+  problem.start = {1, 1.5, 1, 0, half, 0, half};
+  problem.goals = {{3, 1.5, 1.4, half, 0, 0, half}};
+  problem.collision = "fcl";
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("a subspace of a space with rotations is made of rotation vectors from the start", "[guide][pca][space]") {
+  const Problem problem = plank_problem();
+  auto parent = make_instance(problem);
+  const auto guide = guide_of({{"samples", std::int64_t{60}}});
+  const auto sub = guide->project(*parent);
+  CHECK(sub->space.name() == "R^3 of SE(3)");
+  CHECK(sub->space.dimension() == 3);
+  CHECK(sub->valid(sub->start));
+  CHECK(sub->valid(sub->goal()));
+  // With its ends on it, the first coordinate is the distance from the start in the chart: of a turn about one axis.
+  CHECK(sub->goal()[0] - sub->start[0] == Approx(problem.space.distance(problem.start, problem.goal())));
+  Stream stream(5, "pca", "lift");
+  Configuration s(3), back(3), q(7);
+  for (int i = 0; i < 500; ++i) {
+    sub->space.sample_uniform(stream, s);
+    guide->lift(s, stream, q);
+    REQUIRE(problem.space.contains(q));
+    if (!sub->valid(s)) continue;
+    guide->project(q, back);
+    CHECK(sub->space.distance(back, s) < 1e-7);
+  }
+}
+
+TEST_CASE("the density on the fibres of a subspace is one with rotations as well", "[guide][pca][space]") {
+  const Problem problem = plank_problem();
+  auto parent = make_instance(problem);
+  for (const std::int64_t k : {1, 3, 5}) {
+    CAPTURE(k);
+    const auto guide = guide_of({{"dimensions", k}, {"samples", std::int64_t{60}}});
+    const auto sub = guide->project(*parent);
+    Stream stream(3, "pca", "density");
+    Configuration q(7), s(static_cast<std::size_t>(k)), back(s.size());
+    constexpr int points = 300000;
+    double mass = 0.0, squares = 0.0, turned = 0.0;
+    const auto distance = [&] { return problem.space.distance(problem.goal(), q); };
+    for (int i = 0; i < points; ++i) {
+      problem.space.sample_uniform(stream, q);
+      guide->project(q, s);
+      if (!sub->space.contains(s)) continue;
+      const double p = std::exp(guide->log_fibre_density(q) + problem.space.log_volume());
+      mass += p / points;
+      squares += p * p / points;
+      turned += p * distance() / points;
+    }
+    const double error = std::sqrt((squares - mass * mass) / points);
+    int inside = 0;
+    double mean = 0.0;
+    constexpr int tries = 100000;
+    for (int i = 0; i < tries; ++i) {
+      sub->space.sample_uniform(stream, s);
+      guide->lift(s, stream, q);
+      guide->project(q, back);
+      if (!(sub->space.distance(back, s) < 1e-7)) continue;
+      ++inside;
+      mean += distance();
+    }
+    const double expected = std::exp(sub->space.log_volume()) * inside / tries;
+    CHECK(std::abs(mass - expected) < 5.0 * error + 0.01 * expected);
+    CHECK(turned / mass == Approx(mean / inside).epsilon(0.05));
+  }
+}
+
+TEST_CASE("motions of a subspace with rotations are short ones of C, which stay near it", "[guide][pca][space]") {
+  const Problem problem = plank_problem();
+  auto parent = make_instance(problem);
+  const auto guide = guide_of({{"samples", std::int64_t{60}}});
+  const auto sub = guide->project(*parent);
+  Stream stream(2, "pca", "motions");
+  Configuration a(3), b(3), s(3);
+  int blocked = 0, free = 0;
+  for (int i = 0; i < 3000; ++i) {
+    sub->space.sample_uniform(stream, a);
+    sub->space.sample_uniform(stream, b);
+    if (!sub->valid(a)) continue;
+    const MotionReport report = sub->motion(a, b);
+    blocked += report.valid ? 0 : 1;
+    free += report.valid ? 1 : 0;
+    if (!report.valid) continue;
+    int in_a_row = 0;
+    for (int k = 1; k <= 100; ++k) {
+      sub->space.interpolate(a, b, k / 100.0, s);
+      in_a_row = sub->valid(s) ? 0 : in_a_row + 1;
+      // Contacts thinner than the resolution, or than the distance from the shortest motion of C, may be missed.
+      CHECK(in_a_row < 12);
+    }
+  }
+  CHECK(blocked > 20);
+  CHECK(free > 15);
 }
 
 TEST_CASE("on a fibre of one dimension lifted samples are uniform", "[guide][pca]") {

@@ -103,8 +103,8 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
   std::vector<SumHeuristic::Part> parts;
   parts.push_back({3.0, along(path_of({{1, 1}, {1, 9}}), plain())->over(sub, reached)});
   parts.push_back({1.0, std::make_unique<UniformHeuristic>("uniform", sub.space)});
-  LiftedHeuristic h(f, sub.space, std::make_unique<SumHeuristic>("sum", std::move(parts)), parent->start, parent->goal,
-                    LiftedHeuristic::Points::unknown, "lifted");
+  LiftedHeuristic h(f, sub.space, std::make_unique<SumHeuristic>("sum", std::move(parts)), parent->start,
+                    parent->goal(), LiftedHeuristic::Points::unknown, "lifted");
   DensityRecord record;
   Stream stream(1, "0", "proposals");
   Configuration q(3);

@@ -9,6 +9,7 @@
 #include <trellis/guide/path_steps.hpp>
 #include <trellis/guide/relaxed.hpp>
 #include <trellis/instance/verified_motions.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/density.hpp"
@@ -215,7 +216,7 @@ TEST_CASE("excluded places hold every configuration with a position near them, u
   CHECK_FALSE(validity.exclude_place(place, {{2.1, 5, 0}}));
   CHECK(validity.state(place));
   const auto before = validity.epoch();
-  CHECK(validity.exclude_place(place, {problem.start, problem.goal}));
+  CHECK(validity.exclude_place(place, {problem.start, problem.goal()}));
   CHECK(validity.epoch() > before);
   for (const double angle : {-3.0, 0.0, 1.5}) {
     CHECK_FALSE(validity.state(Configuration{2.1, 5.1, angle}));
@@ -233,7 +234,7 @@ TEST_CASE("after a projection of another world motions that were valid are check
   auto changed = problem;
   auto rectangles = test::cup();
   rectangles.push_back({4.9, 4, 5.1, 6});
-  changed.scene = std::make_shared<Scene>(Scene{test::rectangle_world(rectangles), problem.scene->robot});
+  changed.scene = std::make_shared<PlanarScene>(test::rectangle_world(rectangles), planar(*problem.scene).robot);
   const Configuration a = {4, 5, 0};
   const Configuration b = {6, 5, 0};
   const auto guide = find_guide("shrink")->make(Options::validate(*find_guide("shrink")->component, {}));
@@ -290,7 +291,8 @@ TEST_CASE("a motion towards a guided proposal is checked once for C and the spac
           "[guide][relaxed]") {
   const auto problem = test::cup_problem();
   const auto c = make_instance(problem);
-  const auto smaller = std::make_shared<Scene>(Scene{problem.scene->world, problem.scene->robot.scaled(0.2)});
+  const auto smaller =
+      std::make_shared<PlanarScene>(planar(*problem.scene).world, planar(*problem.scene).robot.scaled(0.2));
   RelaxedValidity relaxed(c->validity_in(smaller), c->validity_in(problem.scene));
   const auto alone = c->validity_in(smaller);
   const auto whole = c->validity_in(problem.scene);
@@ -332,7 +334,8 @@ TEST_CASE("a motion towards a guided proposal is checked once for C and the spac
 TEST_CASE("a motion from where C is invalid is not valid in C", "[guide][relaxed]") {
   const auto problem = test::cup_problem();
   const auto c = make_instance(problem);
-  const auto nothing = std::make_shared<Scene>(Scene{World(problem.scene->world.bounds(), {}), problem.scene->robot});
+  const auto nothing =
+      std::make_shared<PlanarScene>(World(planar(*problem.scene).world.bounds(), {}), planar(*problem.scene).robot);
   const auto in_c = c->validity_in(problem.scene);
   RelaxedValidity relaxed(c->validity_in(nothing), in_c);
   relaxed.expect_guided(true);
@@ -356,7 +359,8 @@ TEST_CASE("C is asked about few motions where it finds most of them invalid", "[
   const auto problem = test::cup_problem();
   const auto c = make_instance(problem);
   // Everything is valid in S.
-  const auto nothing = std::make_shared<Scene>(Scene{World(problem.scene->world.bounds(), {}), problem.scene->robot});
+  const auto nothing =
+      std::make_shared<PlanarScene>(World(planar(*problem.scene).world.bounds(), {}), planar(*problem.scene).robot);
   const auto in_c = c->validity_in(problem.scene);
   RelaxedValidity relaxed(c->validity_in(nothing), in_c);
   const auto alone = c->validity_in(nothing);
@@ -452,7 +456,7 @@ TEST_CASE("a path through an excluded place is refuted without a check", "[guide
   REQUIRE(excluding->exclude_place(Configuration{2.6, 9.5, 0}, {}));
   SparseValidation sparse(problem.space, 0.8);
   instance->start = {1, 9.5, 0};
-  instance->goal = {9, 9.5, 0};
+  instance->goals = {{9, 9.5, 0}};
   const SparsePath found = sparse.validate(*instance, path, true, as_it_is);
   REQUIRE(found.refuted);
   CHECK((*found.refuted)[0] == Approx(2.6).margin(0.06));

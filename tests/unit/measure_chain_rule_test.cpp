@@ -32,7 +32,7 @@ Target straight(std::size_t dimension, std::uint64_t seed = 1) {
   from[0] = 1.0;
   to[0] = 9.0;
   TubeSettings settings;
-  settings.distance = "full";
+  settings.distance = TubeSettings::Distance::full;
   settings.delta = 1.0;
   settings.points = 1024;
   return {space, verify::path_of({from, to}), {}, settings, verify::anywhere, seed};

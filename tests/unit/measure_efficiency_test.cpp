@@ -30,7 +30,7 @@ Configurations path_in(const Space& space) {
 
 TubeSettings tube(const std::string& distance) {
   TubeSettings settings;
-  settings.distance = distance;
+  settings.distance = distance == "planar" ? TubeSettings::Distance::planar : TubeSettings::Distance::full;
   return settings;
 }
 
@@ -347,7 +347,7 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   const Space space = Space::euclidean({{0, 10}, {0, 10}});
   const auto half = [](View x) { return x[0] < 4.0; };
   TubeSettings settings = tube("full");
-  settings.support = "all";
+  settings.support = TubeSettings::Support::all;
   const Target target(space, path_in(space), {}, settings, half, 7);
   Configurations valid(2);
   const Configurations drawn = uniform_samples(space, 2000, 3);
@@ -361,7 +361,7 @@ TEST_CASE("A tree cannot reach the invalid part of a target with the support \"a
   CHECK(std::isfinite(tree.value));
   CHECK(tree.value > efficiency(target, drawn).value + 1.0);
   // With the support "free" the same tree has nothing that it cannot reach.
-  settings.support = "free";
+  settings.support = TubeSettings::Support::free;
   CHECK(std::isfinite(
       efficiency(Target(space, path_in(space), {}, settings, half, 7), valid, {.support = SampleSupport::valid_only})
           .undefended));

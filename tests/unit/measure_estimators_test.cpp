@@ -51,7 +51,7 @@ Target bent(const Space& space) {
   std::vector<Configuration> points = {{1, 1, 2.5}, {4, 3, -2.5}, {7, 6, 1}};
   for (auto& p : points) p.resize(space.dimension());
   TubeSettings settings;
-  settings.distance = space.dimension() == 2 ? "planar" : "full";
+  settings.distance = space.dimension() == 2 ? TubeSettings::Distance::planar : TubeSettings::Distance::full;
   settings.delta = 0.8;
   settings.points = 300;
   settings.pool = 4096;

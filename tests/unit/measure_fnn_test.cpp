@@ -68,7 +68,7 @@ TEST_CASE("Plain nearest neighbours agree with R's FNN") {
     path.push(Configuration(d, 3.0));
     path.push(Configuration(d, 6.0));
     TubeSettings settings;
-    settings.distance = "full";
+    settings.distance = TubeSettings::Distance::full;
     settings.delta = 1.0;
     settings.points = 500;
     settings.pool = 1024;

@@ -283,7 +283,7 @@ TEST_CASE("Where a turn begins does not matter: across the wrap is as in the mid
 
   // A tube about a path that wraps around the angle, with its own evaluation points.
   TubeSettings full;
-  full.distance = "full";
+  full.distance = TubeSettings::Distance::full;
   const Target inner(se2(), path_of({{2, 5, -0.5}, {8, 5, 0.5}}), {}, full, verify::anywhere, 3);
   const Target outer(se2(), path_of({{2, 5, pi - 0.5}, {8, 5, 0.5 - pi}}), {}, full, verify::anywhere, 3);
   CHECK(outer.length() == Approx(inner.length()).epsilon(0).margin(1e-9));
@@ -297,7 +297,7 @@ TEST_CASE("Where a turn begins does not matter: across the wrap is as in the mid
 
 TEST_CASE("Coverage is the share of the target near a sample, by brute force") {
   TubeSettings settings;
-  settings.distance = "full";
+  settings.distance = TubeSettings::Distance::full;
   settings.points = 400;
   settings.pool = 1024;
   const Target target(se2(), path_of({{1, 1, 2.5}, {4, 3, -2.5}, {7, 6, 1}}), {}, settings, verify::anywhere, 5);

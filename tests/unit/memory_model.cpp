@@ -8,6 +8,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/memory/grid.hpp>
 #include <trellis/memory/model.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
@@ -98,7 +99,7 @@ TEST_CASE("the oracle finds the shortest paths over the grid", "[memory][grid]")
 TEST_CASE("the oracle's lengths satisfy the triangle inequality and are lengths of paths", "[memory][grid]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Problem problem = test::upper_gaps(seed);
-    const WorldGrid grid(problem.scene->world, square, 40);
+    const WorldGrid grid(planar(*problem.scene).world, square, 40);
     const auto start = grid.free_near({0.5, 5});
     const auto goal = grid.free_near({9.5, 5});
     REQUIRE((start && goal));
@@ -149,7 +150,7 @@ TEST_CASE("a model is in a file what it was", "[memory][model]") {
   CHECK(read.description() == "upper gaps");
   CHECK(read.cells() == 40);
   const Problem problem = test::upper_gaps(77);
-  const WorldGrid grid(problem.scene->world, square, 40);
+  const WorldGrid grid(planar(*problem.scene).world, square, 40);
   CHECK(read.probabilities(grid, {0.5, 5}, {9.5, 5}) == learnt().probabilities(grid, {0.5, 5}, {9.5, 5}));
 
   write("hello");

@@ -12,6 +12,7 @@
 #include <trellis/instance/grid_graph.hpp>
 #include <trellis/memory/search_model.hpp>
 #include <trellis/planner/planner.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include "support/catch.hpp"
 #include "support/families.hpp"
@@ -26,7 +27,10 @@ namespace {
 constexpr double cell = 0.25;
 
 LearningTask task_of(const Problem& problem) {
-  return {problem.name, problem.scene->world, {problem.start[0], problem.start[1]}, {problem.goal[0], problem.goal[1]}};
+  return {problem.name,
+          planar(*problem.scene).world,
+          {problem.start[0], problem.start[1]},
+          {problem.goal()[0], problem.goal()[1]}};
 }
 
 /// A planner with the grid of a problem of a point.
@@ -53,7 +57,7 @@ struct Search2 {
 void check_path(Search2& run, const Solution& solution) {
   REQUIRE(solution.solved());
   CHECK(std::equal(solution.path.front().begin(), solution.path.front().end(), run.instance->start.begin()));
-  CHECK(std::equal(solution.path.back().begin(), solution.path.back().end(), run.instance->goal.begin()));
+  CHECK(std::equal(solution.path.back().begin(), solution.path.back().end(), run.instance->goal().begin()));
   for (std::size_t i = 1; i < solution.path.size(); ++i) {
     CHECK(run.instance->validity->motion(solution.path[i - 1], solution.path[i]).valid);
   }
@@ -202,7 +206,7 @@ TEST_CASE("best_first searches by a model, and says which models it cannot use",
   auto graph = std::make_shared<Graph>();
   graph->vertices = Configurations(3);
   graph->start = graph->vertices.push(instance->start);
-  graph->goal = graph->vertices.push(instance->goal);
+  graph->goal = graph->vertices.push(instance->goal());
   graph->edges.push_back({0, 1, 8.0, Configurations()});
   instance->graph = graph;
   test::RecordingGuidance guidance(*instance);

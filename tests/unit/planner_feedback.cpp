@@ -95,7 +95,7 @@ TEST_CASE("every node of a tree is reported once, by its row and by the tree tha
         ++reports[outcome.added_row];
         std::uint32_t root = outcome.added_row;
         while (search.parents[root] != root) root = search.parents[root];
-        CHECK(outcome.from_goal == same(std::as_const(search.nodes)[root], run.instance->goal));
+        CHECK(outcome.from_goal == same(std::as_const(search.nodes)[root], run.instance->goal()));
       }
       for (std::uint32_t row = 0; row < search.nodes.size(); ++row) {
         CHECK(reports[row] == (search.parents[row] == row ? 0 : 1));
@@ -133,7 +133,7 @@ TEST_CASE("a blocked motion to the goal is news from a kinodynamic tree too", "[
     auto run = make_run("kinodynamic_rrt", seed, {{"connect", 6.0}});
     run.solve();
     for (const auto& outcome : run.guidance.outcomes) {
-      if (!outcome.mine && !outcome.blocked_at.empty() && same(outcome.proposal, run.instance->goal)) ++blocked;
+      if (!outcome.mine && !outcome.blocked_at.empty() && same(outcome.proposal, run.instance->goal())) ++blocked;
     }
   }
   CHECK(blocked > 0);
@@ -252,7 +252,7 @@ TEST_CASE("motions beyond a proposal are tried only where the guidance finds the
     CHECK(asked > 0);
     CHECK(run.search.nodes.size() <= run.search.proposals.size() + 2);
     for (const auto& outcome : run.guidance.outcomes) {
-      if (!outcome.mine) CHECK_FALSE(same(outcome.proposal, run.instance->goal));
+      if (!outcome.mine) CHECK_FALSE(same(outcome.proposal, run.instance->goal()));
     }
   }
 }

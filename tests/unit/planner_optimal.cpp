@@ -173,7 +173,7 @@ TEST_CASE("the costs of RRT*'s tree are path lengths, and no neighbour gives a s
     CHECK(same > 9 * n / 10);
     double end = std::numeric_limits<double>::infinity();
     for (std::size_t row = 0; row < n; ++row) {
-      if (space.distance(out.search.nodes[row], problem.goal) > problem.goal_tolerance) continue;
+      if (space.distance(out.search.nodes[row], problem.goal()) > problem.goal_tolerance) continue;
       double length_of_path = 0.0;
       for (std::size_t at = row; out.search.parents[at] != at; at = out.search.parents[at]) {
         length_of_path += length[at][out.search.parents[at]];

@@ -47,7 +47,7 @@ void check_path(const Problem& problem, const Configurations& path) {
   REQUIRE(path.size() >= 2);
   const auto& space = problem.space;
   CHECK(space.distance(path.front(), problem.start) == 0.0);
-  CHECK(space.distance(path.back(), problem.goal) <= problem.goal_tolerance);
+  CHECK(space.distance(path.back(), problem.goal()) <= problem.goal_tolerance);
   const auto checker = make_planar_checker(problem.scene, space, problem.resolution);
   CHECK(checker->valid(path.front()));
   for (std::size_t i = 1; i < path.size(); ++i) CHECK(checker->motion(path[i - 1], path[i]).valid);
@@ -134,7 +134,7 @@ TEST_CASE("an invalid start or goal is distinct from a search without success", 
   auto problem = test::cup_problem();
   problem.start = {6.75, 5, 0};
   auto other = test::cup_problem();
-  other.goal = {6.75, 5, 0};
+  other.goals = {{6.75, 5, 0}};
   for (const auto* kind : sampling_planners()) {
     CAPTURE(kind->component->name);
     CHECK(run(*kind, problem, 1).solution.status == Status::invalid_start);
@@ -156,7 +156,7 @@ TEST_CASE("a resumed planner searches for another path within the same budget", 
 
 TEST_CASE("start and goal in one place are solved at once", "[planner]") {
   auto problem = test::cup_problem();
-  problem.goal = problem.start;
+  problem.goals = {problem.start};
   for (const auto* kind : sampling_planners()) {
     CAPTURE(kind->component->name);
     CHECK(run(*kind, problem, 1).solution.solved());

@@ -238,9 +238,7 @@ TEST_CASE("a search goes to the goals that are left", "[planner][repair]") {
     for (const std::uint64_t seed : {1, 2, 3}) {
       CAPTURE(planner, seed);
       auto run = make_run(planner, seed);
-      run.instance->further_goals = Configurations(3);
-      run.instance->further_goals.push(Configuration{9, 9, 0});
-      run.instance->further_goals.push(Configuration{5, 9.3, 0});
+      run.instance->goals.insert(run.instance->goals.end(), {{9, 9, 0}, {5, 9.3, 0}});
       const Solution first = run.solve();
       REQUIRE(first.solved());
       const View end = first.path.back();
@@ -248,7 +246,7 @@ TEST_CASE("a search goes to the goals that are left", "[planner][repair]") {
       const Solution again = run.solve();
       REQUIRE(again.solved());
       check_path(run, again.path);
-      CHECK(run.instance->goals() == 2);
+      CHECK(run.instance->goals.size() == 2);
     }
   }
 }
@@ -259,7 +257,7 @@ TEST_CASE("an instance that is replaced with another start or goal is searched f
       CAPTURE(planner, start);
       auto run = make_run(planner, 1);
       REQUIRE(run.solve().solved());
-      auto& end = start ? run.instance->start : run.instance->goal;
+      auto& end = start ? run.instance->start : run.instance->goals.front();
       end[1] = start ? 6.0 : 4.0;
       ++run.instance->revision;
       const Solution again = run.solve();

@@ -19,7 +19,7 @@ inline Problem problem(const std::string& name) {
   p.name = name;
   p.space = Space::se2({0, 10}, {0, 10});
   p.start = {1, 8.5, 0};
-  p.goal = {9, 1.5, 0};
+  p.goals = {{9, 1.5, 0}};
   return p;
 }
 

@@ -13,6 +13,7 @@
 #include <trellis/report/table.hpp>
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/golden.hpp"
@@ -247,7 +248,7 @@ TEST_CASE("a guide that does worse than none is said", "[report]") {
 TEST_CASE("what rejects most proposals is found", "[report]") {
   const World world = test::rectangle_world({{4, 0, 5, 9}, {6, 9, 7, 10}});
   LevelRecord level = fixture::level(0, "0", "root", Space::euclidean({{0, 10}, {0, 10}}), "rrt", 1, false);
-  level.scene = std::make_shared<Scene>(Scene{world, Robot::point()});
+  level.scene = std::make_shared<PlanarScene>(world, Robot::point());
   level.search.nodes = Configurations(2);
   level.search.nodes.push(Configuration{1.0, 1.0});
   level.search.nodes.push(Configuration{1.0, 9.5});

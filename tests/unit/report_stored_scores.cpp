@@ -130,6 +130,16 @@ TEST_CASE("records of other runs and damaged ones are refused", "[report]") {
   CHECK_THROWS_AS(restore_scores(run, of_two_levels), Error);
   CHECK_THROWS_AS(restore_scores(run, "{}"), Error);
   CHECK_THROWS_AS(restore_scores(run, "{\"levels\":"), Error);
+  const auto changed = [&](const std::string& part, const std::string& by) {
+    std::string line = scores_line(run);
+    const auto at = line.find(part);
+    REQUIRE(at != std::string::npos);
+    return line.replace(at, part.size(), by);
+  };
+  CHECK_THROWS_WITH(restore_scores(run, changed("\"dimension\":2", "\"dimension\":3")),
+                    Catch::Matchers::Contains("have 3 coordinates"));
+  CHECK_THROWS_WITH(restore_scores(run, changed("\"classes\":[", "\"classes\":[77,")),
+                    Catch::Matchers::Contains("a node has class 77"));
   CHECK_THROWS_AS(restore_times(run, "{}"), Error);
   std::vector<PooledScores> pooled;
   CHECK_THROWS_AS(restore_pooled(pooled, "[]"), Error);

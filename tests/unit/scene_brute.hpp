@@ -10,7 +10,7 @@
 
 #include <trellis/base/random.hpp>
 #include <trellis/scene/planar/polygon.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace brute {
 

@@ -10,7 +10,7 @@
 #include "unit/scene_brute.hpp"
 
 #include <trellis/base/error.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 using namespace trellis;
 using Catch::Matchers::Contains;

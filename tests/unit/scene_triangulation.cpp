@@ -7,6 +7,7 @@
 #include "support/worlds.hpp"
 #include "unit/scene_brute.hpp"
 
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/triangulation.hpp>
 
 using namespace trellis;
@@ -15,7 +16,7 @@ namespace {
 
 std::vector<World> worlds() {
   return {test::rectangle_world({}), test::rectangle_world(test::cup()), test::rectangle_world(test::trap()),
-          test::point_problem(3).scene->world,
+          planar(*test::point_problem(3).scene).world,
           // Obstacles that cross each other and the boundary.
           test::rectangle_world({{2, 4, 8, 6}, {4, 2, 6, 8}, {-1, -1, 1.5, 2.2}, {9, 3, 12, 4}})};
 }
@@ -85,7 +86,7 @@ TEST_CASE("points drawn from a triangle are uniform in it", "[scene][triangulati
 }
 
 TEST_CASE("a triangulation is the same each time, and too fine a one is refused", "[scene][triangulation]") {
-  const World world = test::point_problem(4).scene->world;
+  const World world = planar(*test::point_problem(4).scene).world;
   const Triangulation a(world, 0.3);
   const Triangulation b(world, 0.3);
   REQUIRE(a.triangles().size() == b.triangles().size());

@@ -286,7 +286,7 @@ TEST_CASE("the halves of a split are levels whose paths join", "[combinators][sp
     REQUIRE(run.solved);
     const auto checker = make_planar_checker(problem.scene, problem.space, problem.resolution);
     CHECK(problem.space.distance(run.path.front(), problem.start) == 0.0);
-    CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
+    CHECK(problem.space.distance(run.path.back(), problem.goal()) <= problem.goal_tolerance);
     for (std::size_t i = 1; i < run.path.size(); ++i) CHECK(checker->motion(run.path[i - 1], run.path[i]).valid);
     std::set<std::string> keys;
     std::size_t proposals = 0;

@@ -66,7 +66,7 @@ void check_run(const Problem& problem, const RunRecord& run) {
   CHECK(run.improvements.back().length <= run.length * (1.0 + 1e-12));
   CHECK(run.improvements.back().validity_checks <= run.validity_checks);
   CHECK(problem.space.distance(run.path.front(), problem.start) == 0.0);
-  CHECK(problem.space.distance(run.path.back(), problem.goal) <= problem.goal_tolerance);
+  CHECK(problem.space.distance(run.path.back(), problem.goal()) <= problem.goal_tolerance);
   for (std::size_t i = 1; i < run.path.size(); ++i) CHECK(checker->motion(run.path[i - 1], run.path[i]).valid);
 }
 
@@ -406,13 +406,13 @@ TEST_CASE("a problem is checked before anything runs, and the message names the 
   CHECK_THROWS_WITH(execute(rrt(), problem, 1),
                     Contains("start (6.75, 5, 0) is in collision with") && Contains("obstacle 1"));
   problem = test::cup_problem();
-  problem.goal = {9, 5};
+  problem.goals = {{9, 5}};
   CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("goal has 2 coordinates, expected 3 (x, y, theta)"));
   problem = test::cup_problem();
-  problem.goal = {11, 5, 0};
+  problem.goals = {{11, 5, 0}};
   CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("out of bounds") && Contains("x = 11") && Contains("[0, 10]"));
   problem = test::cup_problem();
-  problem.goal = {9, std::nan(""), 0};
+  problem.goals = {{9, std::nan(""), 0}};
   CHECK_THROWS_WITH(execute(rrt(), problem, 1), Contains("finite number"));
   problem = test::cup_problem();
   problem.start = {0.1, 5, 0};

@@ -16,10 +16,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-void add_goal(Problem& problem, const Configuration& q) {
-  if (problem.further_goals.empty()) problem.further_goals = Configurations(problem.space.dimension());
-  problem.further_goals.push(q);
-}
+void add_goal(Problem& problem, const Configuration& q) { problem.goals.push_back(q); }
 
 /// The first goal is shut in by four walls; the second lies in the open, the third behind it.
 Problem shut_in() {
@@ -57,7 +54,7 @@ TEST_CASE("every planner stops at whichever goal it comes to", "[strategy][goals
     Problem problem = shut_in();
     if (kind.kinodynamic) {
       problem = test::driven(problem);
-      CHECK(problem.further_goals.size() == 2);
+      CHECK(problem.goals.size() == 3);
     }
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const RunRecord run = execute(StrategySpec(planner(kind)), problem, seed);
@@ -97,6 +94,6 @@ TEST_CASE("a goal that is in collision is named by its number", "[strategy][goal
   add_goal(problem, {7.5, 6.1, 0});
   CHECK_THROWS_WITH(check(problem), Contains("goal 4 (7.5, 6.1, 0) is in collision with obstacle 1"));
   problem = shut_in();
-  problem.goal = {7.5, 6.1, 0};
+  problem.goals.front() = {7.5, 6.1, 0};
   CHECK_THROWS_WITH(check(problem), Contains("goal 1 (7.5, 6.1, 0) is in collision"));
 }

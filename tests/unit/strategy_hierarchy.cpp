@@ -77,7 +77,7 @@ class Garbage final : public Bias {
 class ThroughWalls final : public Bias {
  public:
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
-    return std::make_unique<PointHeuristic>(parent.goal);
+    return std::make_unique<PointHeuristic>(parent.goal());
   }
 };
 
@@ -125,7 +125,7 @@ class NeverFinds final : public Same {
  public:
   std::unique_ptr<Instance> project(const Instance& parent) override {
     auto instance = Same::project(parent);
-    instance->validity = std::make_shared<MoatValidity>(parent.space, parent.goal);
+    instance->validity = std::make_shared<MoatValidity>(parent.space, parent.goal());
     return instance;
   }
 };
@@ -192,7 +192,7 @@ TEST_CASE("the work of guided proposals and of all levels below is bounded by th
           double below = 0.0;
           for (std::size_t i = 1; i < run.levels.size(); ++i) below += work(run.levels[i]);
           const double unguided = work(root) - guided;
-          const double grant = 1.5 * problem.space.distance(problem.start, problem.goal) / problem.resolution;
+          const double grant = 1.5 * problem.space.distance(problem.start, problem.goal()) / problem.resolution;
           // A search pauses between two proposals: the last of them, at each level, and the least slice may be beyond.
           const double beyond = 32.0 + 200.0 * static_cast<double>(run.levels.size());
           CHECK(guided + below <= unguided + grant + beyond);
@@ -341,7 +341,7 @@ TEST_CASE("what comes back into the world of a level comes back into the worlds 
       const RunRecord run =
           execute(over(GuideSpec::make(below, {}) >> GuideSpec::make("drop", {}), "rrt"), problem, seed);
       REQUIRE(run.levels.size() == 3);
-      const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->world.obstacles().size(); };
+      const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->obstacle_count(); };
       CHECK(obstacles(1) > 0);
       solves = std::max<std::uint64_t>(solves, run.levels[2].solves);
       if (below == "shrink") CHECK(obstacles(2) == obstacles(1));

@@ -268,7 +268,7 @@ TEST_CASE("h of a space that is searched late continues from the state of the se
       const Configuration q = {x, 5, 0};
       made->learn(test::reached(q));
     }
-    const Solution found{Status::solved, rows({problem.start, problem.goal}), {}};
+    const Solution found{Status::solved, rows({problem.start, problem.goal()}), {}};
     const auto h = made->heuristic(*parent, sub.get(), &found);
     Stream stream(1, "", "late");
     Configuration q(3);
@@ -293,7 +293,7 @@ TEST_CASE("a path that another space found is followed ahead of the tree, until 
     informed.observe(blocked ? test::blocked(q) : test::reached(q), blocked);
   };
   tell({3, 5, 0}, false);
-  informed.follow(rows({problem.start, problem.goal}));
+  informed.follow(rows({problem.start, problem.goal()}));
   REQUIRE(informed.guides());
   Stream stream(1, "", "informed");
   Configuration q(3);
@@ -321,7 +321,7 @@ TEST_CASE("a path that another space found is followed ahead of the tree, until 
   }
   CHECK_FALSE(informed.guides());
   // Another one takes its place; none, where there is none.
-  informed.follow(rows({problem.start, problem.goal}));
+  informed.follow(rows({problem.start, problem.goal()}));
   CHECK(informed.guides());
   informed.follow(Configurations(3));
   CHECK_FALSE(informed.guides());

@@ -2,6 +2,8 @@
 // Samplers whose divergence from a target is known, in closed form or to high precision.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -182,10 +185,10 @@ inline std::vector<Case> closed_cases() {
     return [space](Stream& s, MutableView x) { space.sample_uniform(s, x); };
   };
   const auto tube = [&](const Space& space, const std::vector<Configuration>& points, double delta,
-                        const char* distance) {
+                        std::string_view distance) {
     TubeSettings settings;
     settings.delta = delta;
-    settings.distance = distance;
+    settings.distance = distance == "planar" ? TubeSettings::Distance::planar : TubeSettings::Distance::full;
     return [=](std::uint64_t seed) {
       return std::make_shared<const Target>(space, path_of(points), std::vector<std::size_t>{0, 1}, settings, anywhere,
                                             seed);
@@ -296,6 +299,86 @@ inline std::vector<Case> closed_cases() {
   one.mendable = false;
   cases.push_back(std::move(one));
   return cases;
+}
+
+/// Tubes of bodies in space: 30 % of the samples are draws of the target, evenly along the path or 80 % of them in its
+/// first half, the others uniform in C. Nothing is lost across the path, so the bound by mass and arc length is the
+/// divergence.
+inline std::vector<Case> spatial_cases() {
+  const Space se3 = Space::se3({{{0, 10}, {0, 10}, {0, 10}}}, 0.5);
+  const Space with_joint = Space::product({{1.0, se3}, {0.5, Space::so2(1.0)}});
+  const double root = std::sqrt(0.5);
+  std::vector<Case> cases;
+  for (const Space& space : {se3, with_joint}) {
+    const std::string name = space == se3 ? "SE(3)" : "R^3 x SO(3) x S^1";
+    Configurations path(space.dimension());
+    for (Configuration q : {Configuration{2, 3, 5, 0, 0, 0, 1, -1}, Configuration{5, 5, 5, 0, 0, root, root, 0},
+                            Configuration{7, 4, 6, 0.5, 0.5, 0.5, 0.5, 1}}) {
+      q.resize(space.dimension());
+      path.push(q);
+    }
+    TubeSettings settings;
+    settings.distance = TubeSettings::Distance::full;
+    const auto make = [space, path, settings](std::uint64_t seed) {
+      return std::make_shared<const Target>(space, path, std::vector<std::size_t>{}, settings, anywhere, seed);
+    };
+    const auto target = make(3);
+    const double middle = 0.5 * target->length();
+    double first = 0.0;  // the share of the target nearest to the first half of the path
+    const auto n = static_cast<double>(target->pool().size());
+    for (std::size_t i = 0; i < target->pool().size(); ++i) {
+      first += target->along(target->pool()[i]) < middle ? 1.0 / n : 0.0;
+    }
+    for (const double early : {first, 0.8}) {
+      constexpr double guided = 0.3;
+      const double u = std::exp(-space.log_volume());
+      const double t = std::exp(-target->log_volume());
+      const std::array<double, 2> density = {(1.0 - guided) * u + guided * t * early / first,
+                                             (1.0 - guided) * u + guided * t * (1.0 - early) / (1.0 - first)};
+      const auto mean = [&](const auto& term) { return first * term(density[0]) + (1.0 - first) * term(density[1]); };
+      const bool even = early == first;
+      cases.push_back(
+          {fmt::format("{}, {}", name, even ? "even" : "skewed"),
+           even ? "30 % in the target, evenly" : "30 % in the target, of these 80 % in the first half of the path",
+           target, make,
+           [=](Stream& stream, MutableView x) {
+             if (stream.uniform() >= guided) return space.sample_uniform(stream, x);
+             const bool before = even || stream.uniform() < early;
+             while (true) {
+               const Configurations drawn = target->draw(1, stream);
+               if (!even && (target->along(drawn[0]) < middle) != before) continue;
+               std::copy(drawn[0].begin(), drawn[0].end(), x.begin());
+               return;
+             }
+           },
+           mean([&](double q) { return std::log(t / q); }),
+           mean([&](double q) { return constant_defended(target->log_volume(), space.log_volume(), q); })});
+    }
+  }
+  return cases;
+}
+
+/// The error of log|A| where the volume of a tube with rotations has a closed form.
+inline double worst_volume_error(std::size_t seeds) {
+  const double pi = std::numbers::pi;
+  const double w = 0.5;
+  const double delta = 0.5;
+  const Space space = Space::so3(w);
+  Configurations turn(4);
+  turn.push(std::vector{0.0, 0.0, 0.0, 1.0});
+  turn.push(std::vector{0.0, std::sin(0.5), 0.0, std::cos(0.5)});
+  const double a = delta / w;
+  // A cylinder about a turn of one radian, and half a ball of rotations at each end.
+  const double volume = w * w * w * (2.0 * pi * (1.0 - std::cos(a)) + 8.0 * pi * (a - std::sin(a)));
+  TubeSettings settings;
+  settings.distance = TubeSettings::Distance::full;
+  settings.delta = delta;
+  double worst = 0.0;
+  for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    const Target target(space, turn, {}, settings, anywhere, seed);
+    worst = std::max(worst, std::abs(target.log_volume() - std::log(volume)));
+  }
+  return worst;
 }
 
 }  // namespace trellis::verify

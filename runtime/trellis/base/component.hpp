@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -124,9 +126,28 @@ class Settings {
         [field](S& s, const OptionValue& v) { s.*field = std::get<bool>(v); });
     return *this;
   }
+  /// Declares an option that is one of several words.
   Settings& choice(std::string name, std::string S::*field, std::vector<std::string> choices, std::string doc) {
     add({std::move(name), Option::Type::choice, "", S{}.*field, {}, std::move(choices), std::move(doc)},
         [field](S& s, const OptionValue& v) { s.*field = std::get<std::string>(v); });
+    return *this;
+  }
+  /// Declares an option whose words stand for values of an enumeration, or for false and true. The default is the word
+  /// of the field's initialiser.
+  template <class T, class Owner>
+  requires(!std::is_same_v<T, std::string>) Settings& choice(
+      std::string name, T Owner::*field, const std::vector<std::pair<std::string, std::type_identity_t<T>>>& words,
+      std::string doc) {
+    std::vector<std::string> choices;
+    choices.reserve(words.size());
+    for (const auto& [word, value] : words) choices.push_back(word);
+    const auto standard = std::ranges::find(words, S{}.*field, [](const auto& entry) { return entry.second; });
+    if (standard == words.end()) throw Fault("option " + name + ": no word for the default");
+    add({std::move(name), Option::Type::choice, "", standard->first, {}, std::move(choices), std::move(doc)},
+        [field, words](S& s, const OptionValue& v) {
+          s.*field =
+              std::ranges::find(words, std::get<std::string>(v), [](const auto& entry) { return entry.first; })->second;
+        });
     return *this;
   }
   /// Declares an option that names a file to read; the default is no file.

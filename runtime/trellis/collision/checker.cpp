@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -13,20 +13,29 @@ namespace trellis {
 
 std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
                                       const Space& space, double resolution) {
+  const std::vector<std::string> known = collision_backends(*scene);
+  if (std::find(known.begin(), known.end(), backend) == known.end()) {
+    throw Error(fmt::format("no collision backend '{}'; there are '{}' and '{}'{}", backend, known.front(),
+                            known.back(), did_you_mean(backend, known)));
+  }
+  if (scene->spatial() != nullptr) {
+    return make_spatial_checker(std::move(scene), space, resolution, backend == "fcl");
+  }
   if (backend == "planar") return make_planar_checker(std::move(scene), space, resolution);
-  if (backend == "fcl") return make_fcl_checker(std::move(scene), space, resolution);
-  const std::array<std::string, 2> known = {"planar", "fcl"};
-  throw Error(
-      fmt::format("no collision backend '{}'; there are 'planar' and 'fcl'{}", backend, did_you_mean(backend, known)));
+  return make_fcl_checker(std::move(scene), space, resolution);
+}
+
+std::vector<std::string> collision_backends(const Scene& scene) {
+  if (scene.spatial() != nullptr) return {"fcl", "fcl_plain"};
+  return {"planar", "fcl"};
 }
 
 std::string describe(const Contact& contact, const Scene& scene) {
   if (contact.other) {
-    const Robot& robot = scene.robot;
-    return fmt::format("itself ({} meets {})", robot.body_name(contact.body), robot.body_name(*contact.other));
+    return fmt::format("itself ({} meets {})", scene.body_name(contact.body), scene.body_name(*contact.other));
   }
   if (!contact.obstacle) return "the world's boundary";
-  return scene.world.obstacles().at(*contact.obstacle).name;
+  return scene.obstacle_name(*contact.obstacle);
 }
 
 std::vector<std::uint32_t> bisection_order(std::uint32_t n) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -40,6 +40,8 @@ struct Contact {
 /// configurations, interpolate(a, b, i / n), i = 1..n: b is one of them, and the caller has validated a. It visits them
 /// in bisection order: n first, then the midpoints of [0, n], level by level from the left.
 ///
+/// Configurations have the space's `dimension` numbers, which is not checked: another size is undefined behaviour.
+///
 /// A checker has scratch memory: only one thread may use it at a time. Create one per level and run; construction is
 /// cheap for small worlds.
 class Checker {
@@ -68,8 +70,15 @@ class Checker {
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
 /// Returns the FCL backend: the planar parts as prisms in a dynamic tree. Only fcl_checker.cpp includes FCL.
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution);
-/// Returns a backend by name, "planar" or "fcl".
-/// \throws Error for another name.
+/// Returns the FCL backend of space, for rigid bodies among solids and meshes.
+/// \param filtered  whether sphere covers and a distance field decide what they can before FCL; same answers and counts
+std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
+                                              bool filtered = true);
+/// Returns the names of the backends of a scene, its default first: "planar" and "fcl" in the plane, "fcl" and
+/// "fcl_plain" in space.
+std::vector<std::string> collision_backends(const Scene& scene);
+/// Returns a backend by name.
+/// \throws Error for a name that the scene has not.
 std::unique_ptr<Checker> make_checker(const std::string& backend, std::shared_ptr<const Scene> scene,
                                       const Space& space, double resolution);
 

@@ -17,11 +17,12 @@ void check_fits(const Scene& scene, const Space& space, double resolution);
 /// bounds the accumulated rounding error in a world of this size.
 double touching_slack(const Scene& scene);
 
-/// Whether all coordinates that move the robot are finite. A configuration with another coordinate is invalid.
-inline bool is_finite(const Robot& robot, View q) {
+/// Whether the first `dimension` coordinates, which move the robot, are finite. A configuration with another coordinate
+/// is invalid.
+inline bool is_finite(View q, std::size_t dimension) {
   // 0 times infinity or NaN is NaN, 0 times a finite number is 0.
   double sum = 0.0;
-  for (std::size_t j = 0; j < robot.dimension(); ++j) sum += 0.0 * q[j];
+  for (std::size_t j = 0; j < dimension; ++j) sum += 0.0 * q[j];
   return sum == 0.0;
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/draw/circles.hpp>
 #include <trellis/draw/page.hpp>
 #include <trellis/draw/text.hpp>
 #include <trellis/draw/worlds.hpp>
@@ -25,67 +26,10 @@ constexpr double fitting = 0.95;
 constexpr double fitting_diameter = 0.95;  ///< cells
 constexpr double largest_diameter = 2.2;
 constexpr double tallest = 1.5;  ///< height of a panel, in widths of its column
-constexpr double ring = 0.8;     ///< points
-constexpr double least_shown = 0.5;
 
-/// The look of a role's circles. Beside other roles, the strategy's own circles are rings on top of the others.
-struct Look {
-  Colour colour;
-  double filling = 0.0;  ///< opacity
-  bool ringed = true;
-};
-
-Look look_of(Role role, RoleColours colours, bool alone) {
-  const Colour colour = colour_of(role, colours);
-  if (alone) return {colour, 0.55};
-  switch (role) {
-    case Role::target: return {colour, 0.65, false};
-    case Role::baseline: return {colour, 0.3, false};
-    case Role::tree:
-    case Role::expansion: break;
-  }
-  return {colour};
-}
-
-/// Returns the layers of a panel from the lowest to the highest: filled circles below rings.
-std::vector<CircleLayer> below_each_other(const PlanarPanel& panel) {
-  constexpr std::array order = {2, 4, 3, 1};  // target, tree, expansion, baseline
-  std::vector<CircleLayer> layers = panel.layers;
-  std::stable_sort(layers.begin(), layers.end(), [&](const CircleLayer& a, const CircleLayer& b) {
-    return order.at(static_cast<std::size_t>(a.role)) < order.at(static_cast<std::size_t>(b.role));
-  });
-  return layers;
-}
-
-/// Circles of one look on paper. The outer edges of their rings have the given radii.
-class Circles {
- public:
-  void add(Point at, double radius) {
-    if (!(radius > 0.0)) return;
-    if (radius <= ring) {
-      append(dots_, Path::circle(at, radius));
-    } else {
-      append(discs_, Path::circle(at, radius));
-      append(rings_, Path::circle(at, radius - 0.5 * ring));
-    }
-  }
-  void draw(Canvas& canvas, const Look& look) const {
-    if (look.filling > 0.0 && !discs_.verbs().empty()) canvas.fill(discs_, look.colour.faded(look.filling));
-    if (look.ringed && !rings_.verbs().empty()) canvas.stroke(rings_, {look.colour, ring});
-    if (!dots_.verbs().empty()) canvas.fill(dots_, look.ringed ? look.colour : look.colour.faded(look.filling));
-  }
-
- private:
-  Path discs_;
-  Path rings_;
-  Path dots_;
-};
-
-double radius_of(double area) { return std::sqrt(area / std::numbers::pi); }
-
-double largest(const PlanarPanel& panel) {
+double largest(const std::vector<CircleLayer>& layers) {
   double most = 0.0;
-  for (const auto& layer : panel.layers) {
+  for (const auto& layer : layers) {
     for (const double mean : layer.mean) most = std::max(most, mean);
   }
   return most;
@@ -96,7 +40,7 @@ struct Entry {
   enum class Sign : std::uint8_t { circles, start, goal, path, obstacle };
   Sign sign = Sign::circles;
   std::string name;
-  Look look{};
+  CircleLook look{};
 };
 
 class Plot {
@@ -137,8 +81,8 @@ class Plot {
     }
   }
 
-  [[nodiscard]] Look look(const PlanarPanel& panel, const CircleLayer& layer) const {
-    return look_of(layer.role, figure_.colours, panel.layers.size() == 1);
+  [[nodiscard]] CircleLook look(const PlanarPanel& panel, const CircleLayer& layer) const {
+    return circle_look(layer.role, figure_.colours, panel.layers.size() == 1);
   }
 
   void add(Entry entry) {
@@ -194,11 +138,10 @@ class Plot {
         const PlanarPanel& panel = figure_.panels[p];
         Frame& frame = frames_[p];
         frame.title = page::wrapped(panel.title, column, page::panel_font, 3);
-        frame.area = area_per_sample(panel, grid_) * scale_ * scale_;
-        frame.sizes = sizes_explained(panel);
-        std::erase_if(frame.sizes, [&](double size) { return radius_of(size * frame.area) < least_shown; });
+        frame.area = area_per_sample(panel.layers, grid_.cell()) * scale_ * scale_;
+        frame.sizes = visible_sizes(sizes_explained(panel.layers), frame.area);
         if (!frame.title.empty()) top = std::max(top, page::block_height(frame.title, page::panel_font) + 3.0);
-        if (!frame.sizes.empty()) bottom = std::max(bottom, sizes_height(frame) + 3.0);
+        if (!frame.sizes.empty()) bottom = std::max(bottom, circle_sizes_height(frame.sizes, frame.area) + 3.0);
       }
       for (std::size_t p = begin; p < end; ++p) {
         frames_[p].plot = {page::border + static_cast<double>(p - begin) * (column + page::gap), y + top,
@@ -215,10 +158,6 @@ class Plot {
     double area = 0.0;          ///< square points for each sample
     std::vector<double> sizes;  ///< mean counts in the legend below
   };
-
-  static double sizes_height(const Frame& frame) {
-    return std::max(page::line_height(page::tick_font), 2.0 * radius_of(frame.sizes.back() * frame.area));
-  }
 
   /// Returns the map from the world to paper.
   [[nodiscard]] Transform map(const Rect& plot) const {
@@ -244,10 +183,10 @@ class Plot {
       const auto start = robot_paths(figure_.start, to_paper);
       const auto goal = robot_paths(figure_.goal, to_paper);
       for (const Path& part : start) canvas.fill(part, start_colour);
-      for (const CircleLayer& layer : below_each_other(panel)) {
+      for (const CircleLayer& layer : below_each_other(panel.layers)) {
         Circles circles;
         for (std::size_t i = 0; i < layer.mean.size(); ++i) {
-          circles.add(to_paper(grid_.centre(i)), radius_of(layer.mean[i] * frame.area));
+          circles.add(to_paper(grid_.centre(i)), circle_radius(layer.mean[i] * frame.area));
         }
         circles.draw(canvas, look(panel, layer));
       }
@@ -257,37 +196,16 @@ class Plot {
     }
     canvas.stroke(Path::rectangle(plot), {palette::frame, 0.8, {}, Cap::butt, Join::miter});
     if (figure_.scale_bar && p == 0) draw_scale_bar(canvas, plot, scale_);
-    if (!panel.note.empty()) {
-      const Font font{.size = 9.0, .italic = true};
-      const std::string note = shorten(panel.note, plot.width - 6.0, font);
-      const TextExtents extents = text_extents(note, font);
-      const Point at = plot.centre();
-      canvas.fill(Path::rectangle({at.x - 0.5 * extents.width - 3.0, at.y - 0.5 * extents.height() - 1.0,
-                                   extents.width + 6.0, extents.height() + 2.0}),
-                  palette::paper.faded(0.85));
-      canvas.text(note, at, {font, palette::muted, Align::centre, Stand::middle});
-    }
+    if (!panel.note.empty()) draw_note(canvas, panel.note, plot);
     draw_sizes(canvas, panel, frame);
   }
 
   void draw_sizes(Canvas& canvas, const PlanarPanel& panel, const Frame& frame) const {
     if (frame.sizes.empty()) return;
-    const double middle = frame.plot.bottom() + 3.0 + 0.5 * sizes_height(frame);
-    const TextStyle style{page::tick_font, palette::ink, Align::left, Stand::middle};
     // With several layers the legend refers to none of them.
-    const Look grey{palette::muted, 0.3};
-    double x = frame.plot.x + 1.0;
-    for (const double size : frame.sizes) {
-      const double radius = radius_of(size * frame.area);
-      Circles circle;
-      circle.add({x + radius, middle}, radius);
-      circle.draw(canvas, panel.layers.size() == 1 ? look(panel, panel.layers.front()) : grey);
-      const std::string text = fmt::format("{:g}", size);
-      canvas.text(text, {x + 2.0 * radius + 2.0, middle}, style);
-      x += 2.0 * radius + 2.0 + text_extents(text, page::tick_font).width + 7.0;
-    }
-    canvas.text(shorten("per cell", frame.plot.right() - x + 4.0, page::tick_font), {x - 4.0, middle},
-                {page::tick_font, palette::muted, Align::left, Stand::middle});
+    const CircleLook grey{palette::muted, 0.3};
+    draw_circle_sizes(canvas, frame.sizes, frame.area,
+                      panel.layers.size() == 1 ? look(panel, panel.layers.front()) : grey, frame.plot);
   }
 
   static void draw_entry(Canvas& canvas, const Entry& entry, Point at) {
@@ -378,22 +296,21 @@ Point Grid::centre(std::size_t index) const {
   return {world_.x + middle(index % columns_, world_.width), world_.y + middle(index / columns_, world_.height)};
 }
 
-double area_per_sample(const PlanarPanel& panel, const Grid& grid) {
+double area_per_sample(const std::vector<CircleLayer>& layers, double cell) {
   std::vector<double> counts;
-  counts.reserve(panel.layers.size() * grid.size());
-  for (const auto& layer : panel.layers) {
+  for (const auto& layer : layers) {
     std::copy_if(layer.mean.begin(), layer.mean.end(), std::back_inserter(counts), [](double n) { return n > 0.0; });
   }
   if (counts.empty()) return 0.0;
   std::sort(counts.begin(), counts.end());
   const auto last = static_cast<double>(counts.size() - 1);
   const double usual = counts[static_cast<std::size_t>(std::ceil(fitting * last))];
-  const auto area = [&](double diameter) { return std::numbers::pi * std::pow(0.5 * diameter * grid.cell(), 2); };
+  const auto area = [&](double diameter) { return std::numbers::pi * std::pow(0.5 * diameter * cell, 2); };
   return std::min(area(fitting_diameter) / usual, area(largest_diameter) / counts.back());
 }
 
-std::vector<double> sizes_explained(const PlanarPanel& panel) {
-  const double most = largest(panel);
+std::vector<double> sizes_explained(const std::vector<CircleLayer>& layers) {
+  const double most = largest(layers);
   if (!(most > 0.0)) return {};
   // 1, 2 or 5 times a power of ten, and two more sizes, a quarter or a fifth of the one before.
   const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9));

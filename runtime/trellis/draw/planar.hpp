@@ -85,10 +85,11 @@ struct PlanarFigure {
 /// Returns the area of a circle per sample of the mean count, square metres; one scale for all layers of a panel.
 /// Nearly all circles fit into their cells: those of the fullest twentieth may overlap the next cells. 0 without
 /// samples.
-double area_per_sample(const PlanarPanel& panel, const Grid& grid);
+/// \param cell  the side of a cell, metres
+double area_per_sample(const std::vector<CircleLayer>& layers, double cell);
 
 /// Returns mean counts for the legend of a panel's circles, ascending: round numbers up to the largest.
-std::vector<double> sizes_explained(const PlanarPanel& panel);
+std::vector<double> sizes_explained(const std::vector<CircleLayer>& layers);
 
 /// Draws a figure on white, clipped to the world. Its panels and texts determine its height.
 Canvas plot(const PlanarFigure& figure);

@@ -40,7 +40,7 @@ CostField::CostField(CostFieldInstance instance, const CostFieldSettings& settin
     index_.add(*end);
   }
   sample(settings.samples, seed);
-  const auto d = static_cast<double>(instance_.space.dimension());
+  const auto d = static_cast<double>(instance_.space.degrees());
   neighbours_ = static_cast<std::size_t>(
       std::ceil(std::numbers::e * (1.0 + 1.0 / d) * std::log(static_cast<double>(nodes_.size()))));
   join(known);
@@ -61,17 +61,14 @@ CostField::CostField(CostFieldInstance instance, const CostFieldSettings& settin
 void CostField::sample(std::size_t count, std::uint64_t seed) {
   const Space& space = instance_.space;
   Stream stream(seed, "", "cost field");
-  std::vector<double> shift(space.dimension());
-  for (double& x : shift) x = stream.uniform();
-  measure::LowDiscrepancy sequence(space.dimension(), shift);
+  std::vector<double> unit(space.degrees());
+  for (double& x : unit) x = stream.uniform();
+  measure::LowDiscrepancy sequence(space.degrees(), unit);
   Configuration q(space.dimension());
   std::size_t taken = 0;
   for (std::size_t i = 0; i < count * tries_per_sample && taken < count; ++i) {
-    sequence.next(q);
-    for (std::size_t j = 0; j < q.size(); ++j) {
-      const Axis& axis = space.axes()[j];
-      q[j] = axis.lo + (axis.hi - axis.lo) * q[j];
-    }
+    sequence.next(unit);
+    space.from_unit(unit, q);
     if (!instance_.valid(q)) continue;
     nodes_.push(q);
     index_.add(q);

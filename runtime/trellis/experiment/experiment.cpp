@@ -51,7 +51,7 @@ void check(const Measure& measure) {
     check(component, all);
   };
   if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
-    with(tube_settings().component(), {{"distance", tube->distance}, {"support", tube->support}});
+    with(tube_settings().component(), {{"distance", to_string(tube->distance)}, {"support", to_string(tube->support)}});
   } else if (const auto* near = std::get_if<NearOptimalSettings>(&measure.target)) {
     with(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
   } else if (const auto* progress = std::get_if<ProgressSettings>(&measure.target)) {

@@ -14,8 +14,10 @@
 #include <variant>
 
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/targets.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/triangulation.hpp>
 
 namespace trellis {
@@ -24,14 +26,9 @@ namespace {
 
 /// Warns of angles beyond a full turn.
 void find_degrees(const Problem& problem, std::vector<std::string>& warnings) {
-  std::vector<std::pair<std::string, Configuration>> ends = {{"start", problem.start}, {"goal", problem.goal}};
-  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
-    const View q = problem.further_goals[i];
-    ends.emplace_back(fmt::format("goal {}", i + 2), Configuration(q.begin(), q.end()));
-  }
-  const auto& axes = problem.space.axes();
+  const std::vector<Axis> axes = problem.space.coordinates();
   constexpr double full_turn = 2.0 * std::numbers::pi;
-  for (const auto& [what, q] : ends) {
+  for (const auto& [what, q] : named_ends(problem)) {
     for (std::size_t j = 0; j < std::min(q.size(), axes.size()); ++j) {
       const bool angle = axes[j].periodic && std::abs(axes[j].period() - full_turn) < 1e-9;
       if (!angle || std::abs(q[j]) <= full_turn) continue;
@@ -65,20 +62,21 @@ bool covers_reference(const Robot& robot) { return robot.is_point() || robot.ins
 
 /// Warns of a start and goal that obstacles separate for a point, and so for every robot that has it.
 void find_separation(const Problem& problem, std::vector<std::string>& warnings) {
-  const Scene& scene = *problem.scene;
+  if (problem.scene->planar() == nullptr) return;
+  const PlanarScene& scene = *problem.scene->planar();
   const auto& obstacles = scene.world.obstacles();
   // Polygons about discs may close a gap.
   const bool polygons = std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& obstacle) {
     return !std::holds_alternative<Disc>(obstacle.shape);
   });
   constexpr std::size_t most_obstacles = 1000;  // a tenth of a second
-  if (!polygons || obstacles.size() > most_obstacles || problem.reach || !problem.further_goals.empty()) return;
+  if (!polygons || obstacles.size() > most_obstacles || problem.reach || problem.goals.size() != 1) return;
   if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return;
   const auto [lo, hi] = scene.world.bounds();
   try {
     const Triangulation free(scene.world, std::max(hi.x - lo.x, hi.y - lo.y));
     const auto start = free.find({problem.start[0], problem.start[1]});
-    const auto goal = free.find({problem.goal[0], problem.goal[1]});
+    const auto goal = free.find({problem.goal()[0], problem.goal()[1]});
     if (!start || !goal || connected(free, *start)[*goal]) return;
     warnings.push_back(fmt::format(
         "problem '{}': obstacles separate start and goal: not even a point has a path, so no run can succeed",
@@ -95,21 +93,22 @@ void add_once(std::string warning, std::vector<std::string>& warnings) {
 void find_numbered_axes(const GuideSpec& guide, const Problem& problem, const std::string& where,
                         std::vector<std::string>& warnings) {
   const auto* axes = std::get_if<std::vector<std::string>>(&guide.options().at("axes"));
-  const Robot& robot = problem.scene->robot;
-  if (axes == nullptr || robot.bodies().size() != 1 || !robot.translates()) return;
+  const Scene& scene = *problem.scene;
+  if (axes == nullptr || scene.body_count() != 1 || !scene.translates()) return;
+  const std::vector<Axis> coordinates = problem.space.coordinates();
   std::vector<std::string> kept;
   for (const std::string& axis : *axes) {
     const double number = parse_number(axis);
-    if (!(number >= 1.0) || number > static_cast<double>(problem.space.dimension())) return;  // a name, or an error
-    kept.push_back(problem.space.axes()[static_cast<std::size_t>(number) - 1].name);
+    if (!(number >= 1.0) || number > static_cast<double>(coordinates.size())) return;  // a name, or an error
+    kept.push_back(coordinates[static_cast<std::size_t>(number) - 1].name);
   }
   if (kept.empty()) return;
   add_once(
       fmt::format("{}: the robot of problem '{}' is a rigid body and has no joints; 1 is its axis {}{}. If S is to "
                   "keep {}, write joints {{ \"{}\" }}",
-                  where, problem.name, problem.space.axes().front().name,
-                  problem.space.dimension() > 1 ? fmt::format(", 2 is {}", problem.space.axes()[1].name) : "",
-                  fmt::join(kept, ", "), fmt::join(kept, "\", \"")),
+                  where, problem.name, coordinates.front().name,
+                  coordinates.size() > 1 ? fmt::format(", 2 is {}", coordinates[1].name) : "", fmt::join(kept, ", "),
+                  fmt::join(kept, "\", \"")),
       warnings);
 }
 
@@ -136,7 +135,7 @@ void find_library(const GuideSpec& guide, const Problem& problem, const std::str
   }
   const bool any_robot = std::get<std::string>(guide.options().at("robots")) == "any";
   const std::uint64_t space = identity(problem.space);
-  const std::uint64_t robot = identity(problem.scene->robot);
+  const std::uint64_t robot = robot_hash(*problem.scene);
   const auto fits = [&](const StoredPath& p) { return p.space == space && (any_robot || p.robot == robot); };
   if (paths.empty() || std::any_of(paths.begin(), paths.end(), fits)) return;
   std::vector<std::string> others;
@@ -152,7 +151,7 @@ void find_library(const GuideSpec& guide, const Problem& problem, const std::str
   add_once(fmt::format(
                "{}: the library '{}' has no path of the robot '{}' of problem '{}' in {}, so it guides nothing there; "
                "its robots are {}{}{}",
-               where, file, problem.scene->robot.name(), problem.name, problem.space.name(), fmt::join(others, ", "),
+               where, file, problem.scene->robot_name(), problem.name, problem.space.name(), fmt::join(others, ", "),
                more > 0 ? fmt::format(" and {} more", more) : "",
                same_space && !any_robot ? "; robots = \"any\" uses the paths of other robots" : ""),
            warnings);
@@ -172,7 +171,7 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
     for (const auto& term : guide.terms()) find_useless(term.guide, problem, strategy, warnings);
     return;
   }
-  if (guide.name() == "shrink" && !guide.custom() && problem.scene->robot.is_point()) {
+  if (guide.name() == "shrink" && !guide.custom() && problem.scene->is_point()) {
     warnings.push_back(
         fmt::format("{} in strategy '{}': the robot of problem '{}' is a point, which has nothing to shrink",
                     guide.text_alone(), strategy, problem.name));
@@ -186,6 +185,20 @@ void find_useless(const GuideSpec& guide, const Problem& problem, const std::str
   if (guide.below() != nullptr) find_useless(*guide.below(), problem, strategy, warnings);
 }
 
+/// Warns of targets and estimators that have no figure in the problem's space.
+void find_unmeasurable(const Measure& measure, const Problem& problem, std::vector<std::string>& warnings) {
+  const std::string where = fmt::format("experiment on problem '{}'", problem.name);
+  if (std::holds_alternative<NearOptimalSettings>(measure.target)) {
+    if (const std::string reason = unfit_near_optimal(problem.space); !reason.empty()) {
+      add_once(fmt::format("{}: {}", where, reason), warnings);
+    }
+  }
+  for (const EstimatorSpec& estimator : measure.estimators) {
+    const std::string reason = unfit_in(problem.space, estimator);
+    if (!reason.empty()) add_once(fmt::format("{}: {}", where, reason), warnings);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> input_warnings(const Experiment& experiment) {
@@ -193,6 +206,7 @@ std::vector<std::string> input_warnings(const Experiment& experiment) {
   for (const Problem& problem : experiment.problems) {
     find_degrees(problem, warnings);
     find_separation(problem, warnings);
+    if (experiment.measure) find_unmeasurable(*experiment.measure, problem, warnings);
     for (const auto& [name, strategy] : experiment.strategies) {
       if (strategy.guide() != nullptr) find_useless(*strategy.guide(), problem, name, warnings);
     }

@@ -18,7 +18,7 @@ Rejections rejections(const LevelRecord& level, double resolution, std::size_t m
   }
   result.rejected = blocked.size();
   if (blocked.empty()) return result;
-  const auto checker = make_checker("planar", level.scene, level.space, resolution);
+  const auto checker = make_checker(collision_backends(*level.scene).front(), level.scene, level.space, resolution);
   std::map<std::string, std::size_t> counts;
   Configuration invalid(level.space.dimension());
   const std::size_t looked = std::min(most, blocked.size());

@@ -361,7 +361,7 @@ class ProblemScoring {
       Configurations anywhere(space.dimension());
       Configuration x(space.dimension());
       for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = 0; j < x.size(); ++j) x[j] = stream.uniform(space.axes()[j].lo, space.axes()[j].hi);
+        space.sample_uniform(stream, x);
         anywhere.push(x);
       }
       Efficiency& blind = tree ? uniform.tree : uniform.expansion;

@@ -22,14 +22,11 @@ constexpr std::size_t tries_per_witness = 64;
 class Uniform {
  public:
   Uniform(const Space& space, std::uint64_t seed, const char* purpose)
-      : space_(space), sequence_(space.dimension(), shift(space.dimension(), seed, purpose)) {}
+      : space_(space), unit_(space.degrees()), sequence_(space.degrees(), shift(space.degrees(), seed, purpose)) {}
 
   void next(MutableView q) {
-    sequence_.next(q);
-    for (std::size_t j = 0; j < q.size(); ++j) {
-      const Axis& axis = space_.axes()[j];
-      q[j] = axis.lo + (axis.hi - axis.lo) * q[j];
-    }
+    sequence_.next(unit_);
+    space_.from_unit(unit_, q);
   }
 
  private:
@@ -41,6 +38,7 @@ class Uniform {
   }
 
   const Space& space_;
+  std::vector<double> unit_;
   measure::LowDiscrepancy sequence_;
 };
 

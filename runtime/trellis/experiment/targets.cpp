@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/experiment/targets.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +10,10 @@
 
 #include <trellis/experiment/cost_field.hpp>
 #include <trellis/instance/instance.hpp>
+#include <trellis/measure/estimator.hpp>
 #include <trellis/measure/frame.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
+#include <trellis/measure/tube.hpp>
 
 namespace trellis {
 
@@ -19,6 +23,7 @@ constexpr std::uint64_t cost_seed = 0x6f7074696d756d00;
 
 /// Whether a path has positive length over some axes.
 bool has_length(const Space& space, const Configurations& path, const std::vector<std::size_t>& axes) {
+  if (!space.flat()) return measure::make_tube(measure::Frame(space), path, axes, 1.0)->length() > 0.0;
   Configuration step(space.dimension());
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     space.difference(path[i], path[i + 1], step);
@@ -39,7 +44,7 @@ std::vector<std::size_t> all_axes(const Space& space) {
 class Steering {
  public:
   Steering(const Space& space, const MotionModel* model, Stream& stream)
-      : space_(space), model_(model), stream_(stream), direction_(space.dimension()) {
+      : space_(space), model_(model), stream_(stream), direction_(space.degrees()) {
     if (model != nullptr) control_.resize(model->controls().size());
   }
 
@@ -53,8 +58,13 @@ class Steering {
       square += u * u;
     }
     const double scale = length / std::sqrt(square);
-    for (std::size_t j = 0; j < end.size(); ++j) {
-      end[j] = from[j] + scale * direction_[j] / space_.axes()[j].weight;
+    if (space_.flat()) {
+      for (std::size_t j = 0; j < end.size(); ++j) {
+        end[j] = from[j] + scale * direction_[j] / space_.axes()[j].weight;
+      }
+    } else {
+      for (double& u : direction_) u *= scale;
+      space_.exp(from, direction_, end);
     }
     space_.normalise(end);
     return space_.contains(end);
@@ -105,7 +115,7 @@ class Steering {
 
 MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
                      std::uint64_t seed) {
-  const bool planar = settings.distance == "planar" && !level.position_axes.empty();
+  const bool planar = settings.distance == TubeSettings::Distance::planar && !level.position_axes.empty();
   std::vector<std::size_t> axes = planar ? level.position_axes : all_axes(level.space);
   if (!has_length(level.space, path, axes)) return {nullptr, "the path has no length"};
   auto target = std::make_shared<const Target>(level.space, path, std::move(axes), settings, level.valid, seed);
@@ -113,7 +123,16 @@ MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const
   return {std::move(target), ""};
 }
 
+std::string unfit_near_optimal(const Space& space) {
+  if (space.degrees() < most_across) return "";
+  return fmt::format(
+      "near_optimal has no target in {}: from {} degrees of freedom on a PRM* has no near-optimal costs; "
+      "use tube",
+      space.name(), most_across);
+}
+
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings) {
+  if (std::string reason = unfit_near_optimal(level.space); !reason.empty()) return {nullptr, std::move(reason)};
   if (!level.valid(level.start) || !level.valid(level.goal)) return {nullptr, "start or goal is invalid in this space"};
   const auto field = std::make_shared<CostField>(
       CostFieldInstance{level.space, level.start, level.goal, level.valid, level.valid_motion},

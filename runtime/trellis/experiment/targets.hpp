@@ -23,7 +23,11 @@ struct MadeTarget {
 MadeTarget make_tube(const LevelRecord& level, const Configurations& path, const TubeSettings& settings,
                      std::uint64_t seed);
 
-/// Makes the target of near-optimal configurations of a level's instance; equal for all its runs.
+/// Returns why a space has no target of near-optimal paths; "" where it has one.
+std::string unfit_near_optimal(const Space& space);
+
+/// Makes the target of near-optimal configurations of a level's instance; equal for all its runs. None from five
+/// degrees of freedom on.
 MadeTarget make_near_optimal(const LevelRecord& level, const NearOptimalSettings& settings);
 
 /// A search's motions ranked by their progress towards the goal, and the target of those ranks.

@@ -90,6 +90,17 @@ void add_panels(const RunsSummary& summary, const Waterfall& waterfall, const Fi
   }
 }
 
+/// Returns what a caption says of nats that are bounds, by mass and arc length; "" where none are.
+std::string bound_text(const RunsSummary& summary) {
+  const bool bounds = std::any_of(summary.levels.begin(), summary.levels.end(), [](const LevelSummary& level) {
+    return std::any_of(level.root.tree.flags.begin(), level.root.tree.flags.end(),
+                       [](const auto& flag) { return flag.first == "lower bound"; });
+  });
+  return bounds ? " Without recorded densities at most: from mass and arc length, which do not show losses across the "
+                  "path."
+                : "";
+}
+
 /// Adds a panel for the profile of one level and role, because two roles usually have different numbers of bins.
 void add_profile(const Figure& figure, const std::string& level, const std::string& role, const draw::Colour& colour,
                  draw::Profile& picture) {
@@ -222,9 +233,9 @@ std::optional<draw::Figure> plane_figure(const std::string& heading, const RunsS
   figure.legend = draw::Legend::above;
   figure.caption = fmt::format(
       "Levels lifted to the root's space; right: more samples lie in the target; up: they cover it more evenly. The "
-      "sum is what a level gains above uniform; {}. Arrows lead from a level to the one that it guides.{}",
+      "sum is what a level gains above uniform; {}. Arrows lead from a level to the one that it guides.{}{}",
       averaged.text(summary.runs, "whiskers"),
-      unsure ? " Circles: too few samples in the target for a sure estimate of the spread." : "");
+      unsure ? " Circles: too few samples in the target for a sure estimate of the spread." : "", bound_text(summary));
   return figure;
 }
 
@@ -242,8 +253,8 @@ StrategyFigures strategy_figures(const std::string& problem, const std::string& 
   for (const Waterfall* shown : {&summary.tree_waterfall, &summary.expansion_waterfall}) {
     for (const WaterfallStep& s : shown->steps) in_waterfall.add(s.added);
   }
-  waterfall.caption = fmt::format("Lifted to the root's space, against the root's own path; {}.",
-                                  in_waterfall.text(summary.runs, "whiskers"));
+  waterfall.caption = fmt::format("Lifted to the root's space, against the root's own path; {}.{}",
+                                  in_waterfall.text(summary.runs, "whiskers"), bound_text(summary));
   add_panels(summary, summary.tree_waterfall, root.tree, "tree", waterfall);
   add_panels(summary, summary.expansion_waterfall, root.expansion, "expansion", waterfall);
   std::erase_if(waterfall.panels, [](const draw::WaterfallPanel& panel) { return !has_bars(panel); });
@@ -275,8 +286,10 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
   std::size_t most_runs = 0;
   std::size_t shown = 0;
   double perfect = 0.0;
+  std::string bounds;
   for (const auto& [strategy, of] : strategies) {
     if (of->levels.size() < 2) continue;
+    if (bounds.empty()) bounds = bound_text(*of);
     const LevelSummary& root = of->levels.front();
     draw::Waterfall own;
     add_panels(*of, of->tree_waterfall, root.root.tree, "tree", own);
@@ -303,8 +316,8 @@ std::optional<draw::Figure> waterfalls_figure(const std::string& problem, const 
   all.title = fmt::format("{}: what each level adds above uniform, on one scale", problem);
   all.caption = fmt::format(
       "Lifted to the root's space, against the root's own path; {}. The scale ends above "
-      "perfect guidance, and as far below uniform sampling: what is beyond has an arrow.",
-      averaged.text(most_runs, "whiskers"));
+      "perfect guidance, and as far below uniform sampling: what is beyond has an arrow.{}",
+      averaged.text(most_runs, "whiskers"), bounds);
   draw::Figure figure = draw::waterfall(all);
   figure.columns = 4;
   figure.width = 700.0;

@@ -22,6 +22,7 @@
 #include <trellis/figures/html_content.hpp>
 #include <trellis/figures/html_parts.hpp>
 #include <trellis/figures/html_run.hpp>
+#include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/report/costs.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
@@ -29,6 +30,8 @@
 #include <trellis/report/unsolved.hpp>
 #include <trellis/report/verdict.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
@@ -403,26 +406,35 @@ std::string held_text(const Experiment& experiment, const ExperimentResult& resu
   return R"(<p class="note">)" + escaped(text) + "The tables are of all runs.</p>";
 }
 
-Json problem_json(const Problem& problem, RobotTable& robots) {
+bool is_spatial(const Problem& problem) { return problem.scene && problem.scene->spatial() != nullptr; }
+
+Json problem_json(const Problem& problem, RobotTable& robots, WorldTable& worlds) {
   Json bounds = nullptr;
   Json obstacles = Json::array();
-  if (problem.scene) {
-    const Box2& box = problem.scene->world.bounds();
+  if (const PlanarScene* scene = problem.scene ? problem.scene->planar() : nullptr) {
+    const Box2& box = scene->world.bounds();
     bounds = {box.lo.x, box.lo.y, box.hi.x, box.hi.y};
-    for (const auto& obstacle : problem.scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
+    for (const auto& obstacle : scene->world.obstacles()) obstacles.push_back(shape_json(obstacle.shape));
+  } else if (const SpatialScene* in_space = problem.scene ? problem.scene->spatial() : nullptr) {
+    const auto& [lo, hi] = in_space->world.bounds();
+    bounds = {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z};
   }
-  Json goals = Json::array({problem.goal});
-  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
-    goals.push_back(Configuration(problem.further_goals[i].begin(), problem.further_goals[i].end()));
+  const bool moves = problem.scene && problem.scene->translates();
+  Json json = {{"name", problem.name},
+               {"bounds", std::move(bounds)},
+               {"obstacles", std::move(obstacles)},
+               {"start", problem.start},
+               {"goals", problem.goals},
+               {"position", moves ? Json{0, 1} : Json::array()},
+               {"robot", robots.add(problem.scene.get())}};
+  if (is_spatial(problem)) {
+    const SpatialScene& scene = *problem.scene->spatial();
+    const draw::Camera camera = draw::camera_for(drawn(scene.world.bounds().lo), drawn(scene.world.bounds().hi));
+    json["position"] = {0, 1, 2};
+    json["world"] = worlds.add(scene.world);
+    json["view"] = {camera.azimuth, camera.elevation};
   }
-  const bool moves = problem.scene && problem.scene->robot.translates();
-  return {{"name", problem.name},
-          {"bounds", std::move(bounds)},
-          {"obstacles", std::move(obstacles)},
-          {"start", problem.start},
-          {"goals", std::move(goals)},
-          {"position", moves ? Json{0, 1} : Json::array()},
-          {"robot", robots.add(problem.scene.get())}};
+  return json;
 }
 
 /// The tables of levels and the figures, of each problem and strategy.
@@ -471,7 +483,8 @@ std::string comparison_scripts(const HtmlContent& content) {
 }
 
 /// \param problems  as problem_json() writes them
-std::string data_scripts(const HtmlContent& content, Json problems, const HeldRuns& held, const RobotTable& robots) {
+std::string data_scripts(const HtmlContent& content, Json problems, const HeldRuns& held, const RobotTable& robots,
+                         const WorldTable& worlds) {
   Json strategies = Json::array();
   for (const HtmlStrategy& one : content.strategies) strategies.push_back({{"name", one.name}, {"text", one.text}});
   Json cells = Json::array();
@@ -499,13 +512,10 @@ std::string data_scripts(const HtmlContent& content, Json problems, const HeldRu
   // Seeds as text: a number in JavaScript has 53 bits.
   Json seeds = Json::array();
   for (const std::uint64_t seed : content.seeds) seeds.push_back(std::to_string(seed));
-  std::string out = script("data", script_json({{"problems", std::move(problems)},
-                                                {"strategies", std::move(strategies)},
-                                                {"seeds", std::move(seeds)},
-                                                {"robots", robots.list()},
-                                                {"classes", std::move(classes)},
-                                                {"cells", std::move(cells)}}));
-  return out + held.scripts;
+  Json data = {{"problems", std::move(problems)}, {"strategies", std::move(strategies)}, {"seeds", std::move(seeds)},
+               {"robots", robots.list()},         {"classes", std::move(classes)},       {"cells", std::move(cells)}};
+  if (!worlds.list().empty()) data["worlds"] = worlds.list();
+  return script("data", script_json(data)) + held.scripts;
 }
 
 HtmlRunFacts facts_of(const RunResult& run) {
@@ -580,8 +590,9 @@ Tables tables_of(const HtmlContent& content) {
   return {summary_table(content) + warnings_html(content), worth_scripts(content) + comparison_scripts(content)};
 }
 
-std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes,
-                    const std::string& data) {
+/// \param in_space  whether a problem is one of space: the page contains the viewer of space
+std::string page_of(const HtmlContent& content, const Tables& tables, const std::string& notes, const std::string& data,
+                    bool in_space = false) {
   const HtmlParts& parts = html_parts();
   return filled(parts.page, {{"TITLE", escaped(content.script.empty() ? "Trellis" : "Trellis: " + content.script)},
                              {"ABOUT", escaped(content.about)},
@@ -589,7 +600,7 @@ std::string page_of(const HtmlContent& content, const Tables& tables, const std:
                              {"SUMMARY", tables.summary},
                              {"NOTES", notes},
                              {"DATA", tables.worth + data},
-                             {"SCRIPT", std::string(parts.script)}});
+                             {"SCRIPT", (in_space ? std::string(parts.space) : "") + std::string(parts.script)}});
 }
 
 }  // namespace
@@ -624,15 +635,21 @@ std::string report_html(const Experiment& experiment, const ExperimentResult& re
   const HtmlParts& parts = html_parts();
   const HtmlContent content = content_of(experiment, result, options.script);
   const Tables tables = tables_of(content);
-  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +
-                           tables.worth.size() + bytes_of_outcome * result.runs.size();
-  const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
   RobotTable robots;
+  WorldTable worlds;
+  const bool in_space = std::any_of(experiment.problems.begin(), experiment.problems.end(), is_spatial);
+  for (const Problem& problem : experiment.problems) {
+    if (is_spatial(problem)) worlds.add(problem.scene->spatial()->world);
+  }
+  const std::size_t viewer = in_space ? parts.space.size() + worlds.list().dump().size() : 0;
+  const std::size_t rest = parts.page.size() + parts.style.size() + parts.script.size() + tables.summary.size() +
+                           tables.worth.size() + bytes_of_outcome * result.runs.size() + viewer;
+  const std::size_t most_bytes = std::min(options.most_bytes, most_of_page - std::min(most_of_page, rest));
   const HeldRuns held = held_runs(experiment, result, options, most_bytes, robots);
   Json problems = Json::array();
-  for (const Problem& problem : experiment.problems) problems.push_back(problem_json(problem, robots));
+  for (const Problem& problem : experiment.problems) problems.push_back(problem_json(problem, robots, worlds));
   return page_of(content, tables, held_text(experiment, result, held, most_bytes),
-                 data_scripts(content, std::move(problems), held, robots));
+                 data_scripts(content, std::move(problems), held, robots, worlds), in_space);
 }
 
 std::string stored_report_html(const std::string& document, const std::string& file) {
@@ -643,7 +660,7 @@ std::string stored_report_html(const std::string& document, const std::string& f
       "This page is made of {}, which has no samples: it replays no run. `trellis run --html` writes a page that does.",
       file);
   return page_of(content, tables_of(content), R"(<p class="note">)" + escaped(note) + "</p>",
-                 data_scripts(content, std::move(problems), {}, {}));
+                 data_scripts(content, std::move(problems), {}, {}, {}));
 }
 
 void write_html(const Experiment& experiment, const ExperimentResult& result, const std::string& path,

@@ -10,6 +10,7 @@ struct HtmlParts {
   std::string_view page;  ///< with @PLACES@ for the variable parts
   std::string_view style;
   std::string_view script;
+  std::string_view space;  ///< the viewer of problems in space, before the script where there are some
 };
 const HtmlParts& html_parts();
 

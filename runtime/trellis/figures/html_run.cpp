@@ -2,6 +2,7 @@
 #include <trellis/figures/html_run.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,28 +11,17 @@
 #include <vector>
 
 #include <trellis/collision/checker.hpp>
+#include <trellis/figures/base64.hpp>
+#include <trellis/figures/spatial_shapes.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string base64(const std::string& bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      group = (group << 8U) | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0U);
-    }
-    for (std::size_t j = 0; j < 4; ++j) {
-      out += i + j > bytes.size() ? '=' : digits[(group >> (18U - 6U * j)) & 63U];
-    }
-  }
-  return out;
-}
 
 /// Variable-length integers: seven bits to a byte, the lowest first.
 class Numbers {
@@ -52,12 +42,13 @@ class Numbers {
 };
 
 std::string packed(const Configurations& rows, const Space& space) {
+  const std::vector<Axis> axes = space.coordinates();
   std::string bytes;
   bytes.reserve(2 * rows.values().size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const View q = rows[i];
     for (std::size_t j = 0; j < q.size(); ++j) {
-      const Axis& axis = space.axes()[j];
+      const Axis& axis = axes[j];
       const double share = (q[j] - axis.lo) / (axis.hi - axis.lo);
       const auto value =
           static_cast<std::uint32_t>(share > 0.0 ? std::lround(65535.0 * std::min(share, 1.0)) : 0);  // NaN: 0
@@ -106,16 +97,64 @@ Json robot_json(const Robot& robot) {
 
 Json axes_json(const Space& space) {
   Json out = Json::array();
-  for (const Axis& axis : space.axes()) {
+  for (const Axis& axis : space.coordinates()) {
     out.push_back({axis.name, axis.lo, axis.hi, axis.periodic ? 1 : 0, axis.weight});
   }
   return out;
 }
 
+/// Returns the first column of each rotation.
+Json rotations_json(const Space& space) {
+  Json out = Json::array();
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind == Factor::Kind::rotation) out.push_back(factor.column);
+  }
+  return out;
+}
+
+/// Packs surfaces: vertices as 32-bit floats; of each surface the numbers of vertices, triangles and edges, and whether
+/// it is closed; triangles and edges as indices of vertices of their surface.
+Json surfaces_json(const std::vector<draw::Surface>& surfaces) {
+  std::string floats;
+  Numbers parts;
+  Numbers triangles;
+  Numbers edges;
+  for (const draw::Surface& surface : surfaces) {
+    for (const draw::Point3& p : surface.vertices) {
+      for (const double x : {p.x, p.y, p.z}) {
+        const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(x));
+        for (const unsigned shift : {0U, 8U, 16U, 24U}) floats += static_cast<char>((bits >> shift) & 255U);
+      }
+    }
+    const auto sharp = draw::feature_edges(surface);
+    for (const std::size_t n : {surface.vertices.size(), surface.triangles.size(), sharp.size()}) parts.add(n);
+    parts.add(surface.closed ? 1 : 0);
+    for (const auto& t : surface.triangles) {
+      for (const std::uint32_t i : t) triangles.add(i);
+    }
+    for (const auto& [a, b] : sharp) {
+      edges.add(a);
+      edges.add(b);
+    }
+  }
+  return {
+      {"vertices", base64(floats)}, {"parts", parts.text()}, {"triangles", triangles.text()}, {"edges", edges.text()}};
+}
+
+Json robot_json(const Robot3& robot) {
+  constexpr std::size_t most_triangles = 3000;
+  std::vector<draw::Surface> surfaces;
+  if (!robot.is_point()) surfaces = placed(robot, Configuration{0, 0, 0, 0, 0, 0, 1}, most_triangles);
+  return {{"dimension", robot.dimension()},
+          {"rotates", robot.rotates()},
+          {"radius", rounded(robot.bounding_radius())},
+          {"surfaces", surfaces_json(surfaces)}};
+}
+
 /// Returns of each proposal its outcome and, from bit 2, its own validity: 0 unknown, 1 valid, 2 invalid.
 std::string packed_fates(const LevelRecord& record, const Search& search, const Problem& problem) {
   std::unique_ptr<Checker> checker;
-  if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot.dimension()) {
+  if (record.scene && !record.presumed && record.space.dimension() >= record.scene->robot_dimension()) {
     checker = make_checker(problem.collision, record.scene, record.space, problem.resolution);
   }
   std::string bytes;
@@ -281,27 +320,29 @@ Json level_json(const LevelResult& level, const Search& search, const HeldRows* 
     classes = base64(bytes);
   }
   Json position = Json::array();
-  if (record.position_axes.size() >= 2) position = {record.position_axes[0], record.position_axes[1]};
-  return {{"name", record.name},
-          {"parent", record.parent},
-          {"depth", record.depth},
-          {"space", record.space.name()},
-          {"planner", record.planner},
-          {"solves", record.solves},
-          {"axes", axes_json(record.space)},
-          {"position", std::move(position)},
-          {"robot", robots.add(record.scene.get())},
-          {"sources", search.sources},
-          {"nodes", packed(search.nodes, record.space)},
-          {"parents", packed_parents(search)},
-          {"edges", packed_edges(search)},
-          {"classes", std::move(classes)},
-          {"proposals", packed(search.proposals, record.space)},
-          {"fates", packed_fates(record, search, problem)},
-          {"source", packed_sources(search)},
-          {"near", packed_near(search)},
-          {"added", packed_added(search)},
-          {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
+  for (const std::size_t axis : record.position_axes) position.push_back(axis);
+  Json json = {{"name", record.name},
+               {"parent", record.parent},
+               {"depth", record.depth},
+               {"space", record.space.name()},
+               {"planner", record.planner},
+               {"solves", record.solves},
+               {"axes", axes_json(record.space)},
+               {"position", std::move(position)},
+               {"robot", robots.add(record.scene.get())},
+               {"sources", search.sources},
+               {"nodes", packed(search.nodes, record.space)},
+               {"parents", packed_parents(search)},
+               {"edges", packed_edges(search)},
+               {"classes", std::move(classes)},
+               {"proposals", packed(search.proposals, record.space)},
+               {"fates", packed_fates(record, search, problem)},
+               {"source", packed_sources(search)},
+               {"near", packed_near(search)},
+               {"added", packed_added(search)},
+               {"all", {record.search.proposals.size(), record.search.nodes.size()}}};
+  if (!record.space.flat()) json["rotations"] = rotations_json(record.space);
+  return json;
 }
 
 /// Packs the turns of a run with the selected rows of each level; an empty list selects all rows.
@@ -331,9 +372,20 @@ Json turns_json(const RunResult& run, const std::vector<HeldRows>& held) {
 
 int RobotTable::add(const Scene* scene) {
   if (scene == nullptr) return -1;
-  Json robot = robot_json(scene->robot);
+  Json robot = visit(*scene, [](const auto& one) { return robot_json(one.robot); });
   const auto [at, fresh] = places_.emplace(robot.dump(), static_cast<int>(list_.size()));
   if (fresh) list_.push_back(std::move(robot));
+  return at->second;
+}
+
+int WorldTable::add(const World3& world) {
+  constexpr std::size_t most_triangles = 12'000;
+  const auto [at, fresh] = places_.emplace(world.identity().get(), static_cast<int>(list_.size()));
+  if (!fresh) return at->second;
+  const WorldSurfaces surfaces = surfaces_of(world, most_triangles);
+  Json json = surfaces_json(surfaces.obstacles);
+  json["note"] = surfaces.note();
+  list_.push_back(std::move(json));
   return at->second;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/scene/spatial/world.hpp>
 
 namespace trellis {
 
@@ -21,6 +22,18 @@ class RobotTable {
  private:
   nlohmann::ordered_json list_ = nlohmann::ordered_json::array();
   std::map<std::string, int> places_;
+};
+
+/// A list of distinct worlds of space: problems of one world share it.
+class WorldTable {
+ public:
+  /// Returns the index of the world in the list.
+  int add(const World3& world);
+  [[nodiscard]] const nlohmann::ordered_json& list() const { return list_; }
+
+ private:
+  nlohmann::ordered_json list_ = nlohmann::ordered_json::array();
+  std::map<const void*, int> places_;  ///< only looked up, so its order does not matter
 };
 
 /// Returns "[x, y, radius]" of a disc, "[x, y, x, y, ...]" of a polygon.

@@ -11,12 +11,16 @@
 #include <trellis/base/parallel.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/draw/motion.hpp>
+#include <trellis/draw/spatial.hpp>
 #include <trellis/figures/figures.hpp>
 #include <trellis/figures/pictures.hpp>
+#include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
@@ -129,7 +133,7 @@ class MotionPictures {
  public:
   explicit MotionPictures(const Problem& problem)
       : problem_(problem), checker_(make_checker("planar", problem.scene, problem.space, problem.resolution)) {
-    const World& world = problem.scene->world;
+    const World& world = planar(*problem.scene).world;
     const auto& [lo, hi] = world.bounds();
     frame_.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
     frame_.obstacles.reserve(world.obstacles().size());
@@ -139,7 +143,7 @@ class MotionPictures {
     Configuration end = problem.start;
     problem.space.normalise(end);
     frame_.start = point(end);
-    end = problem.goal;
+    end = problem.goal();
     problem.space.normalise(end);
     frame_.goal = point(end);
     frame_.blocked = map_of(problem.space, finest_blocked, [&](View q) { return checker_->valid(q) ? 0.0 : 1.0; });
@@ -147,8 +151,8 @@ class MotionPictures {
 
   /// Whether the space is more than the robot's position in the world.
   [[nodiscard]] static bool possible(const Problem& problem) {
-    return problem.scene != nullptr && problem.space.dimension() == 2 && problem.scene->robot.dimension() == 2 &&
-           !problem.scene->robot.is_point();
+    return problem.scene != nullptr && problem.scene->planar() != nullptr && problem.space.dimension() == 2 &&
+           problem.scene->robot_dimension() == 2 && !problem.scene->is_point();
   }
 
   [[nodiscard]] std::optional<MotionFigure> motion(const ExperimentResult& result, const std::string& strategy) const {
@@ -210,7 +214,7 @@ class MotionPictures {
     const Configurations poses = poses_along(record.space, path);
     row.poses.reserve(poses.size());
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      row.poses.push_back(placed(record.scene->robot, poses[i]));
+      row.poses.push_back(placed(planar(*record.scene).robot, poses[i]));
       row.invalid.push_back(!checker_->valid(poses[i]));
     }
     row.path = pieces_of(record.space, path);
@@ -221,6 +225,110 @@ class MotionPictures {
   std::unique_ptr<Checker> checker_;
   MotionFigure frame_;
 };
+
+/// One problem's pictures of space: the robot of each level along the path found in it.
+class SpatialMotions {
+ public:
+  explicit SpatialMotions(const Problem& problem) : problem_(problem), frame_(spatial_frame(problem)) {
+    const draw::Point3 size = frame_.hi - frame_.lo;
+    frame_.cell = std::max({size.x, size.y, size.z});
+    frame_.strong_path = true;
+  }
+
+  [[nodiscard]] static bool possible(const Problem& problem) {
+    return problem.scene != nullptr && problem.scene->spatial() != nullptr;
+  }
+
+  [[nodiscard]] std::optional<draw::SpatialFigure> motion(const ExperimentResult& result,
+                                                          const std::string& strategy) const {
+    const auto runs = select_runs(result, problem_.name, strategy);
+    const auto solved = std::find_if(runs.begin(), runs.end(), [](const RunResult* run) { return run->run.solved; });
+    if (runs.empty()) return std::nullopt;
+    const RunResult& run = **(solved != runs.end() ? solved : runs.begin());
+    draw::SpatialFigure figure = frame_;
+    figure.title = fmt::format("{} on {}: the paths found", strategy, problem_.name);
+    for (auto level = run.levels.rbegin(); level != run.levels.rend(); ++level) {
+      const LevelRecord& record = level->record;
+      if (record.position_axes.size() != 3 || record.solution.path.size() == 0 || record.scene == nullptr) continue;
+      figure.panels.push_back(panel_of(record));
+    }
+    if (figure.panels.empty()) return std::nullopt;
+    figure.columns = std::min<std::size_t>(2, figure.panels.size());
+    if (figure.panels.size() == 1) figure.width = single_width;
+    const std::string text = fmt::format(
+        "Seed {}. The robot at even distances along the path, and the curve of its reference point.", run.seed);
+    figure.caption = figure.caption.empty() ? text : text + ' ' + figure.caption;
+    return figure;
+  }
+
+ private:
+  static constexpr double single_width = 380.0;
+
+  [[nodiscard]] draw::SpatialPanel panel_of(const LevelRecord& record) const {
+    constexpr std::size_t triangles_of_pose = 150;
+    constexpr std::size_t points_of_leg =
+        8;  // rotations bend no curve, but the reference point may leave straight legs
+    const Robot3& robot = spatial(*record.scene).robot;
+    const Configurations& path = record.solution.path;
+    draw::SpatialPanel panel;
+    panel.title = fmt::format("{}: {}", record.parent < 0 ? record.planner : record.name,
+                              record.solution.solved() ? "the path found" : "the path to the node nearest to the goal");
+    const auto at = [&](View q) {
+      return draw::Point3{q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
+    };
+    std::vector<draw::Point3> curve;
+    Configuration q(record.space.dimension());
+    curve.push_back(at(path[0]));
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      for (std::size_t k = 1; k <= points_of_leg; ++k) {
+        record.space.interpolate(path[i - 1], path[i], static_cast<double>(k) / points_of_leg, q);
+        // Straight pieces are one.
+        if (k < points_of_leg && straight(at(path[i - 1]), at(q), at(path[i]))) continue;
+        curve.push_back(at(q));
+      }
+    }
+    panel.paths.push_back(std::move(curve));
+    if (robot.is_point() || record.space.dimension() < robot.dimension()) return panel;
+    const Configurations poses = poses_along(record.space, path);
+    const auto checker = make_checker(problem_.collision, problem_.scene, problem_.space, problem_.resolution);
+    const bool same_space = record.space == problem_.space;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      draw::Surface pose;
+      for (const draw::Surface& part : placed(robot, poses[i], triangles_of_pose)) append(pose, part);
+      if (i == 0) {
+        panel.start = {pose};
+      } else if (i + 1 == poses.size() && record.solution.solved()) {
+        panel.goal = {pose};
+      } else {
+        panel.poses.push_back(std::move(pose));
+        panel.invalid.push_back(same_space && !checker->valid(poses[i]));
+      }
+    }
+    return panel;
+  }
+
+  [[nodiscard]] static bool straight(const draw::Point3& a, const draw::Point3& b, const draw::Point3& c) {
+    const draw::Point3 area = draw::cross(b - a, c - a);
+    const draw::Point3 length = c - a;
+    constexpr double bend = 1e-9;
+    return draw::dot(area, area) <= bend * draw::dot(length, length) * draw::dot(length, length);
+  }
+
+  const Problem& problem_;
+  draw::SpatialFigure frame_;
+};
+
+/// Writes motion.* of all strategies of a problem.
+template <class Pictures, class Job>
+void write_motions(const Pictures& pictures, const Job& task, const ExperimentResult& result,
+                   const FigureStyle& style) {
+  for (const auto& [strategy, folder] : task.strategies) {
+    const auto figure = pictures.motion(result, strategy);
+    if (!figure) continue;
+    make_directory((task.place / folder).string());
+    write_figure(*figure, style, (task.place / folder / "motion").string());
+  }
+}
 
 }  // namespace
 
@@ -235,7 +343,7 @@ void write_motion_figures(const Experiment& experiment, const ExperimentResult& 
   Directories problems;
   for (const Problem& problem : experiment.problems) {
     const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
-    if (!MotionPictures::possible(problem)) continue;
+    if (!MotionPictures::possible(problem) && !SpatialMotions::possible(problem)) continue;
     FigureJob task{&problem, folder, {}};
     Directories strategies;
     for (const auto& entry : experiment.strategies) task.strategies.emplace_back(entry.first, strategies(entry.first));
@@ -243,12 +351,10 @@ void write_motion_figures(const Experiment& experiment, const ExperimentResult& 
   }
   in_parallel(tasks.size(), jobs, [&](std::size_t i) {
     const FigureJob& task = tasks[i];
-    const MotionPictures pictures(*task.problem);
-    for (const auto& [strategy, folder] : task.strategies) {
-      const auto figure = pictures.motion(result, strategy);
-      if (!figure) continue;
-      make_directory((task.place / folder).string());
-      write_figure(*figure, style, (task.place / folder / "motion").string());
+    if (SpatialMotions::possible(*task.problem)) {
+      write_motions(SpatialMotions(*task.problem), task, result, style);
+    } else {
+      write_motions(MotionPictures(*task.problem), task, result, style);
     }
   });
 }

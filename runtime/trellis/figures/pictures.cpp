@@ -64,6 +64,11 @@ void write_figure(draw::PlanarFigure figure, const FigureStyle& style, const std
   write(std::move(figure), style, stem);
 }
 
+void write_figure(draw::SpatialFigure figure, const FigureStyle& style, const std::string& stem) {
+  if (is_narrow(style)) figure.columns = 1;
+  write(std::move(figure), style, stem);
+}
+
 void write_figure(draw::MotionFigure figure, const FigureStyle& style, const std::string& stem) {
   figure.scale_bar = style.scale_bar;
   write(std::move(figure), style, stem);

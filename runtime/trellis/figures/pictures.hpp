@@ -9,6 +9,7 @@
 #include <trellis/draw/motion.hpp>
 #include <trellis/draw/planar.hpp>
 #include <trellis/draw/ratios.hpp>
+#include <trellis/draw/spatial.hpp>
 #include <trellis/draw/strips.hpp>
 
 namespace trellis {
@@ -18,7 +19,7 @@ struct FigureStyle {
   std::optional<double> width = {};  ///< points; none: each figure's default width
   bool titles = true;                ///< else titles and captions are in a text file beside the figure
   draw::Typeface typeface = draw::Typeface::sans;
-  bool scale_bar = false;  ///< in pictures of worlds
+  bool scale_bar = false;  ///< in pictures of planar worlds; those of space have axes
 };
 
 /// Writes STEM.svg, STEM.png and STEM.pdf. \throws Error where it cannot write one.
@@ -29,6 +30,7 @@ void write_figure(draw::Figure figure, const FigureStyle& style, const std::stri
 void write_figure(draw::RatioFigure figure, const FigureStyle& style, const std::string& stem);
 void write_figure(draw::StripFigure figure, const FigureStyle& style, const std::string& stem);
 void write_figure(draw::PlanarFigure figure, const FigureStyle& style, const std::string& stem);
+void write_figure(draw::SpatialFigure figure, const FigureStyle& style, const std::string& stem);
 void write_figure(draw::MotionFigure figure, const FigureStyle& style, const std::string& stem);
 
 }  // namespace trellis

@@ -12,52 +12,148 @@
 #include <trellis/base/error.hpp>
 #include <trellis/base/parallel.hpp>
 #include <trellis/draw/planar.hpp>
+#include <trellis/draw/spatial.hpp>
 #include <trellis/figures/figures.hpp>
 #include <trellis/figures/pictures.hpp>
+#include <trellis/figures/spatial_shapes.hpp>
 #include <trellis/figures/world_shapes.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>
+#include <trellis/scene/planar/scene.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
 namespace {
 
 using draw::CircleLayer;
-using draw::Grid;
-using draw::PlanarFigure;
-using draw::PlanarPanel;
-using draw::Point;
 using draw::Role;
 using draw::WorldDisc;
-using draw::WorldShape;
 
 using Axes = std::vector<std::size_t>;
 
 constexpr double usual_cell = 0.5;
-constexpr double fewest_cells = 12.0;  // along the longer side
-constexpr double most_cells = 48.0;
+constexpr double most_cells = 48.0;  // along the longer side; at least a quarter of it
 constexpr double most_cells_asked = 500.0;
 
-Point position(View q, const Axes& axes) { return {q[axes[0]], q[axes[1]]}; }
+/// \param most_asked  of the longer side, in cells
+double cell_of(double longer, const std::optional<double>& asked, double most, double most_asked = most_cells_asked) {
+  if (asked) {
+    if (!(*asked > 0.0 && std::isfinite(*asked) && longer / *asked <= most_asked)) {
+      throw Error(
+          fmt::format("the cells of a picture must be greater than 0 m and at least 1/{:g} of the world's "
+                      "longer side of {:g} m, got {:g}",
+                      most_asked, longer, *asked));
+    }
+    return *asked;
+  }
+  double cell = usual_cell;
+  while (longer / cell > most) cell *= 2.0;
+  while (longer / cell < 0.25 * most) cell *= 0.5;
+  return cell;
+}
 
-std::vector<Point> track(const Configurations& path, const Axes& axes) {
-  std::vector<Point> positions;
+/// What differs between pictures of the plane and of space.
+struct Planar {
+  using Figure = draw::PlanarFigure;
+  using Panel = draw::PlanarPanel;
+  using Grid = draw::Grid;
+  using Place = draw::Point;
+  static constexpr std::size_t axes = 2;
+
+  static Place position(View q, const Axes& axes) { return {q[axes[0]], q[axes[1]]}; }
+  static Grid grid(const Figure& frame) { return {frame.world, frame.cell}; }
+  static std::string cell_text(const Figure& frame) {
+    return fmt::format("Circles: samples in each cell of {0:g} m x {0:g} m of a world of {1:g} m x {2:g} m", frame.cell,
+                       frame.world.width, frame.world.height);
+  }
+  /// Draws the ends of a search as marks.
+  static void mark_ends(Figure& figure, const LevelRecord& record) {
+    figure.start = {WorldDisc{position(record.start, record.position_axes), 0.0}};
+    figure.goal = {WorldDisc{position(record.goal, record.position_axes), 0.0}};
+  }
+  /// Returns the parts that all pictures of a problem share.
+  static Figure frame(const Problem& problem, const SceneFigureOptions& options) {
+    const World& world = planar(*problem.scene).world;
+    const auto& [lo, hi] = world.bounds();
+    Figure frame;
+    frame.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
+    frame.cell = cell_of(std::max(frame.world.width, frame.world.height), options.cell, most_cells);
+    frame.obstacles.reserve(world.obstacles().size());
+    for (const Obstacle& obstacle : world.obstacles()) frame.obstacles.push_back(drawn(obstacle.shape));
+    frame.start = placed(planar(*problem.scene).robot, problem.start);
+    for (const Configuration& goal : problem.goals) {
+      const auto shapes = placed(planar(*problem.scene).robot, goal);
+      frame.goal.insert(frame.goal.end(), shapes.begin(), shapes.end());
+    }
+    frame.colours = options.colours;
+    // Wide worlds have wide panels.
+    const double aspect = frame.world.width / frame.world.height;
+    frame.columns = aspect > 5.0 ? 1 : aspect > 2.2 ? 2 : 3;
+    return frame;
+  }
+};
+
+struct Spatial {
+  using Figure = draw::SpatialFigure;
+  using Panel = draw::SpatialPanel;
+  using Grid = draw::Grid3;
+  using Place = draw::Point3;
+  static constexpr std::size_t axes = 3;
+
+  static Place position(View q, const Axes& axes) { return {q[axes[0]], q[axes[1]], q[axes[2]]}; }
+  static Grid grid(const Figure& frame) { return {frame.lo, frame.hi, frame.cell}; }
+  static std::string cell_text(const Figure& frame) {
+    const draw::Point3 size = frame.hi - frame.lo;
+    return fmt::format(
+        "Circles: samples in each cube of {:g} m of a world of {:g} m x {:g} m x {:g} m, faint behind obstacles",
+        frame.cell, size.x, size.y, size.z);
+  }
+  static void mark_ends(Figure& figure, const LevelRecord& record) {
+    figure.start_at = position(record.start, record.position_axes);
+    figure.goal_at = position(record.goal, record.position_axes);
+    figure.start = {{.vertices = {figure.start_at}}};
+    figure.goal = {{.vertices = {figure.goal_at}}};
+  }
+  static Figure frame(const Problem& problem, const SceneFigureOptions& options) {
+    Figure frame = spatial_frame(problem);
+    const draw::Point3 size = frame.hi - frame.lo;
+    const double longest = std::max({size.x, size.y, size.z});
+    constexpr double most_asked = 64.0;
+    frame.cell = cell_of(longest, options.cell, most_cells, most_asked);
+    // A picture of more circles shows nothing, and its file is large.
+    constexpr double most = 4096.0;
+    while (!options.cell &&
+           std::ceil(size.x / frame.cell) * std::ceil(size.y / frame.cell) * std::ceil(size.z / frame.cell) > most) {
+      frame.cell *= 2.0;
+    }
+    frame.colours = options.colours;
+    frame.columns = size.z > 1.5 * std::max(size.x, size.y) ? 3 : 2;
+    return frame;
+  }
+};
+
+template <class Kind>
+std::vector<typename Kind::Place> track(const Configurations& path, const Axes& axes) {
+  std::vector<typename Kind::Place> positions;
   positions.reserve(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i) positions.push_back(position(path[i], axes));
+  for (std::size_t i = 0; i < path.size(); ++i) positions.push_back(Kind::position(path[i], axes));
   return positions;
 }
 
 /// Counts of samples per cell, over any number of runs.
+template <class Kind>
 class Counts {
  public:
+  using Grid = typename Kind::Grid;
   explicit Counts(const Grid& grid) : grid_(grid), sums_(grid.size(), 0.0) {}
 
   /// The samples of one run.
   void add(const Configurations& samples, const Axes& axes, double weight = 1.0) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      (grid_.count(position(samples[i], axes), weight, sums_) ? inside_ : outside_) += weight;
+      (grid_.count(Kind::position(samples[i], axes), weight, sums_) ? inside_ : outside_) += weight;
     }
     ++runs_;
   }
@@ -87,28 +183,13 @@ std::string counted(std::size_t n, const std::string& what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
-PlanarPanel panel_of(const std::string& title, const Counts& counts, CircleLayer layer, const std::string& what) {
-  PlanarPanel panel;
+template <class Kind>
+typename Kind::Panel panel_of(const std::string& title, const Counts<Kind>& counts, CircleLayer layer,
+                              const std::string& what) {
+  typename Kind::Panel panel;
   panel.title = fmt::format("{}: {}{}", title, rounded(counts.mean()), what);
   panel.layers.push_back(std::move(layer));
   return panel;
-}
-
-double cell_of(const draw::Rect& world, const std::optional<double>& asked) {
-  const double longer = std::max(world.width, world.height);
-  if (asked) {
-    if (!(*asked > 0.0 && std::isfinite(*asked) && longer / *asked <= most_cells_asked)) {
-      throw Error(
-          fmt::format("the cells of a picture must be greater than 0 m and at least 1/{:g} of the world's "
-                      "longer side of {:g} m, got {:g}",
-                      most_cells_asked, longer, *asked));
-    }
-    return *asked;
-  }
-  double cell = usual_cell;
-  while (longer / cell > most_cells) cell *= 2.0;
-  while (longer / cell < fewest_cells) cell *= 0.5;
-  return cell;
 }
 
 /// Describes the target for the caption.
@@ -116,22 +197,27 @@ std::string target_text(const Measure& measure) {
   const double delta = common_settings(measure.target).delta;
   if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
     return fmt::format("uniform on the {}configurations within {:g} m of the run's path",
-                       tube->support == "free" ? "valid " : "", delta);
+                       tube->support == TubeSettings::Support::free ? "valid " : "", delta);
   }
   if (std::holds_alternative<NearOptimalSettings>(measure.target)) return "configurations on paths near the optimum";
   return "the script's own";
 }
 
 /// One problem's pictures.
+template <class Kind>
 class ScenePictures {
  public:
+  using Figure = typename Kind::Figure;
+  using Panel = typename Kind::Panel;
+  using Grid = typename Kind::Grid;
+
   ScenePictures(const Experiment& experiment, const ExperimentResult& result, const Problem& problem,
                 const SceneFigureOptions& options)
       : experiment_(experiment),
         result_(result),
         problem_(problem),
-        frame_(make_frame(problem, options)),
-        grid_(frame_.world, frame_.cell),
+        frame_(Kind::frame(problem, options)),
+        grid_(Kind::grid(frame_)),
         measured_(experiment.measure && !std::holds_alternative<ProgressSettings>(experiment.measure->target)),
         baseline_(experiment.baseline) {
     const auto& all = experiment.strategies;
@@ -139,22 +225,18 @@ class ScenePictures {
     if (baseline_.empty() && usual) baseline_ = "rrt";
   }
 
-  [[nodiscard]] static bool possible(const Problem& problem) {
-    return problem.scene != nullptr && problem.scene->robot.translates();
-  }
-
   /// Returns none without a run.
-  [[nodiscard]] std::optional<PlanarFigure> samples(const std::string& strategy) const {
+  [[nodiscard]] std::optional<Figure> samples(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     if (runs.empty()) return std::nullopt;
-    Counts tree(grid_);
-    Counts expansion(grid_);
-    Counts target(grid_);
-    Counts baseline(grid_);
-    PlanarPanel world;
+    Counts<Kind> tree(grid_);
+    Counts<Kind> expansion(grid_);
+    Counts<Kind> target(grid_);
+    Counts<Kind> baseline(grid_);
+    Panel world;
     bool expands = false;
     for (const RunResult* run : runs) {
-      if (run->run.solved) world.paths.push_back(track(run->run.path, position_));
+      if (run->run.solved) world.paths.push_back(track<Kind>(run->run.path, position_));
       if (run->levels.empty()) continue;
       const Search& search = run->levels.front().record.search;
       const Configurations nodes = search.tree_samples(search.nodes);
@@ -177,17 +259,17 @@ class ScenePictures {
     const std::string seeds = counted(runs.size(), "seed");
     world.title = fmt::format("paths of {} of {}", world.paths.size(), seeds);
 
-    PlanarFigure figure = frame_;
+    Figure figure = frame_;
     figure.title = fmt::format("{} on {}: where its samples lie", strategy, problem_.name);
-    PlanarPanel all{.title = "all, to one scale"};
+    Panel all{.title = "all, to one scale"};
     std::vector<std::string> absent;
-    const auto add = [&](const std::string& title, const Counts& counts, Role role, const std::string& what,
+    const auto add = [&](const std::string& title, const Counts<Kind>& counts, Role role, const std::string& what,
                          const std::string& without) {
       if (counts.none()) {
         absent.push_back(without);
         return;
       }
-      PlanarPanel panel = panel_of(title, counts, counts.layer(title, role), what);
+      Panel panel = panel_of(title, counts, counts.layer(title, role), what);
       all.layers.insert(all.layers.end(), panel.layers.begin(), panel.layers.end());
       figure.panels.push_back(std::move(panel));
     };
@@ -213,35 +295,34 @@ class ScenePictures {
   }
 
   /// Draws the levels below the root, each in its own space. None where no such level has a position in the plane.
-  [[nodiscard]] std::optional<PlanarFigure> levels(const std::string& strategy) const {
+  [[nodiscard]] std::optional<Figure> levels(const std::string& strategy) const {
     const auto runs = select_runs(result_, problem_.name, strategy);
     std::map<std::vector<std::uint64_t>, std::vector<const LevelRecord*>> found;
     for (const RunResult* run : runs) {
       for (const LevelResult& level : run->levels) {
-        if (level.record.level == 0 || level.record.position_axes.size() != 2) continue;
+        if (level.record.level == 0 || level.record.position_axes.size() != Kind::axes) continue;
         found[parse_key(level.record.key)].push_back(&level.record);
       }
     }
     if (found.empty()) return std::nullopt;
-    PlanarFigure figure = frame_;
-    figure.columns = found.size() == 1 ? 2 : 4;
+    Figure figure = frame_;
+    figure.columns = found.size() == 1 || Kind::axes == 3 ? 2 : 4;
     figure.title = fmt::format("{} on {}: where the samples of its guides lie", strategy, problem_.name);
     figure.caption =
         circles_text(counted(runs.size(), "seed")) + " Each level in its own space, with the paths found in it.";
     // Robots differ between levels: mark only their positions.
     const LevelRecord& first = *found.begin()->second.front();
-    figure.start = {WorldDisc{position(first.start, first.position_axes), 0.0}};
-    figure.goal = {WorldDisc{position(first.goal, first.position_axes), 0.0}};
+    Kind::mark_ends(figure, first);
     bool outside = false;
     for (const auto& [key, records] : found) {
-      Counts tree(grid_);
-      Counts expansion(grid_);
-      std::vector<std::vector<Point>> paths;
+      Counts<Kind> tree(grid_);
+      Counts<Kind> expansion(grid_);
+      std::vector<std::vector<typename Kind::Place>> paths;
       for (const LevelRecord* record : records) {
         const Search& search = record->search;
         tree.add(search.tree_samples(search.nodes), record->position_axes);
         if (search.expands) expansion.add(search.proposals, record->position_axes);
-        if (record->solution.solved()) paths.push_back(track(record->solution.path, record->position_axes));
+        if (record->solution.solved()) paths.push_back(track<Kind>(record->solution.path, record->position_axes));
       }
       outside = outside || tree.any_outside() || expansion.any_outside();
       const std::string name = short_level(records.front()->name, 24);
@@ -259,69 +340,39 @@ class ScenePictures {
   }
 
  private:
-  /// Returns the parts that all pictures of a problem share.
-  static PlanarFigure make_frame(const Problem& problem, const SceneFigureOptions& options) {
-    const World& world = problem.scene->world;
-    const auto& [lo, hi] = world.bounds();
-    PlanarFigure frame;
-    frame.world = {lo.x, lo.y, hi.x - lo.x, hi.y - lo.y};
-    frame.cell = cell_of(frame.world, options.cell);
-    frame.obstacles.reserve(world.obstacles().size());
-    for (const Obstacle& obstacle : world.obstacles()) frame.obstacles.push_back(drawn(obstacle.shape));
-    frame.start = placed(problem.scene->robot, problem.start);
-    frame.goal = placed(problem.scene->robot, problem.goal);
-    for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
-      const auto further = placed(problem.scene->robot, problem.further_goals[i]);
-      frame.goal.insert(frame.goal.end(), further.begin(), further.end());
-    }
-    frame.colours = options.colours;
-    // Wide worlds have wide panels.
-    const double aspect = frame.world.width / frame.world.height;
-    frame.columns = aspect > 5.0 ? 1 : aspect > 2.2 ? 2 : 3;
-    return frame;
-  }
-
   [[nodiscard]] std::string circles_text(const std::string& seeds) const {
-    return fmt::format(
-        "Circles: samples in each cell of {0:g} m x {0:g} m of a world of {1:g} m x {2:g} m, the mean over {3}; areas "
-        "are "
-        "proportional to it, in each panel to a scale of its own.",
-        frame_.cell, frame_.world.width, frame_.world.height, seeds);
+    std::string text =
+        fmt::format("{}, the mean over {}; areas are proportional to it, in each panel to a scale of its own.",
+                    Kind::cell_text(frame_), seeds);
+    return frame_.caption.empty() ? text : frame_.caption + ' ' + text;
   }
   static std::string outside_text() { return " Samples outside of the world are not drawn."; }
 
   const Experiment& experiment_;
   const ExperimentResult& result_;
   const Problem& problem_;
-  PlanarFigure frame_;
+  Figure frame_;
   Grid grid_;
-  Axes position_ = {0, 1};
+  Axes position_ = Kind::axes == 2 ? Axes{0, 1} : Axes{0, 1, 2};
   bool measured_ = false;
   std::string baseline_;
 };
 
-}  // namespace
-
-std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
-                                             const std::string& directory, const SceneFigureOptions& options) {
-  std::vector<std::string> left_out;
-  std::vector<ScenePictures> scenes;
-  scenes.reserve(experiment.problems.size());
+/// Draws the figures of all strategies on the problems of one kind.
+template <class Kind>
+void write_pictures(const Experiment& experiment, const ExperimentResult& result,
+                    const std::vector<std::pair<const Problem*, std::filesystem::path>>& problems,
+                    const SceneFigureOptions& options) {
+  std::vector<ScenePictures<Kind>> scenes;
+  scenes.reserve(problems.size());
   struct FigureJob {
     std::size_t scene;
     std::string strategy;
     std::filesystem::path place;
   };
   std::vector<FigureJob> tasks;
-  Directories problems;
-  for (const Problem& problem : experiment.problems) {
-    const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
-    if (!ScenePictures::possible(problem)) {
-      left_out.push_back(
-          fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
-      continue;
-    }
-    scenes.emplace_back(experiment, result, problem, options);
+  for (const auto& [problem, folder] : problems) {
+    scenes.emplace_back(experiment, result, *problem, options);
     Directories strategies;
     for (const auto& entry : experiment.strategies) {
       tasks.push_back({scenes.size() - 1, entry.first, folder / strategies(entry.first)});
@@ -329,7 +380,7 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
   }
   in_parallel(tasks.size(), options.jobs, [&](std::size_t i) {
     const FigureJob& task = tasks[i];
-    const ScenePictures& pictures = scenes[task.scene];
+    const ScenePictures<Kind>& pictures = scenes[task.scene];
     const auto samples = pictures.samples(task.strategy);
     if (!samples) return;
     make_directory(task.place.string());
@@ -338,6 +389,27 @@ std::vector<std::string> write_scene_figures(const Experiment& experiment, const
       write_figure(*levels, options.style, (task.place / "levels").string());
     }
   });
+}
+
+}  // namespace
+
+std::vector<std::string> write_scene_figures(const Experiment& experiment, const ExperimentResult& result,
+                                             const std::string& directory, const SceneFigureOptions& options) {
+  std::vector<std::string> left_out;
+  std::vector<std::pair<const Problem*, std::filesystem::path>> of_plane;
+  std::vector<std::pair<const Problem*, std::filesystem::path>> of_space;
+  Directories problems;
+  for (const Problem& problem : experiment.problems) {
+    const std::filesystem::path folder = std::filesystem::path(directory) / problems(problem.name);
+    if (problem.scene == nullptr || !problem.scene->translates()) {
+      left_out.push_back(
+          fmt::format("{}: no picture of its samples, its robot has no position in the plane", problem.name));
+    } else {
+      (problem.scene->planar() != nullptr ? of_plane : of_space).emplace_back(&problem, folder);
+    }
+  }
+  write_pictures<Planar>(experiment, result, of_plane, options);
+  write_pictures<Spatial>(experiment, result, of_space, options);
   return left_out;
 }
 

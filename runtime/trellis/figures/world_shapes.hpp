@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <trellis/draw/planar.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 

@@ -7,7 +7,6 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/planar/aggregate.hpp>
 
 namespace trellis {
 
@@ -45,13 +44,12 @@ class Aggregate final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    world_ = parent.scene->world;
-    error_ = settings_.error > 0.0 ? settings_.error
-                                   : size_or(parent.scene->robot, 0.02 * norm(world_.bounds().hi - world_.bounds().lo));
-    validity_ = std::make_shared<ChangingWorld>(parent, aggregated(world_, error_));
+    whole_ = parent.scene;
+    error_ = settings_.error > 0.0 ? settings_.error : size_or(*parent.scene, 0.02 * parent.scene->diagonal());
+    validity_ = std::make_shared<ChangingWorld>(parent, whole_->aggregated(error_));
     instance->validity = validity_;
     // A hull may contain the start or the goal. If an obstacle of C does too, no refinement helps.
-    while (!(instance->valid(instance->start) && instance->valid(instance->goal)) && refine()) {
+    while (!(instance->valid(instance->start) && instance->valid(instance->goal())) && refine()) {
     }
     instance->scene = validity_->scene();
     return instance;
@@ -79,13 +77,13 @@ class Aggregate final : public PathGuide {
     if (error_ == 0.0) return false;
     error_ = left_ > 0 ? 0.5 * error_ : 0.0;
     --left_;
-    validity_->set(aggregated(world_, error_));
+    validity_->set(whole_->aggregated(error_));
     if (sub_ != nullptr) sub_->scene = validity_->scene();
     return true;
   }
 
   AggregateSettings settings_;
-  World world_;  ///< the parent's world
+  std::shared_ptr<const Scene> whole_;  ///< the parent's
   Instance* sub_ = nullptr;
   double error_ = 0.0;
   std::int64_t left_;  ///< remaining refinements

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include <trellis/instance/inverse_kinematics.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -115,7 +116,10 @@ World cached_reachable_world(const World& world, Vec2 base, double least, double
 }  // namespace
 
 std::variant<ArmChain, std::string> arm_chain(const Instance& instance) {
-  const Robot& robot = instance.scene->robot;
+  if (instance.scene->planar() == nullptr) {
+    return fmt::format("the axes of this space ({}) are not the robot's", instance.space.name());
+  }
+  const Robot& robot = planar(*instance.scene).robot;
   if (instance.validity_of || robot.dimension() > instance.space.dimension()) {
     return fmt::format("the axes of this space ({}) are not the robot's", instance.space.name());
   }
@@ -186,7 +190,7 @@ ArmProjection::ArmProjection(const Instance& parent, ArmChain chain)
   }
   tolerance_ = 1e-10 * sum;
   if (rest_[0].least <= tolerance_) rest_[0].least = 0.0;
-  world_ = cached_reachable_world(parent.scene->world, chain_.base, rest_[0].least, rest_[0].most);
+  world_ = cached_reachable_world(planar(*parent.scene).world, chain_.base, rest_[0].least, rest_[0].most);
   const auto& [lo, hi] = world_.bounds();
   space_ = Space::euclidean({{lo.x, hi.x}, {lo.y, hi.y}});
   for (const double x : {lo.x, hi.x}) {
@@ -406,7 +410,7 @@ double ArmProjection::log_fibre_density(View q) const {
 }
 
 bool ArmProjection::bring(View s, MutableView q, double near) const {
-  InverseKinematics kinematics(scene_->robot, parent_, chain_.body, chain_.tip);
+  InverseKinematics kinematics(planar(*scene_).robot, parent_, chain_.body, chain_.tip);
   return kinematics.bring(q, {s[0], s[1]}, near);
 }
 

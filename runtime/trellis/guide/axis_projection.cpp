@@ -13,28 +13,69 @@ namespace trellis {
 
 namespace {
 
+std::vector<std::string> names_of_lines(const Space& space) {
+  std::vector<std::string> names;
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::rotation) names.push_back(factor.axis.name);
+  }
+  return names;
+}
+
+bool are_all(const std::vector<std::size_t>& kept, const Space& parent) {
+  for (std::size_t j = 0; j < kept.size(); ++j) {
+    if (kept[j] != j) return false;
+  }
+  return kept.size() == parent.dimension();
+}
+
+/// Whether no kept coordinate has a larger weight in S.
+bool keeps_short(const Space& parent, const std::vector<std::size_t>& kept, const Space& s) {
+  const std::vector<Axis> mine = s.coordinates(), theirs = parent.coordinates();
+  for (std::size_t j = 0; j < kept.size(); ++j) {
+    if (mine[j].weight > theirs[kept[j]].weight) return false;
+  }
+  return true;
+}
+
 std::vector<Axis> axes_of(const Space& parent, const std::vector<std::size_t>& kept) {
+  const std::vector<Axis> coordinates = parent.coordinates();
   std::vector<Axis> axes;
   axes.reserve(kept.size());
-  for (const std::size_t j : kept) axes.push_back(parent.axes()[j]);
+  for (const std::size_t j : kept) axes.push_back(coordinates[j]);
+  for (const Factor& factor : parent.factors()) {
+    if (factor.kind != Factor::Kind::rotation) continue;
+    const auto within = [&](std::size_t j) { return j >= factor.column && j < factor.column + factor.width(); };
+    if (std::any_of(kept.begin(), kept.end(), within)) {
+      throw Error(
+          fmt::format("the coordinates of a rotation ({}) cannot be kept without all others of the space; keep {}",
+                      factor.axis.name, fmt::join(names_of_lines(parent), ", ")));
+    }
+  }
   return axes;
+}
+
+/// S with some of the parent's coordinates.
+Space part_of(const Space& parent, const std::vector<std::size_t>& kept, std::string name) {
+  if (!parent.flat() && are_all(kept, parent)) return parent;
+  return {std::move(name), axes_of(parent, kept)};
 }
 
 /// For each axis of S, the parent's axis of the same name.
 std::vector<std::size_t> named_alike(const Space& parent, const Space& s) {
   std::vector<std::string> names;
   names.reserve(parent.dimension());
-  for (const Axis& axis : parent.axes()) names.push_back(axis.name);
+  const std::vector<Axis> all = parent.coordinates();
+  for (const Axis& axis : all) names.push_back(axis.name);
   std::vector<std::size_t> kept;
   kept.reserve(s.dimension());
-  for (const Axis& axis : s.axes()) {
+  for (const Axis& axis : s.coordinates()) {
     const auto found = std::find(names.begin(), names.end(), axis.name);
     if (found == names.end()) {
       throw Error(fmt::format("S has an axis '{}' that C lacks{}; C has: {}", axis.name, did_you_mean(axis.name, names),
                               fmt::join(names, ", ")));
     }
     const auto place = static_cast<std::size_t>(found - names.begin());
-    const Axis& of = parent.axes()[place];
+    const Axis& of = all[place];
     if (axis.periodic != of.periodic || axis.lo < of.lo || axis.hi > of.hi) {
       throw Error(fmt::format("S has the axis '{}' from {:g} to {:g}{}, which is not within C's, from {:g} to {:g}{}",
                               axis.name, axis.lo, axis.hi, axis.periodic ? ", periodic" : "", of.lo, of.hi,
@@ -50,32 +91,23 @@ std::vector<std::size_t> named_alike(const Space& parent, const Space& s) {
 AxisProjection::AxisProjection(Space parent, std::vector<std::size_t> kept, std::string name)
     : parent_(std::move(parent)),
       kept_(std::move(kept)),
-      space_(std::move(name), axes_of(parent_, kept_)),
+      space_(part_of(parent_, kept_, std::move(name))),
+      contracts_(keeps_short(parent_, kept_, space_)),
       log_fibre_volume_(parent_.log_volume() - space_.log_volume()) {}
 
 AxisProjection::AxisProjection(Space parent, Space s)
     : parent_(std::move(parent)),
       kept_(named_alike(parent_, s)),
       space_(std::move(s)),
+      contracts_(keeps_short(parent_, kept_, space_)),
       log_fibre_volume_(parent_.log_volume() - space_.log_volume()) {
+  const std::vector<Axis> mine = space_.coordinates(), theirs = parent_.coordinates();
   for (std::size_t j = 0; j < kept_.size(); ++j) {
-    log_fibre_volume_ += std::log(space_.axes()[j].period() / parent_.axes()[kept_[j]].period());
+    log_fibre_volume_ += std::log(mine[j].period() / theirs[kept_[j]].period());
   }
 }
 
-bool AxisProjection::contracts() const {
-  for (std::size_t j = 0; j < kept_.size(); ++j) {
-    if (space_.axes()[j].weight > parent_.axes()[kept_[j]].weight) return false;
-  }
-  return true;
-}
-
-bool AxisProjection::identity() const {
-  for (std::size_t j = 0; j < kept_.size(); ++j) {
-    if (kept_[j] != j) return false;
-  }
-  return kept_.size() == parent_.dimension();
-}
+bool AxisProjection::identity() const { return are_all(kept_, parent_); }
 
 Configurations AxisProjection::lifted(const Configurations& path, View start, View goal) const {
   Configurations result(parent_.dimension());

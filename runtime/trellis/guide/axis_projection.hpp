@@ -34,7 +34,7 @@ class AxisProjection : public Projection {
   [[nodiscard]] double log_fibre_density(View q) const override {
     return parent_.contains(q) ? -log_fibre_volume_ : -std::numeric_limits<double>::infinity();
   }
-  [[nodiscard]] bool contracts() const override;
+  [[nodiscard]] bool contracts() const override { return contracts_; }
   [[nodiscard]] const Space& space() const { return space_; }
   [[nodiscard]] const Space& parent() const { return parent_; }
   /// For each axis of S, the parent's axis.
@@ -51,6 +51,7 @@ class AxisProjection : public Projection {
   Space parent_;
   std::vector<std::size_t> kept_;
   Space space_;
+  bool contracts_;
   double log_fibre_volume_;
 };
 

@@ -88,14 +88,24 @@ class NearObstacle final : public Heuristic {
  public:
   enum class Test : std::uint8_t { gaussian, bridge };
   NearObstacle(Instance& parent, const NearObstacleSettings& settings, Test test)
-      : parent_(parent), settings_(settings), test_(test), a_(parent.space.dimension()), b_(parent.space.dimension()) {}
+      : parent_(parent),
+        settings_(settings),
+        test_(test),
+        a_(parent.space.dimension()),
+        b_(parent.space.dimension()),
+        tangent_(parent.space.degrees()) {}
 
   Source sample(Stream& stream, MutableView out) override {
     const auto& space = parent_.space;
     for (std::int64_t i = 0; i < settings_.tries; ++i) {
       space.sample_uniform(stream, a_);
-      for (std::size_t j = 0; j < b_.size(); ++j) {
-        b_[j] = a_[j] + settings_.sigma * stream.normal() / space.axes()[j].weight;
+      if (space.flat()) {
+        for (std::size_t j = 0; j < b_.size(); ++j) {
+          b_[j] = a_[j] + settings_.sigma * stream.normal() / space.axes()[j].weight;
+        }
+      } else {
+        for (double& x : tangent_) x = settings_.sigma * stream.normal();
+        space.exp(a_, tangent_, b_);
       }
       space.normalise(b_);
       if (!space.contains(b_)) continue;
@@ -124,6 +134,7 @@ class NearObstacle final : public Heuristic {
   Test test_;
   Configuration a_;
   Configuration b_;
+  std::vector<double> tangent_;
 };
 
 }  // namespace

@@ -14,10 +14,12 @@ namespace trellis {
 /// The instance's robot in a replaceable world. Makes collision checks even if the parent presumes validity.
 class ChangingWorld final : public Validity {
  public:
-  ChangingWorld(Instance parent, World world) : parent_(std::move(parent)) { set(std::move(world)); }
+  ChangingWorld(Instance parent, std::shared_ptr<const Scene> scene) : parent_(std::move(parent)) {
+    set(std::move(scene));
+  }
 
-  void set(World world) {
-    scene_ = std::make_shared<Scene>(Scene{std::move(world), parent_.scene->robot});
+  void set(std::shared_ptr<const Scene> scene) {
+    scene_ = std::move(scene);
     validity_ = parent_.validity_in(scene_);
     ++epoch_;
   }

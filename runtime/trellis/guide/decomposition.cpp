@@ -18,7 +18,8 @@
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/planar/triangulation.hpp>
+#include <trellis/scene/cells.hpp>
+#include <trellis/scene/scene.hpp>
 
 namespace trellis {
 
@@ -38,90 +39,93 @@ const Settings<DecompositionSettings>& decomposition_settings() {
   static const Settings<DecompositionSettings> settings =
       Settings<DecompositionSettings>(
           Component::Kind::guide, "decomposition",
-          "a triangulation of the free workspace; leads, sequences of triangles from start to goal, are searched in "
-          "it, "
-          "with costs by how well the tree covers the triangles; the nodes of a lead's triangles are expanded",
+          "a decomposition of the free workspace into cells, triangles of the plane and boxes of space; leads, "
+          "sequences "
+          "of cells from start to goal, are searched in it, with costs by how well the tree covers the cells; the "
+          "nodes of a lead's cells are expanded",
           "Plaku, Kavraki and Vardi 2010, Motion planning with dynamics by a synergistic combination of layers of "
           "planning")
           .number("size", &DecompositionSettings::size, "m", Range::non_negative(),
-                  "length of the triangles' sides, about; 0: twice the robot's bounding radius, or 2 % of the world's "
+                  "length of the triangles' sides, about; in space the longest side of a box, which is halved up to "
+                  "four times "
+                  "near obstacles; 0: twice the robot's bounding radius, or 2 % of the world's "
                   "diagonal for a point and 5 % for an arm's tip")
           .number("explore", &DecompositionSettings::explore, "share of proposals", Range::share(),
-                  "share that is spread evenly over all triangles; the rest keeps to the lead")
-          .integer("ahead", &DecompositionSettings::ahead, "triangles", Range::at_least(1),
-                   "how many triangles of the lead, beyond the one whose node is expanded, proposals are drawn from")
+                  "share that is spread evenly over all cells; the rest keeps to the lead")
+          .integer("ahead", &DecompositionSettings::ahead, "cells", Range::at_least(1),
+                   "how many cells of the lead, beyond the one whose node is expanded, proposals are drawn from")
           .number("random_leads", &DecompositionSettings::random_leads, "share of leads", Range::share(),
                   "share of leads that are found by a random depth-first search; the rest are shortest paths")
           .integer("expansions", &DecompositionSettings::expansions, "proposals", Range::at_least(1),
                    "proposals on one lead before another one is searched")
           .number("abandon", &DecompositionSettings::abandon, "probability", Range::share(),
                   "with which a lead is abandoned after a proposal on it that improved neither the coverage of a "
-                  "triangle nor that of a connection between two")
+                  "cell nor that of a connection between two")
           .integer("resolves", &DecompositionSettings::resolves, "re-solves", Range::non_negative(),
                    "how often another lead may be searched");
   return settings;
 }
 
-/// Triangles of the plane of the position, and the projection to that plane.
+/// Cells of the workspace: triangles of the plane, boxes of space; and the projection to positions.
 struct Decomposition {
-  Triangulation triangulation;
+  std::shared_ptr<const Cells> cells;
   PositionProjection projection;
-  /// Metric coordinates of S per square metre.
+  /// Metric coordinates of S per square or cubic metre.
   double scale;
 
+  [[nodiscard]] std::size_t dimension() const { return projection.space().dimension(); }
   [[nodiscard]] std::optional<std::uint32_t> find(View q) const {
-    std::array<double, 2> s{};
-    projection.project(q, s);
-    return triangulation.find({s[0], s[1]});
+    std::array<double, 3> s{};
+    projection.project(q, MutableView(s.data(), dimension()));
+    return cells->find(View(s.data(), dimension()));
   }
-  /// The density over C, at q, of lifted positions that are uniform in triangles. NaN if the fibres have no closed
-  /// density.
-  /// \param mass  returns the probability of a triangle
+  /// The density over C, at q, of lifted positions that are uniform in cells. NaN if the fibres have no closed density.
+  /// \param mass  returns the probability of a cell
   template <class Mass>
   [[nodiscard]] double density(View q, const Mass& mass) const {
     if (!projection.closed_form()) return std::numeric_limits<double>::quiet_NaN();
-    std::array<double, 2> s{};
-    projection.project(q, s);
-    const double p = projection.folded(s, [&](View at) {
-      const auto triangle = triangulation.find({at[0], at[1]});
-      return triangle ? mass(*triangle) / (scale * triangulation.triangles()[*triangle].area) : 0.0;
+    std::array<double, 3> s{};
+    projection.project(q, MutableView(s.data(), dimension()));
+    const double p = projection.folded(View(s.data(), dimension()), [&](View at) {
+      const auto cell = cells->find(at);
+      return cell ? mass(*cell) / (scale * cells->volume(*cell)) : 0.0;
     });
     return p > 0.0 ? p * std::exp(projection.log_fibre_density(q)) : p;
   }
 };
 
-/// A mixture of uniform distributions on triangles.
-class TriangleDensity final : public Density {
+/// A mixture of uniform distributions on cells.
+class CellDensity final : public Density {
  public:
   using Mass = std::pair<std::uint32_t, double>;
 
-  /// \param masses  in ascending order of triangles, without duplicates
-  TriangleDensity(std::shared_ptr<const Decomposition> decomposition, std::vector<Mass> masses)
+  /// \param masses  in ascending order of cells, without duplicates
+  CellDensity(std::shared_ptr<const Decomposition> decomposition, std::vector<Mass> masses)
       : decomposition_(std::move(decomposition)), masses_(std::move(masses)) {}
 
   [[nodiscard]] double at(View q) const override {
-    return decomposition_->density(q, [this](std::uint32_t triangle) {
-      const auto mass = std::lower_bound(masses_.begin(), masses_.end(), triangle,
+    return decomposition_->density(q, [this](std::uint32_t cell) {
+      const auto mass = std::lower_bound(masses_.begin(), masses_.end(), cell,
                                          [](const Mass& m, std::uint32_t t) { return m.first < t; });
-      return mass == masses_.end() || mass->first != triangle ? 0.0 : mass->second;
+      return mass == masses_.end() || mass->first != cell ? 0.0 : mass->second;
     });
   }
   [[nodiscard]] bool mergeable(const Density& other) const override {
-    const auto* same = dynamic_cast<const TriangleDensity*>(&other);
+    const auto* same = dynamic_cast<const CellDensity*>(&other);
     return same != nullptr && same->decomposition_ == decomposition_;
   }
   [[nodiscard]] std::shared_ptr<const Density> sum(const std::vector<Term>& terms) const override {
-    std::vector<double> sums(decomposition_->triangulation.triangles().size(), 0.0);
+    std::vector<double> sums(decomposition_->cells->size(), 0.0);
     for (const auto& term : terms) {
-      for (const auto& [triangle, mass] : dynamic_cast<const TriangleDensity&>(*term.density).masses_) {
-        sums[triangle] += term.weight * mass;
+      for (const auto& [cell, mass] : dynamic_cast<const CellDensity&>(*term.density).masses_) {
+        sums[cell] += term.weight * mass;
       }
     }
     std::vector<Mass> masses;
     for (std::uint32_t t = 0; t < sums.size(); ++t) {
       if (sums[t] > 0.0) masses.emplace_back(t, sums[t]);
     }
-    return std::make_shared<TriangleDensity>(decomposition_, std::move(masses));
+    return std::make_shared<CellDensity>(decomposition_, std::move(masses));
   }
 
  private:
@@ -130,25 +134,24 @@ class TriangleDensity final : public Density {
 };
 
 /// The components of the mixtures of all leads. Each is made once.
-class TriangleDensities {
+class CellDensities {
  public:
-  explicit TriangleDensities(std::shared_ptr<const Decomposition> decomposition)
-      : decomposition_(std::move(decomposition)), alone_(decomposition_->triangulation.triangles().size()) {
-    const auto& triangles = decomposition_->triangulation.triangles();
-    std::vector<TriangleDensity::Mass> masses;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      masses.emplace_back(t, triangles[t].area / decomposition_->triangulation.area());
-    }
-    everywhere_ = std::make_shared<TriangleDensity>(decomposition_, std::move(masses));
+  explicit CellDensities(std::shared_ptr<const Decomposition> decomposition)
+      : decomposition_(std::move(decomposition)), alone_(decomposition_->cells->size()) {
+    const Cells& cells = *decomposition_->cells;
+    std::vector<CellDensity::Mass> masses;
+    masses.reserve(cells.size());
+    for (std::uint32_t t = 0; t < cells.size(); ++t) masses.emplace_back(t, cells.volume(t) / cells.volume());
+    everywhere_ = std::make_shared<CellDensity>(decomposition_, std::move(masses));
   }
 
-  /// Uniform over all triangles.
+  /// Uniform over all cells.
   [[nodiscard]] const std::shared_ptr<const Density>& everywhere() const { return everywhere_; }
-  /// Uniform in one triangle.
-  [[nodiscard]] const std::shared_ptr<const Density>& in(std::uint32_t triangle) {
-    auto& density = alone_[triangle];
+  /// Uniform in one cell.
+  [[nodiscard]] const std::shared_ptr<const Density>& in(std::uint32_t cell) {
+    auto& density = alone_[cell];
     if (!density) {
-      density = std::make_shared<TriangleDensity>(decomposition_, std::vector<TriangleDensity::Mass>{{triangle, 1.0}});
+      density = std::make_shared<CellDensity>(decomposition_, std::vector<CellDensity::Mass>{{cell, 1.0}});
     }
     return density;
   }
@@ -159,22 +162,21 @@ class TriangleDensities {
   std::vector<std::shared_ptr<const Density>> alone_;
 };
 
-/// Statistics of the tree over all leads: SyCLoP's estimates for regions (here: triangles) and for connections between
+/// Statistics of the tree over all leads: SyCLoP's estimates for regions (here: cells) and for connections between
 /// neighbours.
 class Exploration {
  public:
-  /// \param cell  side length of the grid cells that measure coverage, metres
+  /// \param cell  side length of the cells of a grid that measures coverage, metres
   Exploration(std::shared_ptr<const Decomposition> decomposition, double cell)
       : decomposition_(std::move(decomposition)), cell_(cell) {
-    const auto& triangles = decomposition_->triangulation.triangles();
-    regions_.resize(triangles.size());
-    const double mean = decomposition_->triangulation.area() / static_cast<double>(triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      regions_[t].volume = triangles[t].area / mean;
-      for (const auto& across : triangles[t].neighbours) {
-        if (!across || *across < t) continue;
-        const auto owner = static_cast<std::uint32_t>(triangles.size() + connections_.size());
-        connections_.emplace(key(t, *across), Connection{.owner = owner});
+    const Cells& cells = *decomposition_->cells;
+    regions_.resize(cells.size());
+    for (std::uint32_t t = 0; t < cells.size(); ++t) {
+      regions_[t].volume = cells.importance(t);
+      for (const auto& across : cells.neighbours(t)) {
+        if (across.cell < t) continue;
+        const auto owner = static_cast<std::uint32_t>(cells.size() + connections_.size());
+        connections_.emplace(key(t, across.cell), Connection{.owner = owner});
       }
     }
   }
@@ -188,7 +190,7 @@ class Exploration {
     cover(*region, regions_[*region].covered, start);
   }
 
-  /// Adds an outcome. Returns whether it improved the coverage of a triangle or of a connection.
+  /// Adds an outcome. Returns whether it improved the coverage of a cell or of a connection.
   bool note(const Outcome& outcome) {
     if (!outcome.blocked_at.empty()) {
       if (const auto region = decomposition_->find(outcome.blocked_at)) regions_[*region].invalid += 1.0;
@@ -215,7 +217,7 @@ class Exploration {
     return improved;
   }
 
-  /// Counts a lead through these triangles.
+  /// Counts a lead through these cells.
   void include(const std::vector<std::uint32_t>& lead) {
     for (std::size_t i = 1; i < lead.size(); ++i) {
       const auto found = connections_.find(key(lead[i - 1], lead[i]));
@@ -225,21 +227,39 @@ class Exploration {
 
   [[nodiscard]] bool reached(std::uint32_t region) const { return regions_[region].reached; }
 
-  /// The weight of a triangle of the lead in the selection: high for large free volume, low coverage and few
+  /// The weight of a cell of the lead in the selection: high for large free volume, low coverage and few
   /// selections.
   [[nodiscard]] double weight(std::uint32_t region) const {
     const Region& r = regions_[region];
     return fourth(free_volume(r)) / ((1.0 + r.covered) * (1.0 + r.selections * r.selections));
   }
 
-  [[nodiscard]] double cost(std::uint32_t a, std::uint32_t b) const {
-    const auto alpha = [&](const Region& r) { return 1.0 / ((1.0 + r.covered) * fourth(free_volume(r))); };
-    const Connection& c = connections_.at(key(a, b));
-    const double selections = c.crossed > 0.0 ? c.crossed : c.leads;
-    return (1.0 + selections * selections) / (1.0 + c.covered * c.covered) * alpha(regions_[a]) * alpha(regions_[b]);
+  /// An edge of the graph of cells, and what was counted for it.
+  struct Crossing {
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+    const void* connection = nullptr;  ///< of this object
+  };
+  [[nodiscard]] Crossing crossing(std::uint32_t a, std::uint32_t b) const {
+    return {a, b, &connections_.at(key(a, b))};
+  }
+  /// Calls `set` with the index and the cost of every crossing between two cells. A lead contains the edges of start
+  /// and goal, so their costs do not matter: they have one cell.
+  template <class Set>
+  void costs(const std::vector<Crossing>& crossings, const Set& set) const {
+    std::vector<double> alpha;
+    alpha.reserve(regions_.size());
+    for (const Region& r : regions_) alpha.push_back(1.0 / ((1.0 + r.covered) * fourth(free_volume(r))));
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+      const Crossing& crossing = crossings[i];
+      if (crossing.connection == nullptr) continue;
+      const auto& c = *static_cast<const Connection*>(crossing.connection);
+      const double selections = c.crossed > 0.0 ? c.crossed : c.leads;
+      set(i, (1.0 + selections * selections) / (1.0 + c.covered * c.covered) * alpha[crossing.a] * alpha[crossing.b]);
+    }
   }
 
-  /// Picks a node of the triangle, as an index; rarely selected nodes are more likely. None if no row is known.
+  /// Picks a node of the cell, as an index; rarely selected nodes are more likely. None if no row is known.
   [[nodiscard]] std::optional<std::size_t> pick_node(std::uint32_t region, Stream& stream) const {
     const auto& nodes = regions_[region].nodes;
     if (nodes.empty()) return std::nullopt;
@@ -269,19 +289,19 @@ class Exploration {
     double selections;
   };
   struct Region {
-    double volume = 1.0;  ///< relative to the mean triangle
+    double volume = 1.0;  ///< relative to the mean cell
     double valid = 0.0;   ///< number of configurations found valid
     double invalid = 0.0;
-    double covered = 0.0;     ///< number of cells with a node
+    double covered = 0.0;     ///< number of cells of the grid with a node
     double selections = 0.0;  ///< number of selections of its nodes
     bool reached = false;     ///< it contains a node
     std::vector<Node> nodes;
   };
   struct Connection {
     std::uint32_t owner = 0;  ///< key of its cells
-    double crossed = 0.0;     ///< number of extensions from one triangle to the other
+    double crossed = 0.0;     ///< number of extensions from one cell to the other
     double leads = 0.0;       ///< number of leads through it before the first extension across it
-    double covered = 0.0;     ///< number of cells that contain the end of an extension across it
+    double covered = 0.0;     ///< number of cells of the grid that contain the end of an extension across it
   };
 
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
@@ -292,12 +312,12 @@ class Exploration {
     return (1.0 + r.valid) / (1.0 + r.valid + r.invalid) * r.volume;
   }
 
-  /// Counts the cell of q for `owner`. Returns whether the cell is new to it.
+  /// Counts the grid's cell of q for `owner`. Returns whether that is new to it.
   bool cover(std::uint32_t owner, double& covered, View q) {
-    std::array<double, 2> s{};
-    decomposition_->projection.project(q, s);
+    std::array<double, 3> s{};
+    decomposition_->projection.project(q, MutableView(s.data(), decomposition_->dimension()));
     const auto coordinate = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
-    if (!cells_.insert({owner, coordinate(s[0]), coordinate(s[1])}).second) return false;
+    if (!cells_.insert({owner, coordinate(s[0]), coordinate(s[1]), coordinate(s[2])}).second) return false;
     covered += 1.0;
     return true;
   }
@@ -306,19 +326,18 @@ class Exploration {
   double cell_;
   std::vector<Region> regions_;
   std::unordered_map<std::uint64_t, Connection> connections_;
-  std::set<std::tuple<std::uint32_t, std::int64_t, std::int64_t>>
-      cells_;  ///< covered cells of triangles and connections
+  /// The grid's covered cells, of regions and connections.
+  std::set<std::tuple<std::uint32_t, std::int64_t, std::int64_t, std::int64_t>> cells_;
 };
 
-/// h along a lead: selects a triangle that the tree has reached, then one of its nodes, and draws the proposal from
-/// this triangle or the next ones of the lead.
+/// h along a lead: selects a cell that the tree has reached, then one of its nodes, and draws the proposal from this
+/// cell or the next ones of the lead.
 class LeadHeuristic final : public Heuristic {
  public:
-  /// \param stream  random stream that selects the available triangles
+  /// \param stream  random stream that selects the available cells
   LeadHeuristic(std::shared_ptr<const Decomposition> decomposition, const DecompositionSettings& settings,
-                std::shared_ptr<Exploration> exploration, Instance& parent,
-                std::shared_ptr<TriangleDensities> densities, std::vector<std::uint32_t> lead, Configurations lifted,
-                Stream stream, std::uint64_t& luck)
+                std::shared_ptr<Exploration> exploration, Instance& parent, std::shared_ptr<CellDensities> densities,
+                std::vector<std::uint32_t> lead, Configurations lifted, Stream stream, std::uint64_t& luck)
       : decomposition_(std::move(decomposition)),
         settings_(settings),
         exploration_(std::move(exploration)),
@@ -328,8 +347,8 @@ class LeadHeuristic final : public Heuristic {
         lifted_(std::move(lifted)),
         next_luck_(luck),
         parent_epoch_(parent.epoch()),
-        position_(2) {
-    // From the end of the lead: the last triangle that the tree has reached, then each further one with this
+        position_(decomposition_->dimension()) {
+    // From the end of the lead: the last cell that the tree has reached, then each further one with this
     // probability.
     constexpr double keep_adding = 0.5;
     available_.assign(lead_.size(), 0);
@@ -356,9 +375,7 @@ class LeadHeuristic final : public Heuristic {
       drawn = pick_anywhere(stream);
     }
     next_luck_ = stream.below(std::uint64_t{1} << 32U);
-    const Vec2 p = decomposition_->triangulation.sample(drawn, stream);
-    position_[0] = p.x;
-    position_[1] = p.y;
+    decomposition_->cells->sample(drawn, stream, position_);
     decomposition_->projection.lift(position_, stream, out);
     return 0;
   }
@@ -392,8 +409,8 @@ class LeadHeuristic final : public Heuristic {
     node_.reset();
     const bool improved = exploration_->note(outcome);
     if (!outcome.added.empty() && outcome.connected) {
-      if (const auto triangle = decomposition_->find(outcome.added)) {
-        const auto place = std::find(lead_.begin(), lead_.end(), *triangle);
+      if (const auto cell = decomposition_->find(outcome.added)) {
+        const auto place = std::find(lead_.begin(), lead_.end(), *cell);
         if (place != lead_.end()) available_[static_cast<std::size_t>(place - lead_.begin())] = 1;
       }
     }
@@ -409,7 +426,7 @@ class LeadHeuristic final : public Heuristic {
   [[nodiscard]] Configurations lifted_path() const override { return lifted_; }
 
  private:
-  /// Computes for each triangle of the lead the weight of its selection and the mass of proposals in it.
+  /// Computes for each cell of the lead the weight of its selection and the mass of proposals in it.
   void weigh() {
     weights_.assign(lead_.size(), 0.0);
     masses_.assign(lead_.size(), 0.0);
@@ -438,33 +455,33 @@ class LeadHeuristic final : public Heuristic {
     return picked;
   }
   std::uint32_t pick_anywhere(Stream& stream) const {
-    const auto& triangles = decomposition_->triangulation.triangles();
-    double u = stream.uniform() * decomposition_->triangulation.area();
-    for (std::uint32_t t = 0; t + 1 < triangles.size(); ++t) {
-      u -= triangles[t].area;
+    const Cells& cells = *decomposition_->cells;
+    double u = stream.uniform() * cells.volume();
+    for (std::uint32_t t = 0; t + 1 < cells.size(); ++t) {
+      u -= cells.volume(t);
       if (u < 0.0) return t;
     }
-    return static_cast<std::uint32_t>(triangles.size() - 1);
+    return static_cast<std::uint32_t>(cells.size() - 1);
   }
 
   std::shared_ptr<const Decomposition> decomposition_;
   DecompositionSettings settings_;
   std::shared_ptr<Exploration> exploration_;
   Instance& parent_;
-  std::shared_ptr<TriangleDensities> densities_;
+  std::shared_ptr<CellDensities> densities_;
   std::vector<std::uint32_t> lead_;
   Configurations lifted_;
   std::uint64_t& next_luck_;  ///< seed of the next lead's random stream
   std::uint64_t parent_epoch_;
-  std::vector<char> available_;  ///< for each triangle of the lead: the planner may expand its nodes
+  std::vector<char> available_;  ///< for each cell of the lead: the planner may expand its nodes
   std::vector<double> weights_;
   std::vector<double> masses_;
   std::int64_t expansions_ = 0;
   std::uint64_t epoch_ = 0;
   TreeSide side_ = TreeSide::start;
   // Of the last proposal:
-  std::size_t region_ = 0;           ///< triangle whose node is expanded, as an index into the lead
-  std::optional<std::size_t> node_;  ///< index of the node in that triangle
+  std::size_t region_ = 0;           ///< cell whose node is expanded, as an index into the lead
+  std::optional<std::size_t> node_;  ///< index of the node in that cell
   double luck_ = 1.0;
   bool on_lead_ = false;
   bool stale_ = false;
@@ -478,16 +495,19 @@ class DecompositionGuide final : public Guide {
   std::unique_ptr<Instance> project(const Instance& parent) override {
     PositionProjection projection("decomposition", parent);
     auto instance = projection.point_instance(parent);
-    const auto& axes = instance->space.axes();
+    double scale = 1.0;
+    for (const Axis& axis : instance->space.axes()) scale *= axis.weight;
     const double side = side_length(parent, projection.arm());
-    decomposition_ = std::make_shared<const Decomposition>(Decomposition{
-        Triangulation(instance->scene->world, side), std::move(projection), axes[0].weight * axes[1].weight});
-    const auto& triangles = decomposition_->triangulation.triangles();
-    if (triangles.empty()) throw Error("decomposition: the world leaves no free space");
-    constexpr double cells = 4.0;  // cells of the coverage grid along a triangle's side
-    exploration_ = std::make_shared<Exploration>(decomposition_, side / cells);
+    // Positions of the reference point that are nearer to obstacles are invalid in C.
+    const double needed = projection.arm() ? 0.0 : parent.scene->inscribed_radius();
+    auto cells = free_cells(*instance->scene, side, needed);
+    if (cells->size() == 0) throw Error("decomposition: the world leaves no free space");
+    decomposition_ =
+        std::make_shared<const Decomposition>(Decomposition{std::move(cells), std::move(projection), scale});
+    constexpr double along = 4.0;  // cells of the coverage grid along a cell's side
+    exploration_ = std::make_shared<Exploration>(decomposition_, side / along);
     exploration_->plant(parent.start);
-    densities_ = std::make_shared<TriangleDensities>(decomposition_);
+    densities_ = std::make_shared<CellDensities>(decomposition_);
 
     make_graph(*instance);
     before_resolve();
@@ -507,7 +527,7 @@ class DecompositionGuide final : public Guide {
     std::vector<std::uint32_t> lead;
     // The first lead, before any proposal, is a shortest path.
     if (luck_ != 0 && stream.uniform() < settings_.random_leads) lead = random_lead(stream);
-    Configurations path(2);
+    Configurations path(decomposition_->dimension());
     if (!lead.empty()) {
       path.push(graph_->vertices[graph_->start]);
       for (const std::uint32_t t : lead) path.push(graph_->vertices[t]);
@@ -515,83 +535,77 @@ class DecompositionGuide final : public Guide {
     } else {
       path = found->path;
       for (std::size_t i = 0; i < path.size(); ++i) {
-        const auto triangle = decomposition_->triangulation.find({path[i][0], path[i][1]});
-        if (triangle && std::find(lead.begin(), lead.end(), *triangle) == lead.end()) lead.push_back(*triangle);
+        const auto cell = decomposition_->cells->find(path[i]);
+        if (cell && std::find(lead.begin(), lead.end(), *cell) == lead.end()) lead.push_back(*cell);
       }
     }
     if (lead.empty()) return std::make_unique<UniformHeuristic>("decomposition (found nothing)", parent.space);
     exploration_->include(lead);
-    Configurations lifted = decomposition_->projection.lifted(path, parent.start, parent.goal);
+    Configurations lifted = decomposition_->projection.lifted(path, parent.start, parent.goal());
     return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, std::move(lead),
                                            std::move(lifted), stream, luck_);
   }
 
   void before_resolve() override {
-    for (std::size_t e = 0; e < graph_->edges.size(); ++e) {
-      const auto& [a, b] = sides_[e];
-      // Each lead contains the edges of start and goal, so their costs do not matter.
-      if (a != b) graph_->edges[e].cost = exploration_->cost(a, b);
-    }
+    exploration_->costs(crossings_, [&](std::size_t e, double cost) { graph_->edges[e].cost = cost; });
   }
 
  private:
   /// \param tip  the position is that of an arm's tip, which has no size
   [[nodiscard]] double side_length(const Instance& parent, bool tip) const {
     if (settings_.size > 0.0) return settings_.size;
-    const Box2& bounds = parent.scene->world.bounds();
-    const double world = norm(bounds.hi - bounds.lo);
-    return tip ? 0.05 * world : 2.0 * size_or(parent.scene->robot, 0.01 * world);
+    const double world = parent.scene->diagonal();
+    return tip ? 0.05 * world : 2.0 * size_or(*parent.scene, 0.01 * world);
   }
 
-  /// Makes the graph: triangles are vertices at their centroids, with edges through the midpoints of shared sides.
-  /// Start and goal are connected to the triangles that contain them.
+  /// Makes the graph: cells are vertices at their centres, with edges through the points where they meet. Start and
+  /// goal are connected to the cells that contain them.
   void make_graph(const Instance& instance) {
     graph_ = std::make_shared<Graph>();
-    sides_.clear();
-    graph_->vertices = Configurations(2);
-    const auto& triangles = decomposition_->triangulation.triangles();
-    for (const auto& triangle : triangles)
-      graph_->vertices.push(std::array{triangle.centroid().x, triangle.centroid().y});
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto across = triangles[t].neighbours[k];
-        if (!across || *across < t) continue;
-        const Vec2 middle = 0.5 * (triangles[t].corners[(k + 1) % 3] + triangles[t].corners[(k + 2) % 3]);
-        Configurations points(2);
+    crossings_.clear();
+    const std::size_t dimension = decomposition_->dimension();
+    graph_->vertices = Configurations(dimension);
+    const Cells& cells = *decomposition_->cells;
+    Configuration centre(dimension);
+    for (std::uint32_t t = 0; t < cells.size(); ++t) {
+      cells.centre(t, centre);
+      graph_->vertices.push(centre);
+    }
+    for (std::uint32_t t = 0; t < cells.size(); ++t) {
+      for (const auto& across : cells.neighbours(t)) {
+        if (across.cell < t) continue;
+        Configurations points(dimension);
         points.push(std::as_const(graph_->vertices)[t]);
-        points.push(std::array{middle.x, middle.y});
-        points.push(std::as_const(graph_->vertices)[*across]);
-        add_edge(t, *across, std::move(points), {t, *across}, instance.space);
+        points.push(View(across.middle.data(), dimension));
+        points.push(std::as_const(graph_->vertices)[across.cell]);
+        add_edge(t, across.cell, std::move(points), exploration_->crossing(t, across.cell), instance.space);
       }
     }
     graph_->start = join(instance.start, instance.space);
-    graph_->goal = join(instance.goal, instance.space);
+    graph_->goal = join(instance.goal(), instance.space);
   }
 
-  /// The triangles of a random depth-first search from start to goal; empty if it finds no path.
+  /// The cells of a random depth-first search from start to goal; empty if it finds no path.
   [[nodiscard]] std::vector<std::uint32_t> random_lead(Stream& stream) const {
-    const auto at = [&](std::uint32_t vertex) {
-      const View p = std::as_const(graph_->vertices)[vertex];
-      return decomposition_->triangulation.find({p[0], p[1]});
-    };
+    const Cells& cells = *decomposition_->cells;
+    const auto at = [&](std::uint32_t vertex) { return cells.find(std::as_const(graph_->vertices)[vertex]); };
     const auto start = at(graph_->start);
     const auto goal = at(graph_->goal);
     if (!start || !goal) return {};
-    const auto& triangles = decomposition_->triangulation.triangles();
-    std::vector<char> seen(triangles.size(), 0);
+    std::vector<char> seen(cells.size(), 0);
     std::vector<std::uint32_t> lead = {*start};
     seen[*start] = 1;
+    std::vector<std::uint32_t> next;
     while (!lead.empty() && lead.back() != *goal) {
-      std::array<std::uint32_t, 3> next{};
-      std::size_t count = 0;
-      for (const auto& across : triangles[lead.back()].neighbours) {
-        if (across && seen[*across] == 0) next[count++] = *across;
+      next.clear();
+      for (const auto& across : cells.neighbours(lead.back())) {
+        if (seen[across.cell] == 0) next.push_back(across.cell);
       }
-      if (count == 0) {
+      if (next.empty()) {
         lead.pop_back();
         continue;
       }
-      lead.push_back(next[stream.below(count)]);
+      lead.push_back(next[stream.below(next.size())]);
       seen[lead.back()] = 1;
     }
     return lead;
@@ -599,27 +613,27 @@ class DecompositionGuide final : public Guide {
 
   std::uint32_t join(const Configuration& position, const Space& space) {
     const std::uint32_t vertex = graph_->vertices.push(position);
-    if (const auto triangle = decomposition_->triangulation.find({position[0], position[1]})) {
-      Configurations points(2);
+    if (const auto cell = decomposition_->cells->find(position)) {
+      Configurations points(position.size());
       points.push(position);
-      points.push(std::as_const(graph_->vertices)[*triangle]);
-      add_edge(vertex, *triangle, std::move(points), {*triangle, *triangle}, space);
+      points.push(std::as_const(graph_->vertices)[*cell]);
+      add_edge(vertex, *cell, std::move(points), {*cell, *cell}, space);
     }
     return vertex;
   }
 
-  void add_edge(std::uint32_t from, std::uint32_t to, Configurations points,
-                std::pair<std::uint32_t, std::uint32_t> sides, const Space& space) {
+  void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, const Exploration::Crossing& crossing,
+                const Space& space) {
     const double length = path_length(space, points);
     graph_->edges.push_back({from, to, length, std::move(points)});
-    sides_.push_back(sides);
+    crossings_.push_back(crossing);
   }
 
   DecompositionSettings settings_;
   std::shared_ptr<const Decomposition> decomposition_;
   std::shared_ptr<Graph> graph_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;  ///< for each edge: the triangles that it connects
-  std::shared_ptr<TriangleDensities> densities_;
+  std::vector<Exploration::Crossing> crossings_;  ///< for each edge
+  std::shared_ptr<CellDensities> densities_;
   std::shared_ptr<Exploration> exploration_;
   std::uint64_t luck_ = 0;  ///< last number drawn by h; seeds the random stream of the next lead
 };
@@ -627,31 +641,30 @@ class DecompositionGuide final : public Guide {
 }  // namespace
 
 GuideKind decomposition_kind() {
-  return {
-      &decomposition_settings().component(),
-      [](const Options& o) -> std::unique_ptr<Guide> {
-        return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
-      },
-      "graph_search",
-      [](const Options& o) { return decomposition_settings().read(o).resolves; },
-      {.category = GuideClaims::Category::robot,
-       .f = "q -> the position of the reference point, in a triangle of the free workspace; of an arm that is fixed to "
-            "its base, that of its tip",
-       .h = "a triangle of the lead that the tree has reached, by free volume, coverage and how often it was "
-            "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
-            "triangles, all else uniform (of an arm, by inverse kinematics); any triangle with a share of `explore`",
-       .closed_form = true,
-       .density = "of the mixture of triangles",
-       .feedback = "nodes, invalid configurations and crossings are counted by triangle; a lead is abandoned after "
-                   "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
-                   "another one searched, its costs by what was counted",
-       .relaxes = true,
-       .invalid_ends = "an end whose position is in no triangle is joined to none, so S has no path",
-       .fallback = GuideClaims::Fallback::own,
-       .no_path = "the lead goes to the triangle nearest to the goal that can be reached; uniform where the start "
-                  "is in none",
-       .example = "examples/kinodynamic.lua",
-       .needs = GuideClaims::Needs::position}};
+  return {&decomposition_settings().component(),
+          [](const Options& o) -> std::unique_ptr<Guide> {
+            return std::make_unique<DecompositionGuide>(decomposition_settings().read(o));
+          },
+          "graph_search",
+          [](const Options& o) { return decomposition_settings().read(o).resolves; },
+          {.category = GuideClaims::Category::robot,
+           .f = "q -> the position of the reference point, in a cell of the free workspace; of an arm that is fixed to "
+                "its base, that of its tip",
+           .h = "a cell of the lead that the tree has reached, by free volume, coverage and how often it was "
+                "selected, and one of its nodes to expand; the proposal is uniform in it or one of the next `ahead` "
+                "cells, all else uniform (of an arm, by inverse kinematics); any cell with a share of `explore`",
+           .closed_form = true,
+           .density = "of the mixture of cells",
+           .feedback = "nodes, invalid configurations and crossings are counted by cell; a lead is abandoned after "
+                       "`expansions` proposals, or with probability `abandon` after one that improved no coverage, and "
+                       "another one searched, its costs by what was counted",
+           .relaxes = true,
+           .invalid_ends = "an end whose position is in no cell is joined to none, so S has no path",
+           .fallback = GuideClaims::Fallback::own,
+           .no_path = "the lead goes to the cell nearest to the goal that can be reached; uniform where the start "
+                      "is in none",
+           .example = "examples/kinodynamic.lua",
+           .needs = GuideClaims::Needs::position}};
 }
 
 }  // namespace trellis

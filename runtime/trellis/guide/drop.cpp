@@ -41,14 +41,14 @@ class Drop final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    const auto& obstacles = parent.scene->world.obstacles();
-    for (const auto& name : names_) require(obstacles, name);
-    for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      const auto named = [&](const std::string& name) { return is_called(obstacles[i], name); };
+    const Scene& scene = *parent.scene;
+    for (const auto& name : names_) require(scene, name);
+    for (std::size_t i = 0; i < scene.obstacle_count(); ++i) {
+      const auto named = [&](const std::string& name) { return is_called(scene.obstacle_name(i), name); };
       if (names_.empty() || std::any_of(names_.begin(), names_.end(), named)) dropped_.push_back(i);
     }
-    validity_ = std::make_shared<ChangingWorld>(parent, world(parent, kept(parent)));
-    left_out_ = std::make_unique<ChangingWorld>(parent, world(parent, dropped_));
+    validity_ = std::make_shared<ChangingWorld>(parent, parent.scene->with_obstacles(kept(parent)));
+    left_out_ = std::make_unique<ChangingWorld>(parent, parent.scene->with_obstacles(dropped_));
     instance->validity = validity_;
     instance->scene = validity_->scene();
     return instance;
@@ -75,7 +75,7 @@ class Drop final : public PathGuide {
     if (const auto place = take_refuted()) bring_back(*place);
     if (back_.empty()) return;
     back_.clear();
-    validity_->set(world(*parent_, kept(*parent_)));
+    validity_->set(parent_->scene->with_obstacles(kept(*parent_)));
     // The guide of the search of S uses the same obstacles.
     sub_->scene = validity_->scene();
   }
@@ -98,26 +98,27 @@ class Drop final : public PathGuide {
       if (!hit || !hit->obstacle) break;
       back_.push_back(dropped_[*hit->obstacle]);
       dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(*hit->obstacle));
-      left_out_->set(world(*parent_, dropped_));
+      left_out_->set(parent_->scene->with_obstacles(dropped_));
       found = true;
     }
     return found;
   }
 
   /// The name that the script gave the obstacle: "left door" of "obstacle 3 (left door)".
-  static std::string given_name(const Obstacle& obstacle) {
-    const std::size_t open = obstacle.name.find(" (");
-    if (open == std::string::npos || !obstacle.name.ends_with(')')) return obstacle.name;
-    return obstacle.name.substr(open + 2, obstacle.name.size() - open - 3);
+  static std::string given_name(const std::string& obstacle) {
+    const std::size_t open = obstacle.find(" (");
+    if (open == std::string::npos || !obstacle.ends_with(')')) return obstacle;
+    return obstacle.substr(open + 2, obstacle.size() - open - 3);
   }
-  static bool is_called(const Obstacle& obstacle, const std::string& name) {
-    return obstacle.name == name || given_name(obstacle) == name || obstacle.name.starts_with(name + " (");
+  static bool is_called(const std::string& obstacle, const std::string& name) {
+    return obstacle == name || given_name(obstacle) == name || obstacle.starts_with(name + " (");
   }
 
-  static void require(const std::vector<Obstacle>& obstacles, const std::string& name) {
+  static void require(const Scene& scene, const std::string& name) {
     std::vector<std::string> known;
-    known.reserve(obstacles.size());
-    for (const auto& obstacle : obstacles) {
+    known.reserve(scene.obstacle_count());
+    for (std::size_t i = 0; i < scene.obstacle_count(); ++i) {
+      const std::string& obstacle = scene.obstacle_name(i);
       if (is_called(obstacle, name)) return;
       known.push_back(given_name(obstacle));
     }
@@ -128,17 +129,10 @@ class Drop final : public PathGuide {
   /// The obstacles of S at its next solve.
   [[nodiscard]] std::vector<std::size_t> kept(const Instance& parent) const {
     std::vector<std::size_t> rest;
-    for (std::size_t i = 0; i < parent.scene->world.obstacles().size(); ++i) {
+    for (std::size_t i = 0; i < parent.scene->obstacle_count(); ++i) {
       if (std::find(dropped_.begin(), dropped_.end(), i) == dropped_.end()) rest.push_back(i);
     }
     return rest;
-  }
-
-  static World world(const Instance& parent, const std::vector<std::size_t>& chosen) {
-    std::vector<Obstacle> obstacles;
-    obstacles.reserve(chosen.size());
-    for (const std::size_t i : chosen) obstacles.push_back(parent.scene->world.obstacles()[i]);
-    return {parent.scene->world.bounds(), std::move(obstacles)};
   }
 
   /// The edges of the path within twice its tube's radius of q.
@@ -153,7 +147,7 @@ class Drop final : public PathGuide {
   }
 
   bool runs_into_what_is_back(const std::vector<std::size_t>& legs) {
-    ChangingWorld back(*parent_, world(*parent_, back_));
+    ChangingWorld back(*parent_, parent_->scene->with_obstacles(back_));
     for (const std::size_t i : legs) {
       const MotionReport report = back.motion(std::as_const(path_)[i], std::as_const(path_)[i + 1]);
       parent_->checks.validity += report.checks;

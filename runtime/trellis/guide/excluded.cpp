@@ -11,9 +11,10 @@ namespace trellis {
 namespace {
 
 Space positions_of(const Space& space, const std::vector<std::size_t>& axes) {
+  const std::vector<Axis> all = space.coordinates();
   std::vector<Axis> chosen;
   chosen.reserve(axes.size());
-  for (const std::size_t axis : axes) chosen.push_back(space.axes()[axis]);
+  for (const std::size_t axis : axes) chosen.push_back(all[axis]);
   return {"positions", std::move(chosen)};
 }
 
@@ -47,17 +48,51 @@ std::size_t ExcludedBalls::count(View q) {
   return found_.size();
 }
 
-std::optional<double> ExcludedBalls::entered(View a, View b) {
-  if (index_.size() == 0) return std::nullopt;
+std::optional<double> ExcludedBalls::entered(View a, View b, std::size_t first) {
+  if (index_.size() <= first) return std::nullopt;
+  const auto foot_in = [&](std::uint32_t id) -> std::optional<double> {
+    const View centre = std::as_const(centres_)[id];
+    // Where rotations are, the foot of a centre is searched.
+    if (!space_.flat() && lines_apart(a, b, centre)) return std::nullopt;
+    const Foot foot = nearest_on_motion(space_, a, b, centre);
+    if (foot.squared_distance <= radius_ * radius_) return foot.t;
+    return std::nullopt;
+  };
+  // So few are compared sooner than searched for.
+  constexpr std::size_t few = 64;
+  if (first > 0 && index_.size() - first <= few) {
+    for (auto id = static_cast<std::uint32_t>(first); id < index_.size(); ++id) {
+      if (const auto t = foot_in(id)) return t;
+    }
+    return std::nullopt;
+  }
   const double length = space_.distance(a, b);
   Configuration middle(a.size());
   space_.interpolate(a, b, 0.5, middle);
   index_.within(middle, 0.5 * length + radius_, found_);
   for (const auto& candidate : found_) {
-    const Foot foot = nearest_on_motion(space_, a, b, std::as_const(centres_)[candidate.id]);
-    if (foot.squared_distance <= radius_ * radius_) return foot.t;
+    if (candidate.id < first) continue;
+    if (const auto t = foot_in(candidate.id)) return t;
   }
   return std::nullopt;
+}
+
+bool ExcludedBalls::lines_apart(View a, View b, View centre) const {
+  double along = 0.0;
+  double squared = 0.0;
+  double to_start = 0.0;
+  for (const Factor& factor : space_.factors()) {
+    if (factor.kind != Factor::Kind::line) continue;
+    const std::size_t j = factor.column;
+    const double motion = factor.axis.weight * (b[j] - a[j]);
+    const double to = factor.axis.weight * (centre[j] - a[j]);
+    along += motion * to;
+    squared += motion * motion;
+    to_start += to * to;
+  }
+  const double t = squared > 0.0 ? std::clamp(along / squared, 0.0, 1.0) : 0.0;
+  constexpr double rounding = 1.0 + 1e-9;
+  return to_start - 2.0 * t * along + t * t * squared > rounding * radius_ * radius_ + 1e-12 * to_start;
 }
 
 Places::Places(const Space& space, std::vector<std::size_t> position_axes, double radius)

@@ -30,12 +30,17 @@ class ExcludedBalls {
   [[nodiscard]] double depth(View q) const;
   /// The position on the motion from a to b, in [0, 1], at which it is nearest to the centre of the first-added ball
   /// that it enters; none if it enters no ball.
-  [[nodiscard]] std::optional<double> entered(View a, View b);
+  /// \param first  only balls from that one on, counted from 0 in the order in which they were added
+  [[nodiscard]] std::optional<double> entered(View a, View b, std::size_t first = 0);
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
   /// The number of centres within the radius of q.
   [[nodiscard]] std::size_t count(View q);
   [[nodiscard]] double radius() const { return radius_; }
 
  private:
+  /// Whether the coordinates on lines alone keep the motion from a to b farther from a centre than the radius.
+  [[nodiscard]] bool lines_apart(View a, View b, View centre) const;
+
   Space space_;
   double radius_;
   NearestIndex index_;

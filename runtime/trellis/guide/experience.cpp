@@ -16,6 +16,7 @@
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -23,7 +24,7 @@ namespace {
 
 struct ExperienceSettings : PathGuideSettings {
   ExperienceSettings() {
-    follow = "waypoints";
+    follow = Follow::waypoints;
     evidence = 100;
     resolves = 10;
   }
@@ -31,7 +32,7 @@ struct ExperienceSettings : PathGuideSettings {
   std::int64_t candidates = 10;
   double join = 0.0;
   double repair = 10.0;
-  std::string robots = "same";
+  bool any_robot = false;
 };
 
 const Settings<ExperienceSettings>& experience_settings() {
@@ -54,7 +55,7 @@ const Settings<ExperienceSettings>& experience_settings() {
                   "base")
           .number("repair", &ExperienceSettings::repair, "metres", Range::at_least(1),
                   "cost of a metre that is invalid in the present world, relative to a valid one")
-          .choice("robots", &ExperienceSettings::robots, {"same", "any"},
+          .choice("robots", &ExperienceSettings::any_robot, {{"same", false}, {"any", true}},
                   R"(whose paths: "same", of the same robot in the same space; "any", of any in the same space)")
           .integer("paths", &ExperienceSettings::paths, "paths", {.lo = 1, .hi = 64},
                    "paths in the graph that guide at once; each search increases the cost of the paths before it")
@@ -206,7 +207,7 @@ class ExperienceGraph {
   ExperienceGraph(const Instance& instance, double join) : space_(instance.space), join_(join), places_(space_) {
     graph_.vertices = Configurations(space_.dimension());
     graph_.start = vertex(instance.start);
-    graph_.goal = vertex(instance.goal);
+    graph_.goal = vertex(instance.goal());
   }
 
   void add(const Configurations& path) {
@@ -403,14 +404,14 @@ class Experience final : public PathGuide {
   /// h along a path that repairs its gaps.
   [[nodiscard]] std::unique_ptr<PathFollower> along(Instance& parent, const Configurations& path) const {
     auto h = follow_path("experience", settings_, parent, path, reached_nodes().both());
-    if (settings_.follow == "tube") return h;
+    if (settings_.follow == Follow::tube) return h;
     std::vector<std::size_t> gaps;
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
       if (!parent.is_verified(path[i], path[i + 1])) gaps.push_back(i);
     }
     if (gaps.empty()) return h;
     // The heuristic that follows the waypoints proposes the far end of a gap itself.
-    const bool in_turn = settings_.follow == "waypoints";
+    const bool in_turn = settings_.follow == Follow::waypoints;
     const double reach = in_turn ? parent.goal_tolerance : h->radius();
     return std::make_unique<RepairedPath>(parent, std::move(h), gaps, in_turn ? 0.0 : 0.5, reach, settings_.evidence,
                                           reached_nodes().both());
@@ -445,14 +446,13 @@ class Experience final : public PathGuide {
   /// The stored paths of this space, by increasing distance of their ends from start and goal.
   [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
     const std::uint64_t space = identity(parent.space);
-    const std::uint64_t robot = identity(parent.scene->robot);
-    const bool same_robot = settings_.robots == "same";
+    const std::uint64_t robot = robot_hash(*parent.scene);
     std::vector<std::pair<double, const StoredPath*>> fitting;
     for (const StoredPath& stored : *library_) {
       if (stored.space != space || stored.path.dimension() != parent.space.dimension()) continue;
-      if (same_robot && stored.robot != robot) continue;
-      fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal, stored.path),
-                                    apart(parent.space, parent.goal, parent.start, stored.path)),
+      if (!settings_.any_robot && stored.robot != robot) continue;
+      fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal(), stored.path),
+                                    apart(parent.space, parent.goal(), parent.start, stored.path)),
                            &stored);
     }
     std::stable_sort(fitting.begin(), fitting.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -25,6 +25,7 @@ class Heuristic : public Guidance {
 };
 
 /// A guiding space (f, h) for one instance in C. It lives as long as the run; its space may be solved many times.
+/// Parameters q have the dimension of C, parameters s that of S; neither is checked.
 class Guide {
  public:
   virtual ~Guide() = default;

@@ -45,7 +45,8 @@ double radical_inverse(std::uint64_t i, std::uint64_t base) {
 
 class Halton final : public Heuristic {
  public:
-  explicit Halton(const Space& space) : space_(space), uniform_(space), primes_(primes(space.dimension())) {}
+  explicit Halton(const Space& space)
+      : space_(space), uniform_(space), primes_(primes(space.degrees())), unit_(space.degrees()) {}
 
   Source sample(Stream& stream, MutableView out) override {
     if (shift_.empty()) {
@@ -53,11 +54,17 @@ class Halton final : public Heuristic {
       for (double& x : shift_) x = stream.uniform();
     }
     ++index_;
-    for (std::size_t j = 0; j < out.size(); ++j) {
-      double u = radical_inverse(index_, primes_[j]) + shift_[j];
-      u -= std::floor(u);
-      const Axis& axis = space_.axes()[j];
-      out[j] = axis.lo + u * (axis.hi - axis.lo);
+    for (std::size_t j = 0; j < unit_.size(); ++j) {
+      const double u = radical_inverse(index_, primes_[j]) + shift_[j];
+      unit_[j] = u - std::floor(u);
+    }
+    if (space_.flat()) {
+      for (std::size_t j = 0; j < out.size(); ++j) {
+        const Axis& axis = space_.axes()[j];
+        out[j] = axis.lo + unit_[j] * (axis.hi - axis.lo);
+      }
+    } else {
+      space_.from_unit(unit_, out);
     }
     space_.normalise(out);
     return 0;
@@ -71,6 +78,7 @@ class Halton final : public Heuristic {
   UniformGuidance uniform_;
   std::vector<std::uint64_t> primes_;
   std::vector<double> shift_;
+  std::vector<double> unit_;
   std::uint64_t index_ = 0;
 };
 

@@ -15,6 +15,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -189,13 +190,13 @@ HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const
                        const std::vector<Handle>& given)
     : position_(std::move(position)),
       scene_(parent.scene),
-      field_(std::make_shared<Field>(parent.scene->world)),
+      field_(std::make_shared<Field>(planar(*parent.scene).world)),
       space_(parent.space),
       position_axes_(parent.position_axes),
       handles_(given) {
   // If the space has other axes than the robot, the axes that rotate bodies are unknown.
   if (parent.validity_of) return;
-  const auto& bodies = scene_->robot.bodies();
+  const auto& bodies = planar(*scene_).robot.bodies();
   std::vector<char> turned(parent.space.dimension(), 0);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b].angle_axis < 0) continue;
@@ -222,12 +223,12 @@ HandleLift::HandleLift(std::shared_ptr<const PositionProjection> position, const
 
 void HandleLift::chances(const Turn& turn, MutableView q, Chances& out) const {
   thread_local std::vector<Pose2> poses;
-  poses.resize(scene_->robot.bodies().size());
+  poses.resize(scene_->body_count());
   double sum = 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bins; ++k) {
     q[turn.axis] = turn.lo + (static_cast<double>(k) + 0.5) * turn.width;
-    scene_->robot.place(q, poses);
+    planar(*scene_).robot.place(q, poses);
     const Pose2& pose = poses[turn.body];
     double squares = 0.0;
     for (const Vec2 handle : turn.handles) squares += field_->squared_distance(pose(handle));
@@ -285,8 +286,8 @@ void HandleLift::set_likely_angles(MutableView q) const {
 
 double HandleLift::distance(View q) const {
   if (handles_.empty()) return 0.0;
-  std::vector<Pose2> poses(scene_->robot.bodies().size());
-  scene_->robot.place(q, poses);
+  std::vector<Pose2> poses(scene_->body_count());
+  planar(*scene_).robot.place(q, poses);
   double squares = 0.0;
   for (const Handle& handle : handles_) {
     const Vec2 p = poses[handle.body](handle.point);
@@ -298,14 +299,14 @@ double HandleLift::distance(View q) const {
 
 void HandleLift::draw_near(MutableView q) const {
   if (handles_.empty() || position_axes_.size() != 2) return;
-  std::vector<Pose2> poses(scene_->robot.bodies().size());
+  std::vector<Pose2> poses(scene_->body_count());
   Configuration best(q.begin(), q.end());
   double least = distance(q);
   for (int i = 0; i < most_iterations; ++i) {
     // For each joint: the angle that moves its handles nearest to their closest points on the axis, with the body's
     // origin fixed.
     for (const Turn& turn : turns_) {
-      scene_->robot.place(q, poses);
+      planar(*scene_).robot.place(q, poses);
       const Pose2& pose = poses[turn.body];
       double dot = 0.0;
       double cross = 0.0;
@@ -321,7 +322,7 @@ void HandleLift::draw_near(MutableView q) const {
         mean_target = mean_target + (1.0 / n) * target;
       }
       // A free body rotates about the mean of its handles, another body about its joint.
-      const bool free = scene_->robot.bodies()[turn.body].parent < 0 && pairs.size() > 1;
+      const bool free = planar(*scene_).robot.bodies()[turn.body].parent < 0 && pairs.size() > 1;
       const Vec2 origin{pose.x, pose.y};
       for (const auto& [p, target] : pairs) {
         const Vec2 a = p - (free ? mean : origin);
@@ -333,7 +334,7 @@ void HandleLift::draw_near(MutableView q) const {
       space_.normalise(q);
     }
     // Then translates the whole robot by the mean of the remaining offsets.
-    scene_->robot.place(q, poses);
+    planar(*scene_).robot.place(q, poses);
     Vec2 move;
     for (const Handle& handle : handles_) {
       const Vec2 p = poses[handle.body](handle.point);

@@ -13,15 +13,16 @@
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
+#include <trellis/guide/plane.hpp>
 
 namespace trellis {
 
 namespace {
 
 struct HolonomicSettings : PathGuideSettings {
-  HolonomicSettings() { follow = "tube"; }
-  std::string heading = "along";
-  std::string speed = "forwards";
+  HolonomicSettings() { follow = Follow::tube; }
+  bool heading_found = false;
+  bool any_speed = false;
 };
 
 const Settings<HolonomicSettings>& holonomic_settings() {
@@ -32,11 +33,11 @@ const Settings<HolonomicSettings>& holonomic_settings() {
                                   "are drawn uniformly about the path found",
                                   "Plaku, Kavraki and Vardi 2007, Discrete search leading continuous exploration for "
                                   "kinodynamic motion planning")
-          .choice("heading", &HolonomicSettings::heading, {"along", "found"},
+          .choice("heading", &HolonomicSettings::heading_found, {{"along", false}, {"found", true}},
                   "the robot's heading on the path that is followed: \"along\", in the direction of travel, which is "
                   "how a wheeled robot can follow it; \"found\", as the search in S had it")
           .choice(
-              "speed", &HolonomicSettings::speed, {"forwards", "any"},
+              "speed", &HolonomicSettings::any_speed, {{"forwards", false}, {"any", true}},
               "which speeds are drawn where they are part of the state: \"forwards\", those not below 0 where there "
               "are any; \"any\", all; other velocities are drawn from all there are")));
   return settings;
@@ -45,11 +46,10 @@ const Settings<HolonomicSettings>& holonomic_settings() {
 class Holonomic final : public PathGuide {
  public:
   explicit Holonomic(const HolonomicSettings& settings)
-      : PathGuide("holonomic", settings),
-        along_(settings.heading == "along"),
-        forwards_(settings.speed == "forwards") {}
+      : PathGuide("holonomic", settings), along_(!settings.heading_found), forwards_(!settings.any_speed) {}
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
+    require_plane("holonomic", parent);
     const std::size_t kept =
         parent.motion_model ? parent.motion_model->configuration_dimension() : parent.space.dimension();
     std::vector<std::size_t> axes(kept);
@@ -68,7 +68,7 @@ class Holonomic final : public PathGuide {
     instance->space = projection_->space();
     instance->motion_model = nullptr;
     instance->start.resize(kept);
-    instance->goal.resize(kept);
+    instance->goals.front().resize(kept);
     // S ignores the limits of the motion model. A presumption of C applies to its states, not to this space, so S makes
     // its own checks.
     if (parent.motion_model) {
@@ -93,7 +93,7 @@ class Holonomic final : public PathGuide {
     }
     // Velocities are drawn from the fibre.
     return std::make_unique<LiftedHeuristic>(drawn_, drawn_->space(), PathGuide::heuristic(*sub_, sub, found),
-                                             parent.start, parent.goal, LiftedHeuristic::Points::atoms);
+                                             parent.start, parent.goal(), LiftedHeuristic::Points::atoms);
   }
 
   void learn(const Outcome& outcome) override {

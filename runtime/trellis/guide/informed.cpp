@@ -193,6 +193,62 @@ class InformedSet final : public Density {
   double volume_ = 0.0;
 };
 
+/// The same set in a space with rotations, by rejection: the position of a configuration of the set lies in the set of
+/// positions, and its rotation is drawn uniformly.
+class InformedRotations {
+ public:
+  InformedRotations(const Space& space, View start, View goal, double cost)
+      : space_(space),
+        cost_(cost),
+        start_(start.begin(), start.end()),
+        goal_(goal.begin(), goal.end()),
+        flat_("flat factors", flat_axes(space)),
+        positions_(flat_, flat_part(start), flat_part(goal), cost),
+        flat_q_(flat_.dimension()) {}
+
+  [[nodiscard]] double volume() const { return positions_.volume(); }
+  [[nodiscard]] const Space& flat() const { return flat_; }
+
+  /// Returns whether one of a bounded number of draws lies in the set.
+  bool sample(Stream& stream, MutableView out) {
+    constexpr int tries = 200;
+    for (int i = 0; i < tries; ++i) {
+      space_.sample_uniform(stream, out);
+      positions_.sample(stream, flat_q_);
+      std::size_t at = 0;
+      for (const Factor& factor : space_.factors()) {
+        if (factor.kind != Factor::Kind::rotation) out[factor.column] = flat_q_[at++];
+      }
+      if (space_.distance(out, start_) + space_.distance(out, goal_) <= cost_) return true;
+    }
+    return false;
+  }
+
+ private:
+  static std::vector<Axis> flat_axes(const Space& space) {
+    std::vector<Axis> axes;
+    for (const Factor& factor : space.factors()) {
+      if (factor.kind != Factor::Kind::rotation) axes.push_back(factor.axis);
+    }
+    return axes;
+  }
+  [[nodiscard]] Configuration flat_part(View q) const {
+    Configuration part;
+    for (const Factor& factor : space_.factors()) {
+      if (factor.kind != Factor::Kind::rotation) part.push_back(q[factor.column]);
+    }
+    return part;
+  }
+
+  Space space_;
+  double cost_;
+  Configuration start_;
+  Configuration goal_;
+  Space flat_;
+  InformedSet positions_;
+  Configuration flat_q_;
+};
+
 class Informed final : public Heuristic {
  public:
   Informed(const Instance& parent, double cost)
@@ -206,6 +262,7 @@ class Informed final : public Heuristic {
       found_at_.reset();
       bound(given_);
     }
+    if (rotations_ && rotations_->sample(stream, out)) return 0;
     if (!set_) {
       uniform_.sample(stream, out);
       return 1;
@@ -215,7 +272,9 @@ class Informed final : public Heuristic {
   }
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
   void record(DensityRecord& record, double share) const override {
-    if (set_) {
+    if (rotations_) {
+      Heuristic::record(record, share);  // of rejection, no density
+    } else if (set_) {
       record.add(set_, share);
     } else {
       uniform_.record(record, share);
@@ -232,15 +291,25 @@ class Informed final : public Heuristic {
  private:
   /// Lower limit of the cost: below it, the set would be thinner than the resolution of validity checks.
   static double least_bound(const Instance& parent) {
-    return std::hypot(parent.space.distance(parent.start, parent.goal), 2.0 * parent.resolution);
+    return std::hypot(parent.space.distance(parent.start, parent.goal()), 2.0 * parent.resolution);
   }
 
   void bound(double cost) {
     ++epoch_;
     bound_ = cost;
     set_.reset();
-    if (cost >= 2.0 * parent_.space.diameter() || parent_.goals() > 1) return;
-    auto set = std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal, std::max(cost, least_));
+    rotations_.reset();
+    if (cost >= 2.0 * parent_.space.diameter() || parent_.goals.size() > 1) return;
+    const bool positions = parent_.space.factors().front().kind != Factor::Kind::rotation;
+    if (!parent_.space.flat()) {
+      if (!positions) return;
+      auto set =
+          std::make_unique<InformedRotations>(parent_.space, parent_.start, parent_.goal(), std::max(cost, least_));
+      if (set->volume() < most_reflections * std::exp(set->flat().log_volume())) rotations_ = std::move(set);
+      return;
+    }
+    auto set =
+        std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal(), std::max(cost, least_));
     // A hyperspheroid far larger than the space would require many reflections and exclude nothing.
     if (set->volume() < most_reflections * std::exp(parent_.space.log_volume())) set_ = std::move(set);
   }
@@ -252,6 +321,7 @@ class Informed final : public Heuristic {
   double bound_ = infinity;
   std::optional<std::uint64_t> found_at_;  ///< epoch of validity at which the path of the current bound was found
   std::shared_ptr<const InformedSet> set_;
+  std::unique_ptr<InformedRotations> rotations_;  ///< instead, in a space with rotations
   std::uint64_t epoch_ = 0;
 };
 
@@ -265,7 +335,7 @@ GuideKind informed_kind() {
         return bias(
             [cost](Instance& parent) -> std::unique_ptr<Heuristic> { return std::make_unique<Informed>(parent, cost); },
             [cost](const Instance& parent) {
-              const double straight = parent.space.distance(parent.start, parent.goal);
+              const double straight = parent.space.distance(parent.start, parent.goal());
               if (cost >= straight) return;
               throw Error(
                   fmt::format("informed: option 'cost' is {:g}, and the straight path from start to "
@@ -275,7 +345,9 @@ GuideKind informed_kind() {
       },
       "uniform where start and goal are no farther together than the best path known is long; before one is known, "
       "and where that is all of C, uniform on C",
-      "of the hyperspheroids about start and goal, one for each direction of a periodic axis, reflected at the bounds",
+      "of the hyperspheroids about start and goal, one for each direction of a periodic axis, reflected at the bounds; "
+      "none "
+      "where the space has rotations, which are drawn by rejection",
       true,
       "after each path found, it draws from the set that a shorter path can pass through; a path that stopped being "
       "valid "

@@ -7,8 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include <trellis/scene/planar/reduced_robot.hpp>
-
 namespace trellis {
 
 namespace {
@@ -31,9 +29,8 @@ JointRanges::JointRanges(const Instance& parent, std::shared_ptr<const AxisProje
     stage.placed = before;
     std::sort(stage.placed.begin(), stage.placed.end());
     // Velocities do not place any body.
-    const bool places = axis < parent.scene->robot.dimension();
-    if (auto robot = places ? reduced_robot(parent.scene->robot, stage.placed) : std::nullopt) {
-      const auto scene = std::make_shared<Scene>(Scene{parent.scene->world, std::move(*robot)});
+    const bool places = axis < parent.scene->robot_dimension();
+    if (const auto scene = places ? parent.scene->reduced(stage.placed) : nullptr) {
       const AxisProjection placed(parent.space, stage.placed, "slices");
       stage.validity = make_validity(parent.collision, scene, placed.space(), parent.resolution, nullptr);
     }

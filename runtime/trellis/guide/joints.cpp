@@ -15,7 +15,6 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/planar/reduced_robot.hpp>
 
 namespace trellis {
 
@@ -38,8 +37,10 @@ const Settings<JointsSettings>& joints_settings() {
           .names("axes", &JointsSettings::axes,
                  "the axes of C that S keeps, by name (\"theta2\") or by number (\"2\"), in any order; none: the first "
                  "ones")
-          .integer("first", &JointsSettings::first, "axes", Range::at_least(1),
-                   "how many axes from the first on S keeps where none are named; all where C has no more")
+          .integer(
+              "first", &JointsSettings::first, "axes", Range::at_least(1),
+              "how many axes from the first on S keeps where none are named, in space at least x, y and z; all where C "
+              "has no more")
           .integer("slices", &JointsSettings::slices, "slices of an axis", {.lo = 0, .hi = 1024},
                    "each axis is divided into so many: the axes left out are drawn from the slices in which what is "
                    "placed so far is valid, given the slices of the axes before, with a share of 0.1 uniform; and a "
@@ -54,13 +55,15 @@ const Settings<JointsSettings>& joints_settings() {
 std::vector<std::size_t> kept_axes(const Space& space, const JointsSettings& settings) {
   const std::size_t d = space.dimension();
   if (settings.axes.empty()) {
-    std::vector<std::size_t> kept(std::min<std::size_t>(d, static_cast<std::size_t>(settings.first)));
+    // The position in space takes three.
+    const std::size_t first = std::max<std::size_t>(static_cast<std::size_t>(settings.first), space.flat() ? 1 : 3);
+    std::vector<std::size_t> kept(std::min(d, first));
     std::iota(kept.begin(), kept.end(), std::size_t{0});
     return kept;
   }
   std::vector<std::string> names;
   names.reserve(d);
-  for (const auto& axis : space.axes()) names.push_back(axis.name);
+  for (const auto& axis : space.coordinates()) names.push_back(axis.name);
   std::set<std::size_t> kept;
   for (const std::string& asked : settings.axes) {
     const auto named = std::find(names.begin(), names.end(), asked);
@@ -85,7 +88,7 @@ class Joints final : public Guide {
   explicit Joints(JointsSettings settings) : settings_(std::move(settings)) {}
 
   std::unique_ptr<Instance> project(const Instance& parent) override {
-    if (parent.validity_of || parent.scene->robot.dimension() > parent.space.dimension()) {
+    if (parent.validity_of || parent.scene->robot_dimension() > parent.space.dimension()) {
       throw Error(fmt::format(
           "joints: needs a space whose axes are the robot's; those of {} are not, so keep some of the joints below it",
           parent.space.name()));
@@ -93,39 +96,42 @@ class Joints final : public Guide {
     const auto axes = kept_axes(parent.space, settings_);
     std::vector<std::string> names;
     names.reserve(axes.size());
-    for (const std::size_t axis : axes) names.push_back(parent.space.axes()[axis].name);
+    const std::vector<Axis> coordinates = parent.space.coordinates();
+    for (const std::size_t axis : axes) names.push_back(coordinates[axis].name);
     const std::string kept = fmt::format("{}", fmt::join(names, ", "));
     projection_ =
         std::make_shared<AxisProjection>(parent.space, axes, fmt::format("{} of {}", kept, parent.space.name()));
-    auto robot = reduced_robot(parent.scene->robot, axes);
-    if (!robot) {
+    const auto scene = parent.scene->reduced(axes);
+    if (!scene) {
       throw Error(
           fmt::format("joints: nothing of the robot '{}' is placed by {} alone, so that everything would be valid in "
                       "S; keep {} too",
-                      parent.scene->robot.name(), kept,
-                      parent.scene->robot.translates() ? "x and y" : "the axes of the joints nearer to the base"));
+                      parent.scene->robot_name(), kept,
+                      parent.scene->translates() ? parent.scene->world_dimension() == 2 ? "x and y" : "x, y and z"
+                                                 : "the axes of the joints nearer to the base"));
     }
     auto instance = std::make_unique<Instance>();
     instance->space = projection_->space();
-    instance->scene = std::make_shared<Scene>(Scene{parent.scene->world, std::move(*robot)});
+    instance->scene = scene;
     instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
     ranges_ = nullptr;
     ranged_ = nullptr;
     ranged_lift_ = nullptr;
     lifting_ = projection_;
+    if (settings_.slices > 0 && !parent.space.flat()) {
+      throw Error(fmt::format("joints: slices divide axes, and {} has a rotation, which has none; leave out 'slices'",
+                              parent.space.name()));
+    }
     if (settings_.slices > 0 && axes.size() < parent.space.dimension()) {
       ranges_ = std::make_shared<JointRanges>(parent, projection_, static_cast<std::size_t>(settings_.slices));
       // Start and goal are valid even if the middles of their slices are not.
       ranges_->declare_free(parent.start);
-      for (std::size_t i = 0; i < parent.goals(); ++i) ranges_->declare_free(parent.goal_at(i));
+      for (const auto& goal : parent.goals) ranges_->declare_free(goal);
       lifting_ = ranged_lift_ = std::make_shared<RangedProjection>(ranges_);
       ranged_ = std::make_shared<RangedValidity>(instance->validity, ranges_);
       instance->validity = ranged_;
     }
-    instance->start.resize(axes.size());
-    instance->goal.resize(axes.size());
-    projection_->project(parent.start, instance->start);
-    projection_->project(parent.goal, instance->goal);
+    project_ends(*projection_, parent, *instance);
     instance->goal_tolerance = parent.goal_tolerance;
     instance->resolution = parent.resolution;
     instance->collision = parent.collision;
@@ -164,7 +170,7 @@ class Joints final : public Guide {
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);
-    return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, parent.goal,
+    return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, parent.goal(),
                                              LiftedHeuristic::Points::atoms);
   }
 

@@ -59,6 +59,32 @@ void for_each_image(const Space& space, View x, const double* lo, const double* 
   }
 }
 
+/// Calls f(y) for q and its mirror images at bounds that are nearer than r. In a space with rotations.
+template <class F>
+void for_each_mirror_image(const Space& space, View q, double r, F&& f) {
+  std::vector<std::pair<std::size_t, double>> mirrored;  // columns, and what they may be besides
+  for (const Factor& factor : space.factors()) {
+    if (factor.kind != Factor::Kind::line) continue;
+    const Axis& axis = factor.axis;
+    const double x = q[factor.column];
+    if (x > axis.lo && axis.weight * (x - axis.lo) <= r) mirrored.emplace_back(factor.column, 2.0 * axis.lo - x);
+    if (x < axis.hi && axis.weight * (axis.hi - x) <= r) mirrored.emplace_back(factor.column, 2.0 * axis.hi - x);
+  }
+  Configuration image(q.begin(), q.end());
+  const std::size_t all = std::size_t{1} << mirrored.size();
+  for (std::size_t chosen = 0; chosen < all; ++chosen) {
+    std::copy(q.begin(), q.end(), image.begin());
+    bool twice = false;  // one coordinate at both of its bounds
+    for (std::size_t k = 0; k < mirrored.size(); ++k) {
+      if ((chosen >> k & 1U) == 0) continue;
+      const auto [column, x] = mirrored[k];
+      twice = twice || image[column] != q[column];
+      image[column] = x;
+    }
+    if (!twice) f(View(image));
+  }
+}
+
 /// Converts intervals that may overlap into disjoint ones: adds the rates of the intervals that cover the same part.
 /// Parts that no interval covers have a mass of exactly 0.
 std::vector<TubeDensity::Stretch> added_up(const std::vector<TubeDensity::Stretch>& stretches) {
@@ -93,8 +119,9 @@ std::vector<TubeDensity::Stretch> added_up(const std::vector<TubeDensity::Stretc
 
 double fitting_radius(const Space& space, double wanted) {
   double radius = std::min(wanted, 0.999 * space.injectivity_radius());
-  for (const auto& axis : space.axes()) {
-    if (!axis.periodic) radius = std::min(radius, 0.5 * axis.weight * (axis.hi - axis.lo));
+  for (const Factor& factor : space.factors()) {
+    const Axis& axis = factor.axis;
+    if (factor.kind == Factor::Kind::line) radius = std::min(radius, 0.5 * axis.weight * (axis.hi - axis.lo));
   }
   return radius;
 }
@@ -102,11 +129,15 @@ double fitting_radius(const Space& space, double wanted) {
 BallKernel::BallKernel(Space space, double radius)
     : space_(std::move(space)),
       radius_(fitting_radius(space_, radius)),
-      log_volume_(log_unit_ball(space_.dimension()) + static_cast<double>(space_.dimension()) * std::log(radius_)) {
+      log_volume_(log_unit_ball(space_.degrees()) + static_cast<double>(space_.degrees()) * std::log(radius_)) {
   if (!(radius > 0.0)) throw Fault("a ball needs a radius greater than 0");
 }
 
 void BallKernel::sample(View centre, Stream& stream, MutableView out) const {
+  if (!space_.flat()) {
+    sample_tangent(centre, stream, out);
+    return;
+  }
   const auto& axes = space_.axes();
   double sum = 0.0;
   for (std::size_t j = 0; j < axes.size(); ++j) {
@@ -119,7 +150,33 @@ void BallKernel::sample(View centre, Stream& stream, MutableView out) const {
   space_.reflect(out);
 }
 
+void BallKernel::sample_tangent(View centre, Stream& stream, MutableView out) const {
+  std::vector<double> v(space_.degrees());
+  double sum = 0.0;
+  for (double& x : v) {
+    x = stream.normal();
+    sum += x * x;
+  }
+  const double length = radius_ * std::pow(stream.uniform(), 1.0 / static_cast<double>(v.size()));
+  for (double& x : v) x *= sum > 0.0 ? length / std::sqrt(sum) : 0.0;
+  space_.exp(centre, v, out);
+  space_.reflect(out);
+}
+
+double BallKernel::density_in_tangent(View centre, View image) const {
+  std::vector<double> v(space_.degrees());
+  space_.log(centre, image, v);
+  double sum = 0.0;
+  for (const double x : v) sum += x * x;
+  return sum <= radius_ * radius_ ? std::exp(-log_volume_ - space_.log_jacobian(v)) : 0.0;
+}
+
 double BallKernel::density(View centre, View q) const {
+  if (!space_.flat()) {
+    double sum = 0.0;
+    for_each_mirror_image(space_, q, radius_, [&](View image) { sum += density_in_tangent(centre, image); });
+    return sum;
+  }
   const auto& axes = space_.axes();
   std::vector<double> c(axes.size());
   for (std::size_t j = 0; j < c.size(); ++j) c[j] = axes[j].weight * centre[j];
@@ -138,6 +195,14 @@ Tube::Tube(const Space& space, Configurations path, double radius) : ball_(space
   for (std::size_t i = 1; i < path_.size(); ++i) {
     at_.push_back(at_.back() + space.distance(std::as_const(path_)[i - 1], std::as_const(path_)[i]));
   }
+  if (space.flat() || at_.back() == 0.0) return;
+  constexpr double share = 0.25;  // of the radius
+  spacing_ = at_.back() / std::ceil(at_.back() / (share * ball_.radius()));
+}
+
+double Tube::centre_at(double s) const {
+  if (spacing_ == 0.0) return s;
+  return std::min((std::floor(s / spacing_) + 0.5) * spacing_, at_.back());
 }
 
 void Tube::point(double s, MutableView out) const {
@@ -167,6 +232,11 @@ TubeDensity::TubeDensity(std::shared_ptr<const Tube> tube, const Stretch& stretc
       height_(std::exp(-tube_->ball().log_volume())) {}
 
 void TubeDensity::index() const {
+  if (!space_.flat()) {
+    centres_ = std::make_unique<Centres>(space_);
+    for_each_stretch([&](const auto& tube, const Stretch& stretch) { add_centres(*tube, stretch); });
+    return;
+  }
   for_each_stretch([&](const auto& tube, const Stretch& stretch) { add_legs(*tube, stretch); });
   if (legs_.empty()) return;
   std::vector<std::uint32_t> order(legs_.size());
@@ -185,6 +255,40 @@ void TubeDensity::index() const {
   }
   legs_ = std::move(legs);
   numbers_ = std::move(numbers);
+}
+
+void TubeDensity::add_centres(const Tube& tube, const Stretch& stretch) const {
+  Configuration centre(space_.dimension());
+  const auto add = [&](double s, double mass) {
+    tube.point(tube.centre_at(s), centre);
+    centres_->index.add(centre);
+    centres_->rows.push(centre);
+    centres_->mass.push_back(mass);
+  };
+  const double spacing = tube.spacing();
+  if (stretch.to <= stretch.from || spacing == 0.0) {
+    add(stretch.from, stretch.mass);
+    return;
+  }
+  const double rate = stretch.mass / (stretch.to - stretch.from);
+  for (double k = std::floor(stretch.from / spacing); k * spacing < stretch.to; ++k) {
+    const double from = std::max(stretch.from, k * spacing);
+    const double to = std::min(stretch.to, (k + 1.0) * spacing);
+    if (to > from) add((k + 0.5) * spacing, rate * (to - from));
+  }
+}
+
+double TubeDensity::at_centres(View q) const {
+  double sum = 0.0;
+  std::vector<NearestIndex::Neighbour> near;
+  for_each_mirror_image(space_, q, radius_, [&](View image) {
+    centres_->index.within(image, radius_, near);
+    for (const auto& centre : near) {
+      sum +=
+          centres_->mass[centre.id] * tube_->ball().density_in_tangent(std::as_const(centres_->rows)[centre.id], image);
+    }
+  });
+  return sum;
 }
 
 void TubeDensity::add_legs(const Tube& tube, const Stretch& stretch) const {
@@ -298,6 +402,7 @@ double TubeDensity::mass_near(const double* y) const {
 
 double TubeDensity::at(View q) const {
   std::call_once(indexed_, [this] { index(); });
+  if (centres_) return at_centres(q);
   if (legs_.empty()) return 0.0;
   double mass = 0.0;
   for_each_image(space_, q, boxes_.data(), boxes_.data() + space_.dimension(), radius_,
@@ -361,7 +466,7 @@ void TubeKernel::sample(Stream& stream, MutableView out) {
     if (s < to - from) break;
     s -= to - from;
   }
-  tube_->point(at, centre_);
+  tube_->point(tube_->centre_at(at), centre_);
   tube_->ball().sample(centre_, stream, out);
 }
 

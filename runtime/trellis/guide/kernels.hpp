@@ -10,6 +10,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/planner/density.hpp>
+#include <trellis/planner/nearest.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {
@@ -22,18 +23,24 @@ namespace trellis {
 /// bounds of the space.
 double fitting_radius(const Space& space, double wanted);
 
-/// Uniform on the metric ball about a centre.
+/// Uniform on the metric ball about a centre. In a space with rotations uniform on the ball of tangent vectors, whose
+/// end `exp` is drawn: the density is 1 / (volume of the ball) divided by the factor by which exp changes volumes.
 class BallKernel {
  public:
   /// \param radius  metres in the metric, > 0; fitting_radius reduces it if necessary
   BallKernel(Space space, double radius);
   void sample(View centre, Stream& stream, MutableView out) const;
   [[nodiscard]] double density(View centre, View q) const;
+  /// The density at the end of the tangent vector from the centre to an image of a configuration, not reflected at
+  /// bounds; 0 beyond the radius.
+  [[nodiscard]] double density_in_tangent(View centre, View image) const;
   [[nodiscard]] double radius() const { return radius_; }
   [[nodiscard]] double log_volume() const { return log_volume_; }
   [[nodiscard]] const Space& space() const { return space_; }
 
  private:
+  void sample_tangent(View centre, Stream& stream, MutableView out) const;
+
   Space space_;
   double radius_;
   double log_volume_;
@@ -53,11 +60,17 @@ class Tube {
   [[nodiscard]] const std::vector<double>& at() const { return at_; }
   /// The point of the path at arc length s.
   void point(double s, MutableView out) const;
+  /// The arc length of the centre of the ball that is drawn from at arc length s: s itself; in a space with rotations
+  /// that of the nearest of centres `spacing` apart, so that densities are finite sums.
+  [[nodiscard]] double centre_at(double s) const;
+  /// At most a quarter of the radius; 0: all points of the path are centres.
+  [[nodiscard]] double spacing() const { return spacing_; }
 
  private:
   BallKernel ball_;
   Configurations path_;
   std::vector<double> at_;
+  double spacing_ = 0.0;
 };
 
 /// A mixture of balls of equal radius about points of tubes; the centres are uniform in arc length over intervals of
@@ -98,9 +111,19 @@ class TubeDensity final : public Density {
     std::uint32_t right = 0;  ///< index of the second child, the first child is the next node; 0: a leaf
   };
 
+  /// The centres of balls in a space with rotations.
+  struct Centres {
+    explicit Centres(const Space& space) : index(space), rows(space.dimension()) {}
+    NearestIndex index;
+    Configurations rows;
+    std::vector<double> mass;
+  };
+
   /// Builds the data that `at` reads. Not done at construction, because most densities of a run are only summed.
   void index() const;
   void add_legs(const Tube& tube, const Stretch& stretch) const;
+  void add_centres(const Tube& tube, const Stretch& stretch) const;
+  [[nodiscard]] double at_centres(View q) const;
   /// Calls f(tube, stretch) for every interval.
   template <class F>
   void for_each_stretch(const F& f) const {
@@ -125,6 +148,7 @@ class TubeDensity final : public Density {
   mutable std::vector<double> numbers_;
   mutable std::vector<Node> nodes_;
   mutable std::vector<double> boxes_;  ///< per node: lower corner, then upper corner
+  mutable std::unique_ptr<Centres> centres_;
 };
 
 /// The tube about a path: draws a point of the path uniformly in arc length over the active intervals, then a

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <unordered_map>
 #include <utility>
 
 #include <trellis/guide/kinds.hpp>
@@ -17,11 +18,11 @@ namespace trellis {
 namespace {
 
 struct LazySettings : PathGuideSettings {
-  LazySettings() { follow = "waypoints"; }
+  LazySettings() { follow = Follow::waypoints; }
   double margin = 0.0;
   double sparse = 0.0;
-  std::string selector = "alternate";
-  std::string event = "shortest_path";
+  LazyEvaluation::Selector selector = LazyEvaluation::Selector::alternate;
+  LazyEvaluation::Event event = LazyEvaluation::Event::shortest_path;
   std::int64_t depth = 3;
   double existence = 0.5;
   double lambda = 0.99;
@@ -37,12 +38,19 @@ const Settings<LazySettings>& lazy_settings() {
           "shortest paths (LazySP); events: Mandalika, Choudhury, Salzman and Srinivasa 2019, Generalized lazy search "
           "(GLS); effort: Dellin 2016 (LEMUR); first a sparse check: Strub and Gammell 2022, EIT*")
           .choice(
-              "selector", &LazySettings::selector, {"alternate", "forward", "backward", "fail_fast"},
+              "selector", &LazySettings::selector,
+              {{"alternate", LazyEvaluation::Selector::alternate},
+               {"forward", LazyEvaluation::Selector::forward},
+               {"backward", LazyEvaluation::Selector::backward},
+               {"fail_fast", LazyEvaluation::Selector::fail_fast}},
               "order in which the edges of a candidate path are validated: \"alternate\", from both ends inwards; "
               "\"forward\", from the start; \"backward\", from the goal; \"fail_fast\", the longest first, which is "
               "the least likely to be valid")
           .choice("event", &LazySettings::event,
-                  {"shortest_path", "constant_depth", "heuristic_progress", "subpath_existence"},
+                  {{"shortest_path", LazyEvaluation::Event::shortest_path},
+                   {"constant_depth", LazyEvaluation::Event::constant_depth},
+                   {"heuristic_progress", LazyEvaluation::Event::heuristic_progress},
+                   {"subpath_existence", LazyEvaluation::Event::subpath_existence}},
                   "when a search of a roadmap in S stops to have edges validated: \"shortest_path\", at the shortest "
                   "path to the goal (LazySP); \"constant_depth\", where a shortest subpath has `depth` edges that were "
                   "not validated (LRA*); \"heuristic_progress\", at a vertex nearer to the goal than the end of any "
@@ -76,7 +84,7 @@ class PresumedValidity final : public EvaluatedValidity {
  public:
   /// \param verified  edges of this space that were found valid in C
   PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified)
-      : unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
+      : remembers_(!space.flat()), unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
     for (double radius = margin; sizes_.size() < sizes; radius *= 2.0) sizes_.emplace_back(space, radius);
   }
 
@@ -96,9 +104,17 @@ class PresumedValidity final : public EvaluatedValidity {
     return std::none_of(sizes_.begin(), sizes_.end(), [&](const auto& balls) { return balls.contains(q); });
   }
   [[nodiscard]] MotionReport motion(View a, View b) override {
-    for (auto& balls : sizes_) {
-      if (const auto t = balls.entered(a, b)) return {false, 0, *t};
+    // Balls are only added, so a motion that entered none of the first ones needs the others alone. A search that is
+    // repaired asks for the motions of its tree again and again.
+    auto* seen = remembers_ ? &seen_[motion_digest(a, b)] : nullptr;
+    for (std::size_t k = 0; k < sizes; ++k) {
+      if (const auto t = sizes_[k].entered(a, b, seen != nullptr ? (*seen)[k] : 0)) {
+        if (seen != nullptr) seen_.erase(motion_digest(a, b));
+        return {false, 0, *t};
+      }
     }
+    for (std::size_t k = 0; seen != nullptr && k < sizes; ++k)
+      (*seen)[k] = static_cast<std::uint32_t>(sizes_[k].size());
     return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
   [[nodiscard]] double clearance(View) override { return std::numeric_limits<double>::infinity(); }
@@ -120,6 +136,8 @@ class PresumedValidity final : public EvaluatedValidity {
 
  private:
   static constexpr std::size_t sizes = 6;
+  bool remembers_;
+  std::unordered_map<std::uint64_t, std::array<std::uint32_t, sizes>> seen_;  ///< of valid motions: balls compared
   double unverified_;
   std::shared_ptr<const VerifiedMotions> verified_;
   std::vector<ExcludedBalls> sizes_;  ///< in order of radius, each twice the radius before it
@@ -128,19 +146,11 @@ class PresumedValidity final : public EvaluatedValidity {
 };
 
 LazyEvaluation evaluation_of(const LazySettings& settings) {
-  using Event = LazyEvaluation::Event;
-  using Selector = LazyEvaluation::Selector;
   LazyEvaluation how;
-  how.event = settings.event == "constant_depth"       ? Event::constant_depth
-              : settings.event == "heuristic_progress" ? Event::heuristic_progress
-              : settings.event == "subpath_existence"  ? Event::subpath_existence
-                                                       : Event::shortest_path;
+  how.event = settings.event;
   how.depth = settings.depth;
   how.existence = settings.existence;
-  how.selector = settings.selector == "forward"     ? Selector::forward
-                 : settings.selector == "backward"  ? Selector::backward
-                 : settings.selector == "fail_fast" ? Selector::fail_fast
-                                                    : Selector::alternate;
+  how.selector = settings.selector;
   return how;
 }
 
@@ -200,8 +210,8 @@ class Lazy final : public PathGuide, public SpendsParentsChecks, private EdgeEva
   /// If the planner in C could not pass an invalid part of a candidate path, S excludes the whole place.
   [[nodiscard]] bool excludes() const override { return parent_ == nullptr || leaves(); }
   /// Waypoints require a path that was validated completely.
-  [[nodiscard]] std::string follow() const override {
-    return leaves() && path_settings().follow == "waypoints" ? "steps" : path_settings().follow;
+  [[nodiscard]] Follow follow() const override {
+    return leaves() && path_settings().follow == Follow::waypoints ? Follow::steps : path_settings().follow;
   }
   /// Divides the path into the steps that were validated.
   Configurations followed(Configurations path) const override {

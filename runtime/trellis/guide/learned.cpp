@@ -15,6 +15,7 @@
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/memory/model.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -113,11 +114,11 @@ class Learned final : public Guide {
     if (!model_) return std::make_unique<UniformHeuristic>("learned (no model)", parent.space);
     const auto& x = parent.space.axes()[parent.position_axes[0]];
     const auto& y = parent.space.axes()[parent.position_axes[1]];
-    const WorldGrid grid(parent.scene->world, Box2{{x.lo, y.lo}, {x.hi, y.hi}}, model_->cells());
+    const WorldGrid grid(planar(*parent.scene).world, Box2{{x.lo, y.lo}, {x.hi, y.hi}}, model_->cells());
     const auto position = [&](const Configuration& q) {
       return Vec2{q[parent.position_axes[0]], q[parent.position_axes[1]]};
     };
-    std::vector<double> weights = model_->probabilities(grid, position(parent.start), position(parent.goal));
+    std::vector<double> weights = model_->probabilities(grid, position(parent.start), position(parent.goal()));
     bool any = false;
     for (double& w : weights) {
       w = w > 0.0 ? std::pow(w, settings_.sharpness) : 0.0;

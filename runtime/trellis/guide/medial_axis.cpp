@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -47,8 +48,9 @@ class MedialAxis final : public Heuristic {
         ray_(parent),
         from_(parent.space.dimension()),
         probe_(parent.space.dimension()),
-        slope_(parent.space.dimension()),
-        last_slope_(parent.space.dimension()) {}
+        slope_(parent.space.degrees()),
+        last_slope_(parent.space.degrees()),
+        tangent_(parent.space.degrees()) {}
 
   Source sample(Stream& stream, MutableView out) override {
     for (std::int64_t i = 0; i < settings_.tries; ++i) {
@@ -65,12 +67,17 @@ class MedialAxis final : public Heuristic {
 
  private:
   /// Whether the space has position axes.
-  [[nodiscard]] bool positioned() const { return parent_.position_axes.size() == 2; }
+  [[nodiscard]] bool positioned() const { return !parent_.position_axes.empty(); }
+  /// Whether a degree of freedom is one of the position. Those of a body in space are its first coordinates.
+  [[nodiscard]] bool is_position(std::size_t degree) const {
+    const auto& axes = parent_.position_axes;
+    return std::find(axes.begin(), axes.end(), degree) != axes.end();
+  }
 
   /// Moves q to the nearest surface on one of several rays: evenly spaced in a plane, else in random directions.
   bool move_out(Stream& stream, MutableView q) {
     std::copy(q.begin(), q.end(), from_.begin());
-    const bool planar = positioned() && q.size() == 2;
+    const bool planar = parent_.position_axes.size() == 2 && q.size() == 2;
     const double turn = 2.0 * std::numbers::pi / static_cast<double>(settings_.rays);
     const double first = stream.uniform() * turn;
     double nearest = std::numeric_limits<double>::infinity();
@@ -92,10 +99,16 @@ class MedialAxis final : public Heuristic {
     return ray_.at(from_, distance, probe_) ? parent_.clearance(probe_) : 0.0;
   }
 
-  /// Clearance after a step along the axis from q, in metres in the metric.
+  /// Clearance after a step along a degree of freedom from q, in metres in the metric.
   [[nodiscard]] double clearance_beside(View q, std::size_t axis, double step) {
-    std::copy(q.begin(), q.end(), probe_.begin());
-    probe_[axis] += step / parent_.space.axes()[axis].weight;
+    if (parent_.space.flat()) {
+      std::copy(q.begin(), q.end(), probe_.begin());
+      probe_[axis] += step / parent_.space.axes()[axis].weight;
+    } else {
+      std::fill(tangent_.begin(), tangent_.end(), 0.0);
+      tangent_[axis] = step;
+      parent_.space.exp(q, tangent_, probe_);
+    }
     parent_.space.reflect(probe_);
     return parent_.clearance(probe_);
   }
@@ -104,7 +117,7 @@ class MedialAxis final : public Heuristic {
   double measure_slope(View q) {
     const double step = difference_step();
     double squares = 0.0;
-    for (std::size_t j = 0; j < q.size(); ++j) {
+    for (std::size_t j = 0; j < slope_.size(); ++j) {
       slope_[j] = (clearance_beside(q, j, step) - clearance_beside(q, j, -step)) / (2.0 * step);
       squares += slope_[j] * slope_[j];
     }
@@ -116,7 +129,7 @@ class MedialAxis final : public Heuristic {
   [[nodiscard]] bool turned_round() const {
     double product = 0.0, squares = 0.0, last_squares = 0.0;
     for (std::size_t j = 0; j < slope_.size(); ++j) {
-      if (positioned() && j != parent_.position_axes[0] && j != parent_.position_axes[1]) continue;
+      if (positioned() && !is_position(j)) continue;
       product += slope_[j] * last_slope_[j];
       squares += slope_[j] * slope_[j];
       last_squares += last_slope_[j] * last_slope_[j];
@@ -135,20 +148,27 @@ class MedialAxis final : public Heuristic {
       std::copy(q.begin(), q.end(), from_.begin());
       last_slope_ = slope_;
       const auto rises = [&](double t) {
-        for (std::size_t j = 0; j < q.size(); ++j) {
-          probe_[j] = from_[j] + t * slope_[j] / steepness / parent_.space.axes()[j].weight;
-        }
-        parent_.space.normalise(probe_);
+        along_slope(t, steepness, probe_);
         return parent_.space.contains(probe_) &&
                parent_.clearance(probe_) >= here + straight * steepness * t - difference_step();
       };
       const double t = farthest(rises, std::max(here, parent_.resolution));
       if (t <= 0.0) return;
-      for (std::size_t j = 0; j < q.size(); ++j) {
-        q[j] = from_[j] + t * slope_[j] / steepness / parent_.space.axes()[j].weight;
-      }
-      parent_.space.normalise(q);
+      along_slope(t, steepness, q);
     }
+  }
+
+  /// Computes the configuration at a distance from from_ along the gradient.
+  void along_slope(double t, double steepness, MutableView out) {
+    if (parent_.space.flat()) {
+      for (std::size_t j = 0; j < out.size(); ++j) {
+        out[j] = from_[j] + t * slope_[j] / steepness / parent_.space.axes()[j].weight;
+      }
+    } else {
+      for (std::size_t j = 0; j < tangent_.size(); ++j) tangent_[j] = t * slope_[j] / steepness;
+      parent_.space.exp(from_, tangent_, out);
+    }
+    parent_.space.normalise(out);
   }
 
   /// The largest distance up to which a condition is true, to within the resolution. The condition is true at 0 and
@@ -175,15 +195,37 @@ class MedialAxis final : public Heuristic {
     const double here = parent_.clearance(from_);
     if (!std::isfinite(here)) return;
     const double step = difference_step();
+    if (!(parent_.position_axes.size() == 2 ? face_upwards(step) : face_upwards_in_space(step))) return;
+    const auto still_nearest = [&](double t) { return clearance_at(t) >= here + t - step - 0.02 * t; };
+    const double near = farthest(still_nearest, std::max(here, parent_.resolution));
+    if (near > 0.0) ray_.at(from_, near, q);
+  }
+
+  /// Turns the ray to where clearance grows. Returns whether it grows: on the medial axis it grows in no direction.
+  bool face_upwards(double step) {
     ray_.set_direction(0.0);
     const double x = clearance_at(step) - clearance_at(-step);
     ray_.set_direction(0.5 * std::numbers::pi);
     const double y = clearance_at(step) - clearance_at(-step);
-    if (std::hypot(x, y) < step) return;  // on the medial axis: clearance grows in no direction
+    if (std::hypot(x, y) < step) return false;
     ray_.set_direction(std::atan2(y, x));
-    const auto still_nearest = [&](double t) { return clearance_at(t) >= here + t - step - 0.02 * t; };
-    const double near = farthest(still_nearest, std::max(here, parent_.resolution));
-    if (near > 0.0) ray_.at(from_, near, q);
+    return true;
+  }
+
+  bool face_upwards_in_space(double step) {
+    std::array<double, 3> rise{};
+    double squares = 0.0;
+    for (std::size_t k = 0; k < rise.size(); ++k) {
+      std::array<double, 3> direction{};
+      direction[k] = 1.0;
+      ray_.set_direction(direction);
+      rise[k] = clearance_at(step) - clearance_at(-step);
+      squares += rise[k] * rise[k];
+    }
+    if (std::sqrt(squares) < step) return false;
+    for (double& x : rise) x /= std::sqrt(squares);
+    ray_.set_direction(rise);
+    return true;
   }
 
   Instance& parent_;
@@ -191,8 +233,9 @@ class MedialAxis final : public Heuristic {
   SurfaceRay ray_;
   Configuration from_;
   Configuration probe_;
-  Configuration slope_;  ///< gradient, metres of clearance per metre of the metric
-  Configuration last_slope_;
+  std::vector<double> slope_;  ///< gradient, metres of clearance per metre of the metric
+  std::vector<double> last_slope_;
+  std::vector<double> tangent_;
 };
 
 }  // namespace

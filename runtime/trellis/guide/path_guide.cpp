@@ -299,10 +299,10 @@ std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathG
                                           Instance& parent, const Configurations& path,
                                           const std::array<const NearestIndex*, 2>& reached) {
   const double radius = tube_radius(settings, parent);
-  if (settings.follow == "waypoints") {
+  if (settings.follow == Follow::waypoints) {
     return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.evidence, *reached[0]);
   }
-  if (settings.follow == "tube") {
+  if (settings.follow == Follow::tube) {
     const double window = settings.window > 0.0 ? settings.window : 2.0 * step_length(parent);
     return std::make_unique<PathHeuristic>(source, parent.space, path, radius, window, settings.evidence, reached[0]);
   }
@@ -330,9 +330,9 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
   instance->revision = 0;
   instance->verified = nullptr;
   instance->shared_resolution = 0.0;
-  if (parent.scene->robot.translates()) {
-    instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
-    instance->needed_reach = std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
+  if (parent.scene->translates()) {
+    instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->inscribed_radius());
+    instance->needed_reach = std::max(parent.needed_reach, parent.scene->bounding_radius());
   }
   // An explicit graph belongs to the search of the parent's space, so f does not map it.
   instance->graph = nullptr;
@@ -365,7 +365,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   }
   // Records nodes from here on, so that h starts from the current state of the search, however late it is made.
   const Instance& in = followed_in(parent, *instance);
-  if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal);
+  if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal());
   if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
   if (path_settings_.paths > 1 || excludes()) {
     const double place_radius = 0.5 * characteristic_length(parent);
@@ -397,7 +397,7 @@ std::int64_t PathGuide::another(const Solution* found) {
 }
 
 bool PathGuide::keep_apart_from(const Configurations& path) {
-  if (path_settings_.inhibit == "paths") {
+  if (!path_settings_.inhibit_bottlenecks) {
     excluding_->exclude(path);
     return true;
   }
@@ -422,16 +422,17 @@ void PathGuide::before_resolve() {
   // Another guide, or a level above, refuted the path, and the place is already excluded.
   if (!place && !lost_.empty()) return;
   // A place that contains the start or the goal cannot be excluded: the path is followed although it is refuted.
-  last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal});
+  last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal()});
   if (!last_) lost_.push(*place);
 }
 
 PointLift PathGuide::near_point(const Instance& parent) {
   std::vector<std::size_t> headings;
   const auto& positions = parent.position_axes;
-  for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
+  const std::vector<Axis> coordinates = parent.space.coordinates();
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
     const bool moves = std::find(positions.begin(), positions.end(), j) != positions.end();
-    if (!moves && parent.space.axes()[j].periodic) headings.push_back(j);
+    if (!moves && coordinates[j].periodic) headings.push_back(j);
   }
   const double reach = characteristic_length(parent);
   // The attempts, in order: the point itself; with the non-position coordinates of the previous waypoint; with the
@@ -503,7 +504,7 @@ void PathGuide::avoid(View place) {
   if (!excluding_ || !excludes()) return;
   Configuration s(sub_->space.dimension());
   project(place, s);
-  if (excluding_->in_place(s) || !excluding_->exclude_place(s, {sub_->start, sub_->goal})) return;
+  if (excluding_->in_place(s) || !excluding_->exclude_place(s, {sub_->start, sub_->goal()})) return;
   lost_.push(s);
   if (current_ != nullptr && !only_path_ && leads_through_lost_place(current_->lifted_path())) current_->refute();
 }
@@ -530,7 +531,7 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
   PathGuideSettings settings = path_settings_;
   settings.follow = follow();
   if (!relaxes() || only_path_) settings.evidence = std::numeric_limits<std::int64_t>::max();
-  if (settings.follow != "steps" || !relaxes()) {
+  if (settings.follow != Follow::steps || !relaxes()) {
     return follow_path(name_, settings, parent, chosen, reached_.both());
   }
   if (!sparse_) {

@@ -32,16 +32,23 @@ class SparseValidation;
 /// \return false if there are no more attempts
 using PointLift = std::function<bool(int attempt, View s, View previous, View ahead, Stream& stream, MutableView q)>;
 
+/// How a guiding path is followed (option `follow`).
+enum class Follow : std::uint8_t {
+  steps,     ///< its points are validated in C, and proposals are a step ahead of the search
+  tube,      ///< proposals from the tube about the stretch beyond what the search has reached
+  waypoints  ///< its points in turn
+};
+
 struct PathGuideSettings {
   double radius = 0.0;
-  std::string follow = "steps";
+  Follow follow = Follow::steps;
   double window = 0.0;
   double spacing = 0.0;
   std::int64_t evidence = 60;
   std::int64_t resolves = 1000;
   std::int64_t paths = 1;
   double distinct = 0.0;
-  std::string inhibit = "paths";
+  bool inhibit_bottlenecks = false;
   std::int64_t effort = 2000;
   bool keep_tree = false;
 };
@@ -72,7 +79,8 @@ Settings<S> with_following_options(Settings<S> settings) {
   return with_progress(
       with_radius(std::move(settings))
           .choice(
-              "follow", &S::follow, {"steps", "tube", "waypoints"},
+              "follow", &S::follow,
+              {{"steps", Follow::steps}, {"tube", Follow::tube}, {"waypoints", Follow::waypoints}},
               "how the path is followed: \"steps\", its points are validated in C `spacing` apart, and proposals are a "
               "step of the planner ahead of the node that came farthest along it; \"tube\", from the stretch of it "
               "just beyond what the planner has reached; \"waypoints\", its points in turn: one that is valid in C is "
@@ -104,7 +112,7 @@ Settings<S> with_several_paths(Settings<S> settings) {
       .number("distinct", &S::distinct, "m in the metric", Range::non_negative(),
               "distance that a further path keeps from those before it, but near their ends; 0: the robot's bounding "
               "radius in C, or of the space's diameter 2 % for a point and 10 % for a robot that is fixed to its base")
-      .choice("inhibit", &S::inhibit, {"paths", "bottlenecks"},
+      .choice("inhibit", &S::inhibit_bottlenecks, {{"paths", false}, {"bottlenecks", true}},
               "what a further path keeps that distance from: \"paths\", all of those before it; \"bottlenecks\", their "
               "points that are invalid in C, so that paths differ only where C may not follow them, and a path without "
               "such a point is the last one")
@@ -355,7 +363,7 @@ class PathGuide : public Guide {
   /// false.
   [[nodiscard]] virtual bool excludes() const { return relaxes(); }
   /// The option `follow` in use.
-  [[nodiscard]] virtual std::string follow() const { return path_settings_.follow; }
+  [[nodiscard]] virtual Follow follow() const { return path_settings_.follow; }
   /// The path to follow, made from the path found in S.
   virtual Configurations followed(Configurations path) const { return path; }
   /// A copy of the instance without the state of its validity: the base from which f makes S.

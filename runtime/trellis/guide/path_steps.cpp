@@ -80,7 +80,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   chains[0].push(parent.start);
   places[0].push_back(0.0);
   if (whole) {
-    chains[1].push(parent.goal);
+    chains[1].push(parent.goal());
     places[1].push_back(lengths.back());
   }
   std::array<std::size_t, 2> next = {1, whole ? pieces - 1 : pieces};

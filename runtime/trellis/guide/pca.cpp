@@ -13,6 +13,7 @@
 #include <trellis/guide/principal_axes.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/memory/library.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -51,56 +52,103 @@ const Settings<PcaSettings>& pca_settings() {
 /// Maximum number of uniform configurations checked per required valid one.
 constexpr std::int64_t tries_per_sample = 50;
 
-/// C as a box of metric coordinates about the start; periodic axes are cut opposite to the start.
+/// C as the tangent vectors at the start: a box of metric coordinates, in which circles are cut opposite to the start,
+/// times a ball of rotation vectors for each rotation, cut at half turns. It is convex.
 class Chart {
  public:
   Chart(Space space, View start) : space_(std::move(space)), start_(start.begin(), start.end()) {
-    for (std::size_t j = 0; j < start_.size(); ++j) {
-      const Axis& axis = space_.axes()[j];
-      lo_.push_back(axis.weight * (axis.periodic ? -0.5 * axis.period() : axis.lo - start_[j]));
-      hi_.push_back(axis.weight * (axis.periodic ? 0.5 * axis.period() : axis.hi - start_[j]));
+    for (const Factor& factor : space_.factors()) {
+      const Axis& axis = factor.axis;
+      switch (factor.kind) {
+        case Factor::Kind::line:
+          lo_.push_back(axis.weight * (axis.lo - start_[factor.column]));
+          hi_.push_back(axis.weight * (axis.hi - start_[factor.column]));
+          break;
+        case Factor::Kind::circle:
+          lo_.push_back(axis.weight * (-0.5 * axis.period()));
+          hi_.push_back(axis.weight * (0.5 * axis.period()));
+          break;
+        case Factor::Kind::rotation: {
+          const double half_turn = axis.weight * std::numbers::pi;
+          turns_.push_back({lo_.size(), half_turn});
+          lo_.insert(lo_.end(), 3, -half_turn);
+          hi_.insert(hi_.end(), 3, half_turn);
+          break;
+        }
+      }
     }
   }
   void to(View q, std::vector<double>& y) const {
-    y.resize(start_.size());
-    space_.difference(start_, q, y);
-    for (std::size_t j = 0; j < y.size(); ++j) y[j] *= space_.axes()[j].weight;
+    y.resize(lo_.size());
+    space_.log(start_, q, y);
   }
   void from(const std::vector<double>& y, MutableView q) const {
-    for (std::size_t j = 0; j < y.size(); ++j) {
-      const Axis& axis = space_.axes()[j];
-      q[j] = start_[j] + y[j] / axis.weight;
+    space_.exp(start_, y, q);
+    for (const Factor& factor : space_.factors()) {
       // Rounding must not leave the range of a bounded axis.
-      if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
+      if (factor.kind == Factor::Kind::line) {
+        q[factor.column] = std::clamp(q[factor.column], factor.axis.lo, factor.axis.hi);
+      }
     }
-    space_.normalise(q);
   }
   [[nodiscard]] bool contains(const std::vector<double>& y) const {
     for (std::size_t j = 0; j < y.size(); ++j) {
       const double slack = 1e-9 * (hi_[j] - lo_[j]);
       if (y[j] < lo_[j] - slack || y[j] > hi_[j] + slack) return false;
     }
-    return true;
+    return std::all_of(turns_.begin(), turns_.end(),
+                       [&](const Turn& turn) { return turn.angle(y) <= turn.half_turn * (1.0 + 1e-9); });
   }
   void clamp(std::vector<double>& y) const {
     for (std::size_t j = 0; j < y.size(); ++j) y[j] = std::clamp(y[j], lo_[j], hi_[j]);
+    for (const Turn& turn : turns_) {
+      const double angle = turn.angle(y);
+      if (angle <= turn.half_turn) continue;
+      for (std::size_t j = turn.column; j < turn.column + 3; ++j) y[j] *= turn.half_turn / angle;
+    }
   }
-  /// The distance from y, inside the box, to its boundary along a direction.
+  /// The distance from y, inside the chart, to its boundary along a direction.
   [[nodiscard]] double room(const std::vector<double>& y, const std::vector<double>& direction) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < y.size(); ++j) {
       if (direction[j] > 0.0) least = std::min(least, (hi_[j] - y[j]) / direction[j]);
       if (direction[j] < 0.0) least = std::min(least, (lo_[j] - y[j]) / direction[j]);
     }
+    for (const Turn& turn : turns_) least = std::min(least, turn.room(y, direction));
     return std::max(0.0, least);
   }
+  [[nodiscard]] double log_jacobian(const std::vector<double>& y) const { return space_.log_jacobian(y); }
+  [[nodiscard]] std::size_t dimension() const { return lo_.size(); }
   [[nodiscard]] const Space& space() const { return space_; }
 
  private:
+  /// The rotation vectors of a rotation, in metres of the metric.
+  struct Turn {
+    std::size_t column;  ///< of the first of its three numbers
+    double half_turn;    ///< metres
+
+    [[nodiscard]] double angle(const std::vector<double>& y) const {
+      return std::hypot(y[column], y[column + 1], y[column + 2]);
+    }
+    [[nodiscard]] double room(const std::vector<double>& y, const std::vector<double>& direction) const {
+      double square = 0.0, along = 0.0, inside = half_turn * half_turn;
+      for (std::size_t j = column; j < column + 3; ++j) {
+        square += direction[j] * direction[j];
+        along += y[j] * direction[j];
+        inside -= y[j] * y[j];
+      }
+      if (!(square > 0.0)) return std::numeric_limits<double>::infinity();
+      inside = std::max(0.0, inside);
+      const double root = std::sqrt(along * along + square * inside);
+      return along > 0.0 ? inside / (along + root) : (root - along) / square;
+    }
+  };
+
   Space space_;
   Configuration start_;
   std::vector<double> lo_;
   std::vector<double> hi_;
+  std::vector<Turn> turns_;
 };
 
 /// The subspace: an origin in the chart and orthonormal directions, the first `k` of which span it.
@@ -174,6 +222,7 @@ class Flat {
     const std::size_t m = axes_.size() - k_;
     std::vector<double> y;
     chart_.to(q, y);
+    const double jacobian = chart_.log_jacobian(y);
     std::vector<double> s(k_);
     coefficients(y, s);
     const std::vector<double> foot = point(s);
@@ -191,7 +240,30 @@ class Flat {
     for (double& d : y) d /= std::sqrt(squares);
     const auto power = static_cast<double>(m);
     const double both = std::pow(chart_.room(foot, y), power) + std::pow(room_behind(foot, y), power);
-    return -(log_unit_ball(m) + std::log(0.5 * both));
+    return -(log_unit_ball(m) + std::log(0.5 * both)) - jacobian;
+  }
+
+  /// Whether the straight motion in S differs from the shortest motion of C between its ends: in a flat space where it
+  /// goes round a circle; with rotations where their middles are more than `tolerance` metres apart.
+  [[nodiscard]] bool bent(View a, View b, double tolerance) const {
+    const std::vector<double> from = point(a);
+    const std::vector<double> to = point(b);
+    const Space& space = parent();
+    if (space.flat()) {
+      const auto& axes = space.axes();
+      for (std::size_t j = 0; j < axes.size(); ++j) {
+        if (axes[j].periodic && std::abs(to[j] - from[j]) > 0.49 * axes[j].weight * axes[j].period()) return true;
+      }
+      return false;
+    }
+    Configuration start(space.dimension()), end(space.dimension()), middle(space.dimension()), here(space.dimension());
+    chart_.from(from, start);
+    chart_.from(to, end);
+    std::vector<double> half(from.size());
+    for (std::size_t j = 0; j < half.size(); ++j) half[j] = 0.5 * (from[j] + to[j]);
+    chart_.from(half, here);
+    space.interpolate(start, end, 0.5, middle);
+    return space.distance(middle, here) > tolerance;
   }
 
   [[nodiscard]] const Space& parent() const { return chart_.space(); }
@@ -212,15 +284,20 @@ class Flat {
 class FlatValidity final : public Validity {
  public:
   /// \param c  validity in C
-  FlatValidity(std::shared_ptr<const Flat> flat, std::shared_ptr<Validity> c)
-      : flat_(std::move(flat)), c_(std::move(c)), a_(flat_->parent().dimension()), b_(a_.size()) {}
+  /// \param tolerance  metres between a motion of S and the motions of C that replace it
+  FlatValidity(std::shared_ptr<const Flat> flat, std::shared_ptr<Validity> c, double tolerance)
+      : flat_(std::move(flat)),
+        c_(std::move(c)),
+        tolerance_(tolerance),
+        a_(flat_->parent().dimension()),
+        b_(a_.size()) {}
 
   [[nodiscard]] bool state(View s) override { return flat_->at(s, b_) && c_->state(b_); }
   [[nodiscard]] MotionReport motion(View a, View b) override {
     if (!flat_->at(b, b_)) return {false, 1, 1.0};
     flat_->at(a, a_);
-    if (!goes_round(a, b)) return c_->motion(a_, b_);
-    // C would connect the ends by the shorter motion around the axis, S by the other. Each half is short enough.
+    if (!flat_->bent(a, b, tolerance_)) return c_->motion(a_, b_);
+    // C would connect the ends by another motion. Halves are nearer to those of C.
     Configuration middle(a.size());
     for (std::size_t i = 0; i < a.size(); ++i) middle[i] = 0.5 * (a[i] + b[i]);
     MotionReport first = motion(a, middle);
@@ -239,19 +316,9 @@ class FlatValidity final : public Validity {
   }
 
  private:
-  /// Whether the straight motion in S exceeds half a period of some axis.
-  [[nodiscard]] bool goes_round(View a, View b) const {
-    const std::vector<double> from = flat_->point(a);
-    const std::vector<double> to = flat_->point(b);
-    const auto& axes = flat_->parent().axes();
-    for (std::size_t j = 0; j < axes.size(); ++j) {
-      if (axes[j].periodic && std::abs(to[j] - from[j]) > 0.49 * axes[j].weight * axes[j].period()) return true;
-    }
-    return false;
-  }
-
   std::shared_ptr<const Flat> flat_;
   std::shared_ptr<Validity> c_;
+  double tolerance_;
   Configuration a_;
   Configuration b_;
 };
@@ -262,7 +329,7 @@ class Pca final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     const Space& space = parent.space;
-    const std::size_t d = space.dimension();
+    const std::size_t d = space.degrees();
     const auto k = settings_.dimensions > 0 ? static_cast<std::size_t>(settings_.dimensions) : (d + 1) / 2;
     if (k >= d) {
       throw Error(fmt::format("pca: S must have fewer dimensions than {}, which has {}; got {}", space.name(), d, k));
@@ -272,11 +339,11 @@ class Pca final : public PathGuide {
     Checks checks;
     Chart chart(space, parent.start);
     std::vector<double> points =
-        settings_.db.empty() ? samples(chart, *validity, checks) : stored(chart, parent.scene->robot);
+        settings_.db.empty() ? samples(chart, *validity, checks) : stored(chart, *parent.scene);
     std::vector<double> start;
     std::vector<double> goal;
     chart.to(parent.start, start);
-    chart.to(parent.goal, goal);
+    chart.to(parent.goal(), goal);
     std::vector<double> origin = start;
     if (!settings_.ends) {
       origin.assign(d, 0.0);
@@ -315,14 +382,11 @@ class Pca final : public PathGuide {
     auto instance = std::make_unique<Instance>();
     instance->space = Space(fmt::format("R^{} of {}", k, space.name()), std::move(axes));
     instance->scene = parent.scene;
-    instance->validity = std::make_shared<FlatValidity>(flat_, validity);
+    instance->validity = std::make_shared<FlatValidity>(flat_, validity, parent.resolution);
     instance->validity_of = [flat = flat_, c = parent](const std::shared_ptr<const Scene>& scene) {
-      return std::make_shared<FlatValidity>(flat, c.validity_in(scene));
+      return std::make_shared<FlatValidity>(flat, c.validity_in(scene), c.resolution);
     };
-    instance->start.resize(k);
-    instance->goal.resize(k);
-    flat_->project(parent.start, instance->start);
-    flat_->project(parent.goal, instance->goal);
+    project_ends(*flat_, parent, *instance);
     instance->goal_tolerance = parent.goal_tolerance;
     instance->resolution = parent.resolution;
     instance->collision = parent.collision;
@@ -338,6 +402,9 @@ class Pca final : public PathGuide {
     Solution lifted{found->status, Configurations(parent.space.dimension()), {}};
     Configuration q(parent.space.dimension());
     for (std::size_t i = 0; i < found->path.size(); ++i) {
+      // With rotations straight motions of S are no shortest motions of C: the path has their points as well.
+      if (i > 0 && !parent.space.flat())
+        push_between(found->path[i - 1], found->path[i], parent.resolution, lifted.path);
       flat_->at(found->path[i], q);
       lifted.path.push(q);
     }
@@ -349,13 +416,25 @@ class Pca final : public PathGuide {
   [[nodiscard]] bool relaxes() const override { return false; }
 
  private:
+  /// Appends the configurations strictly between those at a and b whose shortest motions replace the straight one of S.
+  void push_between(View a, View b, double tolerance, Configurations& path) const {
+    if (!flat_->bent(a, b, tolerance)) return;
+    Configuration middle(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) middle[i] = 0.5 * (a[i] + b[i]);
+    push_between(a, middle, tolerance, path);
+    Configuration q(path.dimension());
+    flat_->at(middle, q);
+    path.push(q);
+    push_between(middle, b, tolerance, path);
+  }
+
   /// Valid configurations in the chart, sampled uniformly; the same in every run, because f of an instance is
   /// deterministic.
   [[nodiscard]] std::vector<double> samples(const Chart& chart, Validity& validity, Checks& checks) const {
     const Space& space = chart.space();
     Stream stream(0, "pca", "samples");
     std::vector<double> points;
-    points.reserve(static_cast<std::size_t>(settings_.samples) * space.dimension());
+    points.reserve(static_cast<std::size_t>(settings_.samples) * chart.dimension());
     Configuration q(space.dimension());
     std::vector<double> y;
     std::int64_t found = 0;
@@ -377,12 +456,12 @@ class Pca final : public PathGuide {
   }
 
   /// Points in the chart, evenly spaced along each matching stored path; every path contributes the same number.
-  [[nodiscard]] std::vector<double> stored(const Chart& chart, const Robot& robot) const {
+  [[nodiscard]] std::vector<double> stored(const Chart& chart, const Scene& scene) const {
     const Space& space = chart.space();
     const auto library = known_paths(settings_.db);
     std::vector<const Configurations*> fitting;
     for (const StoredPath& known : *library) {
-      if (known.space == identity(space) && known.robot == identity(robot)) fitting.push_back(&known.path);
+      if (known.space == identity(space) && known.robot == robot_hash(scene)) fitting.push_back(&known.path);
     }
     if (fitting.empty()) {
       throw Error(
@@ -393,7 +472,7 @@ class Pca final : public PathGuide {
     const auto wanted = static_cast<std::size_t>(settings_.samples);
     const std::size_t each = std::max<std::size_t>(2, (wanted + fitting.size() - 1) / fitting.size());
     std::vector<double> points;
-    points.reserve(each * fitting.size() * space.dimension());
+    points.reserve(each * fitting.size() * chart.dimension());
     std::vector<double> y;
     for (const Configurations* path : fitting) {
       const Configurations spread = evenly_spread(space, *path, each);
@@ -415,8 +494,8 @@ GuideKind pca_kind() {
   GuideClaims claims = path_claims(
       GuideClaims::Category::robot,
       "q -> its orthogonal projection onto the subspace, in coordinates along it; periodic axes are cut open opposite "
-      "to "
-      "the start; valid in S is what is valid in C on the subspace itself",
+      "to the start, and rotations are their rotation vectors from it; valid in S is what is valid in C on the "
+      "subspace itself",
       "S has no path; with `ends` start and goal lie on the subspace, so that they are as valid in S as in C",
       "examples/pca.lua");
   claims.h =

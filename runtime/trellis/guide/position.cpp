@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -16,6 +17,7 @@
 #include <trellis/guide/claims.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -45,14 +47,16 @@ class ReachableValidity final : public Validity {
 /// direction, then any; the last attempts also lift nearby positions.
 PointLift lift_of_reference_point(const PositionProjection& projection, const Instance& parent) {
   std::vector<std::size_t> headings;
-  for (std::size_t j = 0; j < parent.space.dimension(); ++j) {
+  const std::vector<Axis> coordinates = parent.space.coordinates();
+  const std::size_t width = parent.position_axes.size();
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
     const bool kept =
         std::find(parent.position_axes.begin(), parent.position_axes.end(), j) != parent.position_axes.end();
-    if (!kept && parent.space.axes()[j].periodic) headings.push_back(j);
+    if (!kept && coordinates[j].periodic) headings.push_back(j);
   }
   const double wander = characteristic_length(parent);
-  return [&projection, &parent, headings, wander](int attempt, View s, View previous, View ahead, Stream& stream,
-                                                  MutableView q) {
+  return [&projection, &parent, headings, wander, width](int attempt, View s, View previous, View ahead, Stream& stream,
+                                                         MutableView q) {
     constexpr int here = 14;
     constexpr int most = 26;
     if (attempt >= most) return false;
@@ -60,8 +64,8 @@ PointLift lift_of_reference_point(const PositionProjection& projection, const In
       projection.lift(s, stream, q);
     } else {
       std::copy(previous.begin(), previous.end(), q.begin());
-      for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] = s[k];
-      if (attempt > 0) {
+      for (std::size_t k = 0; k < width; ++k) q[parent.position_axes[k]] = s[k];
+      if (attempt > 0 && width == 2) {
         const double turn = attempt == 1 ? 0.0 : std::numbers::pi;
         for (const std::size_t axis : headings) q[axis] = std::atan2(ahead[1] - s[1], ahead[0] - s[0]) + turn;
         parent.space.normalise(q);
@@ -69,7 +73,7 @@ PointLift lift_of_reference_point(const PositionProjection& projection, const In
     }
     if (attempt >= here) {
       const double r = wander * static_cast<double>(attempt - here + 1) / (most - here);
-      for (std::size_t k = 0; k < 2; ++k) q[parent.position_axes[k]] += r * stream.uniform(-1.0, 1.0);
+      for (std::size_t k = 0; k < width; ++k) q[parent.position_axes[k]] += r * stream.uniform(-1.0, 1.0);
       parent.space.reflect(q);
     }
     return true;
@@ -110,8 +114,9 @@ PointLift lift_of_tip(const ArmProjection& arm, const Instance& parent, int vari
 }  // namespace
 
 PositionProjection::PositionProjection(const std::string& guide, const Instance& parent) {
-  if (parent.position_axes.size() == 2) {
-    axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes, "R^2");
+  if (!parent.position_axes.empty()) {
+    axes_ = std::make_shared<AxisProjection>(parent.space, parent.position_axes,
+                                             fmt::format("R^{}", parent.position_axes.size()));
     return;
   }
   auto chain = arm_chain(parent);
@@ -137,17 +142,15 @@ double PositionProjection::spacing(const Instance& parent, const Instance& point
 std::unique_ptr<Instance> PositionProjection::point_instance(const Instance& parent) const {
   auto instance = std::make_unique<Instance>();
   instance->space = space();
-  instance->scene = std::make_shared<Scene>(Scene{arm_ ? arm_->world() : parent.scene->world, Robot::point()});
+  instance->scene = arm_ ? std::make_shared<PlanarScene>(arm_->world(), Robot::point()) : parent.scene->of_point();
   instance->validity = make_validity(parent.collision, instance->scene, instance->space, parent.resolution, nullptr);
   if (arm_) instance->validity = std::make_shared<ReachableValidity>(instance->validity, arm_);
-  instance->start.resize(2);
-  instance->goal.resize(2);
-  project(parent.start, instance->start);
-  project(parent.goal, instance->goal);
+  project_ends(*this, parent, *instance);
   instance->goal_tolerance = parent.goal_tolerance;
   instance->resolution = parent.resolution;
   instance->collision = parent.collision;
-  instance->position_axes = {0, 1};
+  instance->position_axes.resize(space().dimension());
+  std::iota(instance->position_axes.begin(), instance->position_axes.end(), std::size_t{0});
   return instance;
 }
 

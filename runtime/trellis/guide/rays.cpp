@@ -7,10 +7,10 @@
 
 namespace trellis {
 
-SurfaceRay::SurfaceRay(Instance& instance) : instance_(instance), direction_(instance.space.dimension(), 0.0) {}
+SurfaceRay::SurfaceRay(Instance& instance)
+    : instance_(instance), direction_(instance.space.degrees(), 0.0), step_(instance.space.degrees()) {}
 
 void SurfaceRay::draw_direction(Stream& stream) {
-  const auto& axes = instance_.space.axes();
   double squares = 0.0;
   while (squares <= 0.0) {
     squares = 0.0;
@@ -19,6 +19,11 @@ void SurfaceRay::draw_direction(Stream& stream) {
       squares += x * x;
     }
   }
+  if (!instance_.space.flat()) {
+    for (double& x : direction_) x /= std::sqrt(squares);
+    return;
+  }
+  const auto& axes = instance_.space.axes();
   for (std::size_t j = 0; j < direction_.size(); ++j) direction_[j] /= std::sqrt(squares) * axes[j].weight;
 }
 
@@ -31,8 +36,22 @@ void SurfaceRay::set_direction(double angle) {
   direction_[y] = std::sin(angle) / axes[y].weight;
 }
 
+void SurfaceRay::set_direction(const std::array<double, 3>& direction) {
+  std::fill(direction_.begin(), direction_.end(), 0.0);
+  const auto& positions = instance_.position_axes;
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const double weight = instance_.space.flat() ? instance_.space.axes()[positions[k]].weight : 1.0;
+    direction_[positions[k]] = direction[k] / weight;
+  }
+}
+
 bool SurfaceRay::at(View q, double distance, MutableView out) const {
-  for (std::size_t j = 0; j < out.size(); ++j) out[j] = q[j] + distance * direction_[j];
+  if (instance_.space.flat()) {
+    for (std::size_t j = 0; j < out.size(); ++j) out[j] = q[j] + distance * direction_[j];
+  } else {
+    for (std::size_t j = 0; j < step_.size(); ++j) step_[j] = distance * direction_[j];
+    instance_.space.exp(q, step_, out);
+  }
   instance_.space.normalise(out);
   return instance_.space.contains(out);
 }

@@ -2,6 +2,7 @@
 // Rays out of obstacles, for samplers of the obstacles' surface.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <trellis/base/random.hpp>
@@ -18,6 +19,8 @@ class SurfaceRay {
   void draw_direction(Stream& stream);
   /// Sets a direction in the plane of the position, by its angle in radians.
   void set_direction(double angle);
+  /// Sets a direction of the position in space, of length 1.
+  void set_direction(const std::array<double, 3>& direction);
   /// Finds the first valid configuration on the ray from q, within the instance's resolution of the surface.
   /// \param out  receives the configuration
   /// \return its distance from q in metres in the metric; infinity if the ray leaves the space first
@@ -27,7 +30,8 @@ class SurfaceRay {
 
  private:
   Instance& instance_;
-  std::vector<double> direction_;  ///< coordinates per metre in the metric
+  std::vector<double> direction_;     ///< per metre in the metric: coordinates of a flat space, else a tangent vector
+  mutable std::vector<double> step_;  ///< scratch
 };
 
 }  // namespace trellis

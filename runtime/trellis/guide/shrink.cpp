@@ -45,11 +45,8 @@ class Shrink final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    const Robot& robot = parent.scene->robot;
-    // An arm is thinned instead: a shorter arm would reach other places and collide where the arm does not.
-    instance->scene = std::make_shared<Scene>(
-        Scene{parent.scene->world, robot.translates() ? robot.scaled(scale_) : robot.thinned(scale_)});
-    const double widest = 2.0 * instance->scene->robot.inscribed_radius();
+    instance->scene = parent.scene->shrunken(scale_);
+    const double widest = 2.0 * instance->scene->inscribed_radius();
     instance->resolution =
         resolution_ > 0.0 ? resolution_ : std::clamp(widest, parent.resolution, 4.0 * parent.resolution);
     // Makes collision checks, even if the parent presumes validity: f maps the world itself.

@@ -20,14 +20,17 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/planner/nearest.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/skeleton.hpp>
+#include <trellis/scene/spatial/ball_graph.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
 namespace {
 
 struct SkeletonSettings {
-  std::string follow = "path";
+  bool follow_regions = false;
   bool prune = true;
   double spacing = 0.0;
   double radius = 0.0;
@@ -45,20 +48,21 @@ struct SkeletonSettings {
 
 const Settings<SkeletonSettings>& skeleton_settings() {
   static const Settings<SkeletonSettings> settings =
-      Settings<SkeletonSettings>(
-          Component::Kind::guide, "skeleton",
-          "the medial axis of the free workspace as a graph; dynamic regions travel along it, directed from start to "
-          "goal, and proposals come from them",
-          "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT")
-          .choice("follow", &SkeletonSettings::follow, {"path", "regions"},
+      Settings<SkeletonSettings>(Component::Kind::guide, "skeleton",
+                                 "the medial axis of the free workspace as a graph, in space one of overlapping "
+                                 "maximal balls; dynamic regions "
+                                 "travel along it, directed from start to goal, and proposals come from them",
+                                 "Denny, Sandstrom, Bregger and Amato 2016, Dynamic region-biased RRT")
+          .choice("follow", &SkeletonSettings::follow_regions, {{"path", false}, {"regions", true}},
                   "\"path\": the path found on the axis is validated in C at points `spacing` apart, with the angles "
                   "that are nearest to those before, and proposals are a step of the planner ahead of the node that "
                   "came farthest along it; \"regions\", as published: dynamic regions along the whole axis, those on "
                   "the path found weighing twice. Where there is a motion model, always regions")
           .boolean(
               "prune", &SkeletonSettings::prune,
-              "leave out edges that are narrower than the largest disc about the reference point inside the robot, "
-              "which it cannot pass, or inside a larger robot of a level above, which its path would not help; without "
+              "leave out edges that are narrower than the largest disc or ball about the reference point inside the "
+              "robot, which it cannot pass, or inside a larger robot of a level above, which its path would not help; "
+              "without "
               "effect for an arm that is fixed to its base, whose tip is a point")
           .number(
               "spacing", &SkeletonSettings::spacing, "m", Range::non_negative(),
@@ -104,31 +108,44 @@ constexpr double refuted_penalty = 1000.0;
 /// Maximum number of points of the skeleton, nearest first, that start and goal try to connect to.
 constexpr std::size_t most_sights = 100;
 
+std::array<double, 2> row(Vec2 p) { return {p.x, p.y}; }
+std::array<double, 3> row(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+double squared_distance(View a, View b) {
+  double squared = 0.0;
+  for (std::size_t j = 0; j < a.size(); ++j) squared += (a[j] - b[j]) * (a[j] - b[j]);
+  return squared;
+}
+double distance(View a, View b) {
+  const double x = a[0] - b[0];
+  const double y = a[1] - b[1];
+  return a.size() == 2 ? std::hypot(x, y) : std::hypot(x, y, a[2] - b[2]);
+}
+
 /// Makes a Graph of the skeleton's edges, with start and goal connected to the nearest visible points of it.
 class GraphBuilder {
  public:
-  GraphBuilder(const Skeleton& skeleton, double clearance, Instance& instance) : instance_(instance) {
-    // Start and goal add a vertex each, and may split an edge each.
-    graph_.vertices = Configurations(2);
-    graph_.vertices.reserve(skeleton.vertices.size() + 4);
-    graph_.edges.reserve(skeleton.edges.size() + 4);
-    clearances_.reserve(skeleton.edges.size() + 4);
-    for (const Vec2 v : skeleton.vertices) graph_.vertices.push(std::array{v.x, v.y});
-    for (const auto& edge : skeleton.edges) {
-      const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
-      if (least < clearance) continue;
-      Configurations points(2);
-      points.reserve(edge.points.size());
-      for (const Vec2 p : edge.points) points.push(std::array{p.x, p.y});
-      add_edge(edge.from, edge.to, std::move(points), edge.clearance);
+  /// \param clearance  edges with less are left out
+  GraphBuilder(const Scene& scene, double clearance, Instance& instance)
+      : instance_(instance), dimension_(instance.space.dimension()) {
+    if (scene.planar() != nullptr) {
+      const auto skeleton = cached_medial_axis(planar(scene).world);
+      begin(skeleton->vertices.size(), skeleton->edges.size());
+      for (const Vec2 v : skeleton->vertices) graph_.vertices.push(row(v));
+      add_edges(*skeleton, clearance);
+    } else {
+      const auto balls = cached_ball_graph(spatial(scene).world);
+      begin(balls->balls.size(), balls->edges.size());
+      for (const auto& ball : balls->balls) graph_.vertices.push(row(ball.centre));
+      add_edges(*balls, clearance);
     }
     graph_.start = join(instance.start);
-    graph_.goal = join(instance.goal);
+    graph_.goal = join(instance.goal());
     // A world without obstacles has no medial axis, and the straight motion is valid.
-    if (instance.scene->world.obstacles().empty() && graph_.edges.empty()) {
-      Configurations straight(2);
+    if (instance.scene->obstacle_count() == 0 && graph_.edges.empty()) {
+      Configurations straight(dimension_);
       straight.push(instance.start);
-      straight.push(instance.goal);
+      straight.push(instance.goal());
       add_edge(graph_.start, graph_.goal, std::move(straight), {0.0, 0.0});
     }
   }
@@ -137,6 +154,26 @@ class GraphBuilder {
   [[nodiscard]] std::vector<std::vector<double>> take_clearances() { return std::move(clearances_); }
 
  private:
+  void begin(std::size_t vertices, std::size_t edges) {
+    // Start and goal add a vertex each, and may split an edge each.
+    graph_.vertices = Configurations(dimension_);
+    graph_.vertices.reserve(vertices + 4);
+    graph_.edges.reserve(edges + 4);
+    clearances_.reserve(edges + 4);
+  }
+
+  template <class Skeleton>
+  void add_edges(const Skeleton& skeleton, double clearance) {
+    for (const auto& edge : skeleton.edges) {
+      const double least = *std::min_element(edge.clearance.begin(), edge.clearance.end());
+      if (least < clearance) continue;
+      Configurations points(dimension_);
+      points.reserve(edge.points.size());
+      for (const auto& p : edge.points) points.push(row(p));
+      add_edge(edge.from, edge.to, std::move(points), edge.clearance);
+    }
+  }
+
   void add_edge(std::uint32_t from, std::uint32_t to, Configurations points, std::vector<double> clearance) {
     const double length = path_length(instance_.space, points);
     graph_.edges.push_back({from, to, length, std::move(points)});
@@ -174,14 +211,12 @@ class GraphBuilder {
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
       const auto& points = graph_.edges[e].points;
       for (std::size_t i = 0; i < points.size(); ++i) {
-        const double dx = points[i][0] - q[0];
-        const double dy = points[i][1] - q[1];
         // Only a point that is nearer, up to rounding, needs its exact distance.
-        const double squared = dx * dx + dy * dy;
+        const double squared = squared_distance(points[i], q);
         if (squared > least) continue;
-        const double distance = std::hypot(dx, dy);
-        if (nearest && distance >= nearest->distance) continue;
-        nearest = Sight{distance, e, i};
+        const double exact = distance(points[i], q);
+        if (nearest && exact >= nearest->distance) continue;
+        nearest = Sight{exact, e, i};
         least = squared * (1.0 + 1e-9);
       }
     }
@@ -193,7 +228,7 @@ class GraphBuilder {
     for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
       const auto& points = graph_.edges[e].points;
       for (std::size_t i = 0; i < points.size(); ++i) {
-        sights.push_back({std::hypot(points[i][0] - q[0], points[i][1] - q[1]), e, i});
+        sights.push_back({distance(points[i], q), e, i});
       }
     }
     return sights;
@@ -201,7 +236,7 @@ class GraphBuilder {
 
   /// Adds the edge from a vertex to a point of an edge if the motion between them is valid.
   bool connect(std::uint32_t vertex, const Sight& sight) {
-    Configurations motion(2);
+    Configurations motion(dimension_);
     motion.push(std::as_const(graph_.vertices)[vertex]);
     motion.push(std::as_const(graph_.edges[sight.edge].points)[sight.point]);
     if (sight.distance > 0.0 && !instance_.motion(motion.front(), motion.back()).valid) return false;
@@ -217,8 +252,8 @@ class GraphBuilder {
     const std::uint32_t to = edge.to;
     if (i == 0) return from;
     if (i + 1 == edge.points.size()) return to;
-    Configurations first(2);
-    Configurations second(2);
+    Configurations first(dimension_);
+    Configurations second(dimension_);
     first.reserve(i + 1);
     second.reserve(edge.points.size() - i);
     for (std::size_t k = 0; k <= i; ++k) first.push(edge.points[k]);
@@ -234,6 +269,7 @@ class GraphBuilder {
   }
 
   Instance& instance_;
+  std::size_t dimension_;
   Graph graph_;
   std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
 };
@@ -281,14 +317,15 @@ class PathOnGraph {
   /// The hash table's bucket of a position.
   [[nodiscard]] std::size_t bucket(View position) const {
     // The sum with 0 gives both zeros the same bits.
-    const auto x = std::bit_cast<std::uint64_t>(position[0] + 0.0);
-    const auto y = std::bit_cast<std::uint64_t>(position[1] + 0.0);
-    const std::uint64_t mixed = (x ^ std::rotl(y, 29)) * 0x9e3779b97f4a7c15ULL;
+    const auto bits = [&](std::size_t j) { return std::bit_cast<std::uint64_t>(position[j] + 0.0); };
+    const std::uint64_t z = position.size() > 2 ? bits(2) : 0;
+    const std::uint64_t mixed = (bits(0) ^ std::rotl(bits(1), 29) ^ std::rotl(z, 47)) * 0x9e3779b97f4a7c15ULL;
     return (mixed >> 32U) & (buckets_.size() - 1);
   }
   /// The first of the points from p on, in the same bucket, that is at a position; `none` if there is none.
   [[nodiscard]] std::uint32_t from(std::uint32_t p, View position) const {
-    while (p != none && (path_[p][0] != position[0] || path_[p][1] != position[1])) p = next_[p];
+    const auto elsewhere = [&](View q) { return !std::equal(q.begin(), q.end(), position.begin()); };
+    while (p != none && elsewhere(path_[p])) p = next_[p];
     return p;
   }
   [[nodiscard]] std::uint32_t first(View position) const { return from(buckets_[bucket(position)], position); }
@@ -309,7 +346,7 @@ class PathClearance {
     points_.reserve(path.size());
     double at = 0.0;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      if (i > 0) at += std::hypot(path[i][0] - path[i - 1][0], path[i][1] - path[i - 1][1]);
+      if (i > 0) at += distance(path[i], path[i - 1]);
       points_.emplace_back(at, clearance[i]);
     }
   }
@@ -414,7 +451,7 @@ class DynamicRegions final : public Heuristic {
         reach_(std::max(0.0, ball_.radius() + robot * (1.0 - 2.0 * settings.penetration))),
         spawned_(graph_->vertices.size(), 0),
         lifted_(std::move(lifted)),
-        position_(2) {
+        position_(projection_->space().dimension()) {
     for (std::uint32_t v = 0; v < directed_.out.size(); ++v) {
       if (!directed_.out[v].empty()) unvisited_.push_back(v);
     }
@@ -592,7 +629,7 @@ class DynamicRegions final : public Heuristic {
 
   /// Updates the lift and density of a region to its position.
   void place(Region& region) const {
-    Configurations centre_alone(2);
+    Configurations centre_alone(position_.size());
     centre_alone.push(centre(region));
     region.lift = projection_;
     if (model_) {
@@ -602,7 +639,8 @@ class DynamicRegions final : public Heuristic {
       }
     }
     region.density = std::make_shared<LiftedDensity>(
-        region.lift, 2, TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
+        region.lift, position_.size(),
+        TubeKernel(projection_->space(), std::move(centre_alone), ball_.radius()).density());
   }
 
   /// Advances every region while `inside(centre)`. At the end of its edge, regions of the following edges replace it.
@@ -655,22 +693,23 @@ class SkeletonGuide final : public Guide {
     projection_ = std::make_shared<PositionProjection>("skeleton", parent);
     auto instance = projection_->point_instance(parent);
     double clearance = settings_.clearance;
-    // Clearance is exact, to rounding, at the points of the axis.
     if (settings_.prune && !projection_->arm()) {
-      const double needed = std::max(parent.needed_clearance, parent.scene->robot.inscribed_radius());
-      clearance = std::max(clearance, (1.0 - 1e-6) * needed);
+      // Clearance is exact, to rounding, at the points of the axis. In space, edges are straight between such points.
+      double needed = (1.0 - 1e-6) * std::max(parent.needed_clearance, parent.scene->inscribed_radius());
+      if (const SpatialScene* scene = instance->scene->spatial()) needed -= cached_ball_graph(scene->world)->resolution;
+      clearance = std::max(clearance, needed);
     }
-    GraphBuilder builder(*cached_medial_axis(instance->scene->world), clearance, *instance);
+    GraphBuilder builder(*instance->scene, clearance, *instance);
     graph_ = std::make_shared<Graph>(builder.take());
     clearances_ = builder.take_clearances();
     refuted_edges_.assign(graph_->edges.size(), 0);
-    refuted_positions_.clear();
+    refuted_positions_ = Configurations(instance->space.dimension());
     instance->graph = graph_;
-    along_path_ = settings_.follow == "path" && !parent.motion_model;
+    along_path_ = !settings_.follow_regions && !parent.motion_model;
     if (!reached_) {
       reached_.emplace(projection_->space());
       reached_->add(instance->start);
-      nodes_.begin(parent.space, parent.start, parent.goal);
+      nodes_.begin(parent.space, parent.start, parent.goal());
       start_ = parent.start;
       position_axes_ = parent.position_axes;
       place_radius_ = 0.5 * characteristic_length(parent);
@@ -692,7 +731,7 @@ class SkeletonGuide final : public Guide {
       nodes_.add(outcome.added, outcome.from_goal);
       return;
     }
-    std::array<double, 2> position{};
+    Configuration position(projection_->space().dimension());
     projection_->project(outcome.added, position);
     reached_->add(position);
   }
@@ -700,7 +739,7 @@ class SkeletonGuide final : public Guide {
   void restart() override {
     nodes_.clear();
     reached_.emplace(projection_->space());
-    Configuration s(2);
+    Configuration s(projection_->space().dimension());
     projection_->project(start_, s);
     reached_->add(s);
   }
@@ -713,10 +752,10 @@ class SkeletonGuide final : public Guide {
     if (along_path_ && found->solved()) return along(parent, *found);
     // The radius of a region is a multiple of the robot's; a point and a tip have no size, so the world's size replaces
     // it.
-    const double robot = projection_->arm() ? 0.0 : parent.scene->robot.bounding_radius();
+    const double robot = projection_->arm() ? 0.0 : parent.scene->bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
     auto h = std::make_unique<DynamicRegions>(projection_, parent, graph_, path_,
-                                              projection_->lifted(found->path, parent.start, parent.goal), settings_,
+                                              projection_->lifted(found->path, parent.start, parent.goal()), settings_,
                                               settings_.region * unit, robot, *reached_);
     regions_ = h.get();
     return h;
@@ -735,7 +774,7 @@ class SkeletonGuide final : public Guide {
         return;
       }
       variation_ = 0;
-      refuted_.emplace(2);
+      refuted_.emplace(projection_->space().dimension());
       projection_->project(*steps_->refuted_place(), *refuted_);
     }
     if (!refuted_) return;
@@ -750,7 +789,7 @@ class SkeletonGuide final : public Guide {
     const auto add = [&](View position) {
       // The position is refuted; the other coordinates do not matter.
       Configuration place = start_;
-      for (std::size_t k = 0; k < 2; ++k) place[position_axes_[k]] = position[k];
+      for (std::size_t k = 0; k < position_axes_.size(); ++k) place[position_axes_[k]] = position[k];
       places.push(place);
     };
     for (std::size_t i = 0; i < refuted_positions_.size(); ++i) add(refuted_positions_[i]);
@@ -767,13 +806,13 @@ class SkeletonGuide final : public Guide {
     found_invalid_->add(q);
     const auto there = static_cast<std::int64_t>(found_invalid_->count(q));
     if (there < settings_.evidence) return;
-    refuted_.emplace(2);
+    refuted_.emplace(projection_->space().dimension());
     projection_->project(q, *refuted_);
     steps_->refute();
   }
 
   void avoid(View place) override {
-    Configuration s(2);
+    Configuration s(projection_->space().dimension());
     projection_->project(place, s);
     if (graph_->edges.empty()) return;
     // The path of a smaller robot does not follow the axis exactly.
@@ -793,7 +832,7 @@ class SkeletonGuide final : public Guide {
     const PointLift lift = projection_->point_lift(parent, variation_);
     // If the clearance of the axis exceeds the robot's radius, the robot is valid there at every angle.
     const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
-                                            : std::max(parent.needed_reach, parent.scene->robot.bounding_radius());
+                                            : std::max(parent.needed_reach, parent.scene->bounding_radius());
     const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
     SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
@@ -850,8 +889,8 @@ class SkeletonGuide final : public Guide {
   std::vector<std::vector<double>> clearances_;  ///< for each edge, along its points
   std::vector<char> along_;                      ///< for each edge, whether the path found contains it
   std::vector<char> refuted_edges_;
-  Configurations refuted_positions_{2};  ///< one per refuted edge
-  double place_radius_ = 0.0;            ///< of a place that another guide's evidence refuted, metres
+  Configurations refuted_positions_;  ///< one per refuted edge
+  double place_radius_ = 0.0;         ///< of a place that another guide's evidence refuted, metres
   bool along_path_ = true;
   Configuration start_;
   std::vector<std::size_t> position_axes_;

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/instance/characteristic_length.hpp>
-#include <trellis/scene/planar/polygon.hpp>
 
 namespace trellis {
 
@@ -43,23 +39,6 @@ const Settings<WidenSettings>& widen_settings() {
   return settings;
 }
 
-/// The part of an obstacle at a depth of at least `d` metres inside it.
-std::vector<Shape> eroded(const Shape& shape, double d) {
-  if (const auto* box = std::get_if<Box2>(&shape)) {
-    const Box2 inner{{box->lo.x + d, box->lo.y + d}, {box->hi.x - d, box->hi.y - d}};
-    if (inner.lo.x < inner.hi.x && inner.lo.y < inner.hi.y) return {inner};
-    return {};
-  }
-  if (const auto* disc = std::get_if<Disc>(&shape)) {
-    if (disc->radius > d) return {Disc{disc->centre, disc->radius - d}};
-    return {};
-  }
-  std::vector<Shape> rest;
-  // Erosion creates no holes.
-  for (auto& piece : polygon_offset(std::get<Polygon>(shape), -d)) rest.emplace_back(std::move(piece.outer));
-  return rest;
-}
-
 class Widen final : public PathGuide {
  public:
   explicit Widen(const WidenSettings& settings)
@@ -67,17 +46,7 @@ class Widen final : public PathGuide {
 
   std::unique_ptr<Instance> reduced(const Instance& parent) override {
     auto instance = same_instance(parent);
-    const World& world = parent.scene->world;
-    const double d = erosion(parent);
-    std::vector<Obstacle> obstacles;
-    for (const Obstacle& obstacle : world.obstacles()) {
-      const auto rest = eroded(obstacle.shape, d);
-      for (std::size_t i = 0; i < rest.size(); ++i) {
-        const std::string number = rest.size() > 1 ? fmt::format(", piece {}", i + 1) : "";
-        obstacles.push_back({fmt::format("{} eroded by {:g}{}", obstacle.name, d, number), rest[i]});
-      }
-    }
-    instance->scene = std::make_shared<Scene>(Scene{World(world.bounds(), std::move(obstacles)), parent.scene->robot});
+    instance->scene = parent.scene->eroded(erosion(parent));
     // Makes collision checks, even if the parent presumes validity: f maps the world itself.
     instance->validity = parent.validity_in(instance->scene);
     return instance;
@@ -92,7 +61,7 @@ class Widen final : public PathGuide {
   /// The path with its invalid points moved to valid configurations of C. C counts the checks.
   [[nodiscard]] Configurations followed(Configurations path) const override {
     // Following by steps lifts each point to a valid configuration anyway.
-    if (repair_ == 0 || path_settings().follow == "steps") return path;
+    if (repair_ == 0 || path_settings().follow == Follow::steps) return path;
     Stream stream(paths_repaired_++, "widen", "repair");
     for (std::size_t i = 0; i < path.size(); ++i) retract(path[i], stream);
     return path;
@@ -101,8 +70,7 @@ class Widen final : public PathGuide {
  private:
   [[nodiscard]] double erosion(const Instance& parent) const {
     if (distance_ > 0.0) return distance_;
-    const Box2& bounds = parent.scene->world.bounds();
-    return 0.25 * size_or(parent.scene->robot, 0.02 * norm(bounds.hi - bounds.lo));
+    return 0.25 * size_or(*parent.scene, 0.02 * parent.scene->diagonal());
   }
 
   /// Moves a point that is invalid in C to a valid configuration: samples shells about it, beyond the region known to
@@ -113,7 +81,7 @@ class Widen final : public PathGuide {
     const double inner = parent_->validity->invalid_radius(point);
     const double shell = 4.0 * erosion(*parent_) / static_cast<double>(repair_);
     Configuration q(point.size());
-    std::vector<double> direction(point.size());
+    std::vector<double> direction(space.degrees());
     for (std::int64_t k = 0; k < repair_; ++k) {
       double squares = 0.0;
       for (double& x : direction) {
@@ -121,7 +89,11 @@ class Widen final : public PathGuide {
         squares += x * x;
       }
       const double distance = inner + shell * (static_cast<double>(k) + stream.uniform());
-      for (std::size_t j = 0; j < q.size(); ++j) {
+      if (!space.flat()) {
+        for (double& x : direction) x *= distance / std::sqrt(squares);
+        space.exp(point, direction, q);
+      }
+      for (std::size_t j = 0; space.flat() && j < q.size(); ++j) {
         q[j] = point[j] + distance * direction[j] / std::sqrt(squares) / space.axes()[j].weight;
       }
       space.reflect(q);

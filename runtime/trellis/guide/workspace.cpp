@@ -16,15 +16,19 @@
 #include <trellis/guide/position.hpp>
 #include <trellis/instance/characteristic_length.hpp>
 #include <trellis/instance/grid_graph.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
 namespace {
 
+/// What completes a position (option `lift`).
+enum class Lift : std::uint8_t { automatic, uniform, handles, path };
+
 struct WorkspaceSettings {
   double cell = 0.0;
   double radius = 0.0;
-  std::string lift = "auto";
+  Lift lift = Lift::automatic;
   std::vector<std::string> handles;
   double window = 0.0;
   std::int64_t evidence = 60;
@@ -41,7 +45,8 @@ const Settings<WorkspaceSettings>& workspace_settings() {
           "Holleman and Kavraki 2000, A framework for using the workspace medial axis in PRM planners; Denny, "
           "Sandstrom, Bregger and Amato 2016")
           .number("cell", &WorkspaceSettings::cell, "m", Range::non_negative(),
-                  "side of a cell of the grid, whose edges run along sides and diagonals; 0: a fortieth of the longer "
+                  "side of a cell of the grid, whose edges run along sides and diagonals; 0: a fortieth, in space a "
+                  "twentieth, of the longest "
                   "side of the space. Without effect where a planner is given that searches no graph")
           .number(
               "radius", &WorkspaceSettings::radius, "m in the metric", Range::non_negative(),
@@ -50,7 +55,8 @@ const Settings<WorkspaceSettings>& workspace_settings() {
               "proposals are drawn from; 0: half the robot's bounding radius, or of C's diameter 1 % for a point and 5 "
               "% for an arm")
           .choice(
-              "lift", &WorkspaceSettings::lift, {"auto", "uniform", "handles", "path"},
+              "lift", &WorkspaceSettings::lift,
+              {{"auto", Lift::automatic}, {"uniform", Lift::uniform}, {"handles", Lift::handles}, {"path", Lift::path}},
               "what a position is completed with: \"uniform\", uniform angles (of an arm that is fixed to its base, "
               "any that bring its tip there); \"handles\", as \"path\", but the whole robot is moved and turned "
               "until its handle points come no nearer to the medial axis of the workspace; of a robot with a motion "
@@ -79,16 +85,18 @@ constexpr double stuck_penalty = 2.0;
 constexpr double refuted_penalty = 1000.0;
 /// Limit of the number of cells along one side; more indicate a mistake in the script.
 constexpr double most_cells = 2000;
+constexpr double most_cells_in_space = 150;
 
 /// Makes the grid graph of the instance in S.
 /// \throws Error if `cell` gives too many cells
 std::shared_ptr<Graph> grid(const Instance& instance, double cell) {
   for (const auto& axis : instance.space.axes()) {
     const double count = std::ceil((axis.hi - axis.lo) / cell);
-    if (count > most_cells) {
+    const double most = instance.space.dimension() == 2 ? most_cells : most_cells_in_space;
+    if (count > most) {
       throw Error(
           fmt::format("workspace: option 'cell' is {:g}, which makes {:g} cells along {}; expected at most {:g}", cell,
-                      count, axis.name, most_cells));
+                      count, axis.name, most));
     }
   }
   return std::make_shared<Graph>(grid_graph(instance, cell));
@@ -101,33 +109,39 @@ class Workspace final : public Guide {
   std::unique_ptr<Instance> project(const Instance& parent) override {
     projection_ = std::make_shared<PositionProjection>("workspace", parent);
     const bool arm = projection_->arm();
-    if (arm && settings_.lift == "handles") {
+    if (arm && settings_.lift == Lift::handles) {
       throw Error(
           "workspace: option 'lift' is \"handles\", which needs a robot whose reference point moves in the plane: the "
           "angles of an arm that is fixed to its base decide where its tip is");
     }
-    const bool by_handles = settings_.lift == "handles";
+    const bool by_handles = settings_.lift == Lift::handles;
+    if (by_handles && parent.scene->planar() == nullptr) {
+      throw Error("workspace: option 'lift' is \"handles\", which works in the plane, and this scene is in space");
+    }
     if (!settings_.handles.empty() && !by_handles) {
       throw Error("workspace: option 'handles' has points, which are of use with lift = \"handles\" only");
     }
-    along_path_ = !parent.motion_model && (by_handles || settings_.lift == "path" || (arm && settings_.lift == "auto"));
+    along_path_ = !parent.motion_model &&
+                  (by_handles || settings_.lift == Lift::path || (arm && settings_.lift == Lift::automatic));
     auto instance = projection_->point_instance(parent);
-    const auto& axes = instance->space.axes();
-    cell_ = settings_.cell > 0.0 ? settings_.cell : std::max(axes[0].hi - axes[0].lo, axes[1].hi - axes[1].lo) / 40.0;
+    double longest = 0.0;
+    for (const Axis& axis : instance->space.axes()) longest = std::max(longest, axis.hi - axis.lo);
+    const double cells = instance->space.dimension() == 2 ? 40.0 : 20.0;
+    cell_ = settings_.cell > 0.0 ? settings_.cell : longest / cells;
     graph_ = grid(*instance, cell_);
     instance->graph = graph_;
     start_ = instance->start;
     reached_.emplace(projection_->space());
     reached_->add(start_);
-    refuted_.clear();
+    refuted_ = Configurations(projection_->space().dimension());
     if (along_path_) {
-      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal);
+      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal());
       spacing_ = projection_->spacing(parent, *instance);
       sparse_.emplace(projection_->space(), spacing_, arm);
     }
     if (by_handles) {
-      handles_ = std::make_shared<HandleLift>(projection_, parent,
-                                              parse_handles("workspace", settings_.handles, parent.scene->robot));
+      handles_ = std::make_shared<HandleLift>(
+          projection_, parent, parse_handles("workspace", settings_.handles, planar(*parent.scene).robot));
     }
     return instance;
   }
@@ -141,7 +155,7 @@ class Workspace final : public Guide {
   void learn(const Outcome& outcome) override {
     if (outcome.added.empty() || !outcome.connected) return;
     if (along_path_) nodes_.add(outcome.added, outcome.from_goal);
-    std::array<double, 2> position{};
+    Configuration position(projection_->space().dimension());
     projection_->project(outcome.added, position);
     reached_->add(position);
   }
@@ -157,7 +171,7 @@ class Workspace final : public Guide {
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
     if (along_path_ && found->solved()) return along(parent);
     const double plain = projection_->arm() ? 0.01 * projection_->space().diameter()
-                                            : size_or(parent.scene->robot, 0.01 * parent.space.diameter());
+                                            : size_or(*parent.scene, 0.01 * parent.space.diameter());
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step_length(parent);
     auto positions = std::make_unique<PathHeuristic>("workspace", projection_->space(),
@@ -165,7 +179,7 @@ class Workspace final : public Guide {
                                                      window, settings_.evidence, &*reached_);
     const std::shared_ptr<const Projection> lift = handles_ ? std::shared_ptr<const Projection>(handles_) : projection_;
     return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start,
-                                             parent.goal, LiftedHeuristic::Points::atoms);
+                                             parent.goal(), LiftedHeuristic::Points::atoms);
   }
 
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
@@ -181,7 +195,7 @@ class Workspace final : public Guide {
           return;
         }
         variation_ = 0;
-        Configuration place(2);
+        Configuration place(projection_->space().dimension());
         projection_->project(*steps_->refuted_place(), place);
         refuted_.push(place);
       }
@@ -194,7 +208,7 @@ class Workspace final : public Guide {
       }
     }
     if (stuck.size() == 0) return;
-    Configuration middle(2);
+    Configuration middle(projection_->space().dimension());
     for (auto& edge : graph_->edges) {
       space.interpolate(graph_->vertices[edge.from], graph_->vertices[edge.to], 0.5, middle);
       if (stuck.nearest(middle).squared_distance <= cell_ * cell_) edge.cost *= penalty;
@@ -245,11 +259,11 @@ class Workspace final : public Guide {
   bool along_path_ = false;              ///< h follows configurations of C
   ReachedNodes nodes_;                   ///< the planner's nodes, if `along_path_`
   std::optional<SparseValidation> sparse_;
-  double spacing_ = 0.0;                        ///< distance between validated points
-  int variation_ = 0;                           ///< number of further lifts of the path found
-  Configurations refuted_ = Configurations(2);  ///< refuted places of paths
-  StepHeuristic* steps_ = nullptr;              ///< active h, if any
-  Configurations path_;                         ///< found in S
+  double spacing_ = 0.0;            ///< distance between validated points
+  int variation_ = 0;               ///< number of further lifts of the path found
+  Configurations refuted_;          ///< refuted places of paths
+  StepHeuristic* steps_ = nullptr;  ///< active h, if any
+  Configurations path_;             ///< found in S
   double cell_ = 0.0;
   double radius_ = 0.0;
 };

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/instance/instance.hpp>
 
+#include <numeric>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace trellis {
 
@@ -59,16 +62,25 @@ std::shared_ptr<Validity> make_validity(const std::string& collision, const std:
 }
 
 Instance::NearGoal Instance::nearest_goal(View q) const {
-  NearGoal nearest{0, space.distance(q, goal)};
-  for (std::size_t i = 0; i < further_goals.size(); ++i) {
-    const double distance = space.distance(q, further_goals[i]);
-    if (distance < nearest.distance) nearest = {i + 1, distance};
+  NearGoal nearest{0, space.distance(q, goal())};
+  for (std::size_t i = 1; i < goals.size(); ++i) {
+    const double distance = space.distance(q, goals[i]);
+    if (distance < nearest.distance) nearest = {i, distance};
   }
   return nearest;
 }
 
 std::shared_ptr<Validity> Instance::validity_in(const std::shared_ptr<const Scene>& other) const {
   return validity_of ? validity_of(other) : make_validity(collision, other, space, resolution, motion_model);
+}
+
+std::vector<std::pair<std::string, Configuration>> named_ends(const Problem& problem) {
+  std::vector<std::pair<std::string, Configuration>> ends = {{"start", problem.start}};
+  if (problem.goals.empty()) ends.emplace_back("goal", Configuration());
+  for (std::size_t i = 0; i < problem.goals.size(); ++i) {
+    ends.emplace_back(problem.goals.size() == 1 ? "goal" : fmt::format("goal {}", i + 1), problem.goals[i]);
+  }
+  return ends;
 }
 
 std::unique_ptr<Instance> make_instance(const Problem& problem) {
@@ -79,12 +91,14 @@ std::unique_ptr<Instance> make_instance(const Problem& problem) {
   instance->validity =
       make_validity(problem.collision, problem.scene, problem.space, problem.resolution, problem.motion_model);
   instance->start = problem.start;
-  instance->goal = problem.goal;
-  instance->further_goals = problem.further_goals;
+  instance->goals = problem.goals;
   instance->goal_tolerance = problem.goal_tolerance;
   instance->resolution = problem.resolution;
   instance->collision = problem.collision;
-  if (problem.scene->robot.translates()) instance->position_axes = {0, 1};
+  if (problem.scene->translates()) {
+    instance->position_axes.resize(problem.scene->world_dimension());
+    std::iota(instance->position_axes.begin(), instance->position_axes.end(), std::size_t{0});
+  }
   return instance;
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -16,7 +18,8 @@
 
 namespace trellis {
 
-/// Decides validity for an instance: by collision checks, or by the presumption of a guiding space.
+/// Decides validity for an instance: by collision checks, or by the presumption of a guiding space. Configurations
+/// have the dimension of the instance's space, which is not checked: another size is undefined behaviour.
 class Validity {
  public:
   virtual ~Validity() = default;
@@ -101,6 +104,7 @@ struct Checks {
 };
 
 /// A motion planning instance (C, validity, s, t, motion model): the input of a planner and of a guide's projection.
+/// Views have the dimension of `space` (with a motion model they are states), which is not checked.
 class Instance {
  public:
   Space space;
@@ -108,8 +112,7 @@ class Instance {
   std::shared_ptr<Validity> validity;
   std::shared_ptr<Graph> graph;  ///< nullptr: a sampling planner searches the space
   Configuration start;
-  Configuration goal;            ///< the primary goal, of guides and statistics
-  Configurations further_goals;  ///< other goals that also solve the instance; most instances have none
+  std::vector<Configuration> goals;  ///< at least one; each solves the instance
   double goal_tolerance = 1e-6;
   double resolution = 0.05;
   double shared_resolution = 0.0;  ///< of C, where motions of this space are checked there too; 0: they are not
@@ -130,11 +133,10 @@ class Instance {
   [[nodiscard]] double checks_per_metre() const {
     return 1.0 / resolution + (shared_resolution > 0.0 ? 1.0 / shared_resolution : 0.0);
   }
-  [[nodiscard]] std::size_t goals() const { return 1 + further_goals.size(); }
-  /// Returns `goal` for 0, then the further goals.
-  [[nodiscard]] View goal_at(std::size_t i) const { return i == 0 ? View(goal) : further_goals[i - 1]; }
+  /// Returns the first goal, the one of guides and statistics.
+  [[nodiscard]] const Configuration& goal() const { return goals.front(); }
   struct NearGoal {
-    std::size_t goal = 0;  ///< index for goal_at
+    std::size_t goal = 0;  ///< index into goals
     double distance = 0.0;
   };
   [[nodiscard]] NearGoal nearest_goal(View q) const;
@@ -202,5 +204,20 @@ std::shared_ptr<Validity> make_validity(const std::string& collision, const std:
 
 /// Returns the instance of a problem in the configuration space of the real robot. Does not validate the problem.
 std::unique_ptr<Instance> make_instance(const Problem& problem);
+
+/// Returns the start and the goals with their names in messages: "start", "goal", or "goal 1" and so on where there are
+/// several. Without a goal the second is empty.
+std::vector<std::pair<std::string, Configuration>> named_ends(const Problem& problem);
+
+/// Sets the start and the only goal of an instance in S to f of the parent's start and first goal.
+/// \param f  has `project(View q, MutableView s)`
+/// \param sub  its space is S
+template <typename F>
+void project_ends(const F& f, const Instance& parent, Instance& sub) {
+  sub.start.resize(sub.space.dimension());
+  sub.goals.assign(1, Configuration(sub.space.dimension()));
+  f.project(parent.start, sub.start);
+  f.project(parent.goal(), sub.goals.front());
+}
 
 }  // namespace trellis

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/space/space.hpp>
 
 namespace trellis {

@@ -37,7 +37,7 @@ class Recurrence {
 class Search {
  public:
   Search(const Space& space, View q, const std::function<bool(View)>& valid)
-      : space_(space), q_(q.begin(), q.end()), valid_(valid), d_(space.dimension()), points_(d_ + d_ % 2 + 1) {
+      : space_(space), q_(q.begin(), q.end()), valid_(valid), d_(space.degrees()), points_(d_ + d_ % 2 + 1) {
     // In a world 10 m wide, a centimetre; if that fails, a millimetre.
     constexpr double digits = 3.0;
     decimals_ = std::max(0, static_cast<int>(digits - std::floor(std::log10(space.diameter()))));
@@ -53,18 +53,19 @@ class Search {
       // A change of a single coordinate is the shortest to type.
       for (std::size_t j = 0; j < d_; ++j) {
         for (const double sign : {-1.0, 1.0}) {
-          Configuration along = q_;
-          along[j] += sign * radius / space_.axes()[j].weight;
-          consider(along);
+          std::vector<double> step(d_, 0.0);
+          step[j] = sign * radius;
+          consider(moved(step));
         }
       }
       for (std::size_t i = 0; i < each * d_; ++i) consider(in_ring(inner, radius));
       inner = radius;
     }
     pull();
-    for (std::size_t j = 0; best_ && j < d_; ++j) {
+    for (const Factor& factor : space_.factors()) {
+      if (!best_) break;
       Configuration kept = best_->q;
-      kept[j] = q_[j];
+      for (std::size_t j = factor.column; j < factor.column + factor.width(); ++j) kept[j] = q_[j];
       consider(kept);
     }
     pull();
@@ -74,10 +75,21 @@ class Search {
  private:
   [[nodiscard]] Configuration within_bounds() const {
     Configuration q = q_;
-    for (std::size_t j = 0; j < d_; ++j) {
-      const Axis& axis = space_.axes()[j];
-      if (!axis.periodic) q[j] = std::clamp(q[j], axis.lo, axis.hi);
+    for (const Factor& factor : space_.factors()) {
+      if (factor.kind != Factor::Kind::line) continue;
+      q[factor.column] = std::clamp(q[factor.column], factor.axis.lo, factor.axis.hi);
     }
+    return q;
+  }
+
+  /// Returns q moved along a tangent vector.
+  [[nodiscard]] Configuration moved(const std::vector<double>& v) const {
+    Configuration q = q_;
+    if (!space_.flat()) {
+      space_.exp(q_, v, q);
+      return q;
+    }
+    for (std::size_t j = 0; j < d_; ++j) q[j] += v[j] / space_.axes()[j].weight;
     return q;
   }
 
@@ -94,9 +106,8 @@ class Search {
     direction.resize(d_);
     for (const double x : direction) square += x * x;
     const double length = inner + (outer - inner) * u.back();
-    Configuration q = q_;
-    for (std::size_t j = 0; j < d_; ++j) q[j] += length * direction[j] / std::sqrt(square) / space_.axes()[j].weight;
-    return q;
+    for (double& x : direction) x = length * x / std::sqrt(square);
+    return moved(direction);
   }
 
   /// Bisects between q and the best configuration.
@@ -104,7 +115,7 @@ class Search {
     if (!best_) return;
     constexpr int rounds = 12;
     Configuration far = best_->q;
-    Configuration between(d_);
+    Configuration between(q_.size());
     double invalid = 0.0, fine = 1.0;
     for (int i = 0; i < rounds; ++i) {
       const double t = 0.5 * (invalid + fine);
@@ -117,7 +128,7 @@ class Search {
   bool consider(const Configuration& q) {
     for (const int decimals : {decimals_, decimals_ + 1}) {
       TypedConfiguration typed;
-      for (std::size_t j = 0; j < d_; ++j) {
+      for (std::size_t j = 0; j < q.size(); ++j) {
         std::string text = fmt::format("{:.{}f}", q[j], decimals);
         if (text.find('.') != std::string::npos) {
           text.erase(text.find_last_not_of('0') + 1);
@@ -128,6 +139,8 @@ class Search {
         typed.text += (j == 0 ? "(" : ", ") + text;
       }
       typed.text += ")";
+      // A quaternion of few decimals is brought to norm 1 where it is read.
+      if (!space_.flat()) space_.normalise(typed.q);
       typed.distance = space_.distance(q_, typed.q);
       if (best_ && best_->distance <= typed.distance) return false;
       if (!space_.contains(typed.q) || !valid_(typed.q)) continue;

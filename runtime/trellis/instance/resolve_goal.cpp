@@ -12,6 +12,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/instance/inverse_kinematics.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -33,7 +34,8 @@ void resolve_goal(Problem& problem) {
   constexpr std::array<double, 6> spreads = {0.02, 0.1, 0.3, 0.6, 1.0, 0.0};
   const Reach& reach = *problem.reach;
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  InverseKinematics kinematics(problem.scene->robot, problem.space, reach.body, reach.point);
+  const Robot& robot = planar(*problem.scene).robot;
+  InverseKinematics kinematics(robot, problem.space, reach.body, reach.point);
   const Vec2 middle = 0.5 * (reach.box.lo + reach.box.hi);
   const Vec2 half = 0.5 * (reach.box.hi - reach.box.lo);
   const double near = 0.05 * std::min(half.x, half.y);
@@ -49,7 +51,7 @@ void resolve_goal(Problem& problem) {
     }
     const Vec2 target =
         middle + Vec2{0.9 * half.x * stream.uniform(-1.0, 1.0), 0.9 * half.y * stream.uniform(-1.0, 1.0)};
-    if (!kinematics.bring(q, target, near) || !reaches(problem.scene->robot, reach, q) || !checker->valid(q)) continue;
+    if (!kinematics.bring(q, target, near) || !reaches(robot, reach, q) || !checker->valid(q)) continue;
     ++found;
     all.emplace_back(problem.space.distance(problem.start, q), q);
   }
@@ -57,13 +59,12 @@ void resolve_goal(Problem& problem) {
     throw Error(
         fmt::format("problem '{}': no valid configuration brings {} into the box ({:g}, {:g}) to ({:g}, {:g}), of {} "
                     "that were tried",
-                    problem.name, problem.scene->robot.body_name(reach.body), reach.box.lo.x, reach.box.lo.y,
-                    reach.box.hi.x, reach.box.hi.y, tries));
+                    problem.name, robot.body_name(reach.body), reach.box.lo.x, reach.box.lo.y, reach.box.hi.x,
+                    reach.box.hi.y, tries));
   }
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  problem.goal = all.front().second;
-  problem.further_goals = Configurations(problem.space.dimension());
-  for (std::size_t i = 1; i < std::min(all.size(), most_goals); ++i) problem.further_goals.push(all[i].second);
+  problem.goals.clear();
+  for (std::size_t i = 0; i < std::min(all.size(), most_goals); ++i) problem.goals.push_back(all[i].second);
 }
 
 }  // namespace trellis

@@ -10,7 +10,7 @@ namespace trellis {
 
 /// A hash of the configuration.
 std::uint64_t configuration_digest(View q);
-/// A hash of the motion; equal for (a, b) and (b, a).
+/// A hash of the motion; equal for (a, b) and (b, a), which have the same dimension.
 std::uint64_t motion_digest(View a, View b);
 
 /// Motions that a check found valid, so that no search checks them again. A lazily validated path costs its checks

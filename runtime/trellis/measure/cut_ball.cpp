@@ -33,9 +33,26 @@ TRELLIS_CLONES void add_squares(const double* points, std::size_t count, double 
   }
 }
 
-}  // namespace
+/// The points of the balls of a flat space.
+class FlatBallPoints : public BallPoints {
+ public:
+  FlatBallPoints(const Frame& frame, std::size_t points);
+  [[nodiscard]] Region choose(View y, double r) const override;
+  double place(const Region& region, View y, double r, std::size_t i, MutableView at) const override;
+  [[nodiscard]] double log_volume(View y, double r) const override;
 
-CutBall::CutBall(const Frame& frame, std::size_t points)
+ private:
+  /// The box's range of an axis.
+  void range(std::size_t j, View y, double r, double& lo, double& width) const;
+
+  Frame frame_;
+  std::size_t points_;
+  double log_unit_;
+  std::vector<double> ball_;  // in the unit ball, axis by axis
+  std::vector<double> cube_;  // in the unit cube, axis by axis
+};
+
+FlatBallPoints::FlatBallPoints(const Frame& frame, std::size_t points)
     : frame_(frame), points_(points), log_unit_(log_unit_ball(frame.dimension())) {
   const std::size_t d = frame_.dimension();
   const std::size_t half = points_ / 2;
@@ -65,7 +82,7 @@ CutBall::CutBall(const Frame& frame, std::size_t points)
   }
 }
 
-void CutBall::range(std::size_t j, View y, double r, double& lo, double& width) const {
+void FlatBallPoints::range(std::size_t j, View y, double r, double& lo, double& width) const {
   if (frame_.periodic(j)) {
     const double reach = std::min(r, 0.5 * frame_.period(j));
     lo = y[j] - reach;
@@ -76,7 +93,7 @@ void CutBall::range(std::size_t j, View y, double r, double& lo, double& width) 
   }
 }
 
-CutBall::Region CutBall::choose(View y, double r) const {
+BallPoints::Region FlatBallPoints::choose(View y, double r) const {
   Region region;
   double log_box = 0.0;
   for (std::size_t j = 0; j < frame_.dimension(); ++j) {
@@ -98,16 +115,16 @@ CutBall::Region CutBall::choose(View y, double r) const {
   return region;
 }
 
-bool CutBall::place(const Region& region, View y, double r, std::size_t i, MutableView at) const {
+double FlatBallPoints::place(const Region& region, View y, double r, std::size_t i, MutableView at) const {
   double square = 0.0;
   for (std::size_t j = 0; j < frame_.dimension(); ++j) {
     double offset = 0.0;
     if (region.ball) {
       offset = r * ball_[j * points_ + i];
       if (frame_.periodic(j)) {
-        if (std::abs(offset) > 0.5 * frame_.period(j)) return false;
+        if (std::abs(offset) > 0.5 * frame_.period(j)) return 0.0;
       } else if (y[j] + offset < frame_.lo(j) || y[j] + offset > frame_.hi(j)) {
-        return false;
+        return 0.0;
       }
     } else {
       double lo = 0.0;
@@ -118,10 +135,10 @@ bool CutBall::place(const Region& region, View y, double r, std::size_t i, Mutab
     }
     at[j] = frame_.fold(j, y[j] + offset);
   }
-  return region.ball || square <= r * r;
+  return region.ball || square <= r * r ? 1.0 : 0.0;
 }
 
-double CutBall::log_volume(View y, double r) const {
+double FlatBallPoints::log_volume(View y, double r) const {
   const Region region = choose(y, r);
   if (region.whole) return region.log_volume;
   const std::size_t d = frame_.dimension();
@@ -144,5 +161,13 @@ double CutBall::log_volume(View y, double r) const {
   const double share = std::max(static_cast<double>(found), 0.5) / static_cast<double>(points_);
   return region.log_volume + std::log(share);
 }
+
+}  // namespace
+
+CutBall::CutBall(const Frame& frame, std::size_t points)
+    : dimension_(frame.dimension()),
+      points_(points),
+      ball_(frame.flat() ? std::make_shared<const FlatBallPoints>(frame, points)
+                         : curved_ball_points(frame.space(), points)) {}
 
 }  // namespace trellis::measure

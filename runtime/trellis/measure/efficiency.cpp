@@ -18,9 +18,10 @@ namespace trellis {
 
 namespace {
 
-constexpr double expected_hits = 10.0;  // with fewer expected uniform samples in A, N is underpowered
-constexpr double least_margin = 0.02;   // coverage must fall below uniform's by this much for a flag
-constexpr double bound_margin = 0.05;   // an estimate may lie below its bound by this much: its accuracy
+constexpr double expected_hits = 10.0;    // with fewer expected uniform samples in A, N is underpowered
+constexpr std::size_t enough_hits = 300;  // samples in A that give mass and arc length within 0.1 nats
+constexpr double least_margin = 0.02;     // coverage must fall below uniform's by this much for a flag
+constexpr double bound_margin = 0.05;     // an estimate may lie below its bound by this much: its accuracy
 
 /// Computes -log Q(A) and its lower bound, from the upper end of Clopper and Pearson's interval.
 void bound_mass(Efficiency& result) {
@@ -38,7 +39,7 @@ void bound_mass(Efficiency& result) {
 
 /// Splits an estimate by the chain rule, unless its estimator already computed the parts.
 void split(Estimate& estimate, const Efficiency& whole, const Target& target) {
-  const bool across = target.space().dimension() < most_across;
+  const bool across = target.space().degrees() < most_across;
   const auto complete = [&](ChainRule& parts, double divergence, double along) {
     if (std::isnan(parts.mass)) return;
     if (std::isinf(parts.mass)) return;  // nothing in A: all of it is mass
@@ -91,6 +92,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   // The coverage by uniform samples varies between sets, as for about |A| / |ball| independent positions.
   const double places = std::max(1.0, std::exp(-target.uniform()) / std::max(hits / count, 1e-300));
   const double spread = std::sqrt(result.uniform_coverage * (1.0 - result.uniform_coverage) / places);
+  if (target.space().degrees() >= most_across) return;  // balls about so few samples cover nothing, whatever they are
   if (result.coverage < result.uniform_coverage - std::max(least_margin, 2.0 * spread)) {
     result.flags.emplace_back("partial");
   }
@@ -107,6 +109,67 @@ Efficiency on_nothing(const Target& target, std::size_t samples) {
 }
 
 void take(Efficiency& result, const Estimate& estimate) { static_cast<Estimate&>(result) = estimate; }
+
+/// Whether figures follow the rules for many dimensions: from five degrees of freedom on hardly a uniform sample lies
+/// in any target.
+bool in_many_dimensions(const Target& target) { return target.space().degrees() >= most_across; }
+
+/// Returns for each point of the pool whether samples cannot reach it as it is invalid; empty where they may.
+std::vector<char> unreachable_points(const Target& target, SampleSupport support) {
+  std::vector<char> unreachable;
+  if (support != SampleSupport::valid_only || !target.holds_invalid()) return unreachable;
+  unreachable.reserve(target.pool().size());
+  for (std::size_t i = 0; i < target.pool().size(); ++i) {
+    unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
+  }
+  return unreachable;
+}
+
+/// Adds the estimates: the first estimator that fits the samples gives the headline, the next ones the others.
+void estimate(const measure::Evaluation& evaluation, const Scoring& scoring, Efficiency& result) {
+  const Target& target = evaluation.target;
+  const std::size_t hits = evaluation.in_target.count;
+  const bool many = in_many_dimensions(target);
+  std::string reasons;
+  bool found = false;
+  for (const EstimatorSpec& spec : scoring.estimators) {
+    if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
+    const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
+    std::string reason = unfit_in(target.space(), spec);
+    if (reason.empty()) reason = kind.unfit(spec.options(), evaluation);
+    if (!reason.empty()) {
+      // An estimator that requires more samples is skipped for the next one; a single requested estimator states why it
+      // fails.
+      const bool alone = scoring.estimators.size() == 1;
+      const bool passed_over = spec.name() == "arc" || spec.name() == "exact";
+      if (alone ? spec.name() != "exact" : !passed_over) reasons += (reasons.empty() ? "" : "; ") + reason;
+      continue;
+    }
+    Estimate estimate = kind.estimate(spec.options(), evaluation);
+    // Density that smoothing places where no sample lies is no evidence. (`legacy` consists of its floor only.)
+    if (hits == 0 && spec.name() != "exact" && spec.name() != "legacy") {
+      estimate.undefended = std::numeric_limits<double>::infinity();
+    }
+    estimate.estimator = spec.text();
+    split(estimate, result, target);
+    if (!found) {
+      take(result, estimate);
+      if (spec.name() == "arc") result.flags.emplace_back("lower bound");
+      if (spec.name() == "knn" && many) result.flags.emplace_back("indicative");
+      if (spec.name() != "exact" && many && hits > 0 && hits < enough_hits) result.flags.emplace_back("few in target");
+    } else {
+      result.others.push_back(std::move(estimate));
+    }
+    found = true;
+  }
+  if (found) {
+    if (result.undefended < result.mass_lower95 - bound_margin) result.flags.emplace_back("below mass bound");
+    return;
+  }
+  result.estimator = scoring.estimators.empty() ? "" : scoring.estimators.back().text();
+  result.flags.emplace_back("too few samples");
+  result.reason = reasons.empty() ? "no estimator was asked for that has a figure for these samples" : reasons;
+}
 
 }  // namespace
 
@@ -133,7 +196,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
     result.reason = "there are no samples";
     return result;
   }
-  if (static_cast<double>(samples.total()) * std::exp(-result.uniform) < expected_hits) {
+  if (!in_many_dimensions(target) && static_cast<double>(samples.total()) * std::exp(-result.uniform) < expected_hits) {
     result.flags.emplace_back("underpowered");
   }
 
@@ -141,14 +204,8 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   const std::size_t points =
       scoring.points > 0 ? std::min(scoring.points, target.evaluation_points()) : target.evaluation_points();
   std::vector<double> squared(points * neighbours);
-  std::vector<char> unreachable;
-  if (scoring.support == SampleSupport::valid_only && target.holds_invalid()) {
-    unreachable.reserve(target.pool().size());
-    for (std::size_t i = 0; i < target.pool().size(); ++i) {
-      unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
-    }
-    if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
-  }
+  const std::vector<char> unreachable = unreachable_points(target, scoring.support);
+  if (std::count(unreachable.begin(), unreachable.end(), 1) > 0) result.flags.emplace_back("cannot reach");
   result.along = measure::along_path(target, inside.arcs, points,
                                      static_cast<double>(inside.count) / static_cast<double>(samples.total()));
   const measure::Evaluation evaluation{
@@ -170,44 +227,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
   if (target.is_uniform()) result.perfect = defended_mass(0.0, result.uniform);
   cover(evaluation, result);
   if (inside.count == 0) result.flags.emplace_back("censored");
-
-  std::string reasons;
-  bool found = false;
-  for (const EstimatorSpec& spec : scoring.estimators) {
-    if (found && (scoring.headline_only || (scoring.brief && spec.name() != "knn"))) continue;
-    const measure::EstimatorKind& kind = *measure::find_estimator(spec.name());
-    if (const std::string reason = kind.unfit(spec.options(), evaluation); !reason.empty()) {
-      // An estimator that requires more samples is skipped for the next one; a single requested estimator states why it
-      // fails.
-      const bool alone = scoring.estimators.size() == 1;
-      const bool passed_over = spec.name() == "arc" || spec.name() == "exact";
-      if (alone ? spec.name() != "exact" : !passed_over) reasons += (reasons.empty() ? "" : "; ") + reason;
-      continue;
-    }
-    Estimate estimate = kind.estimate(spec.options(), evaluation);
-    // Density that smoothing places where no sample lies is no evidence. (`legacy` consists of its floor only.)
-    if (inside.count == 0 && spec.name() != "exact" && spec.name() != "legacy") {
-      estimate.undefended = std::numeric_limits<double>::infinity();
-    }
-    estimate.estimator = spec.text();
-    split(estimate, result, target);
-    if (!found) {
-      take(result, estimate);
-      if (spec.name() == "arc") result.flags.emplace_back("lower bound");
-      if (spec.name() == "knn" && target.space().dimension() >= most_across) result.flags.emplace_back("indicative");
-    } else {
-      result.others.push_back(std::move(estimate));
-    }
-    found = true;
-  }
-  if (!found) {
-    result.estimator = scoring.estimators.empty() ? "" : scoring.estimators.back().text();
-    result.flags.emplace_back("too few samples");
-    result.reason = reasons.empty() ? "no estimator was asked for that has a figure for these samples" : reasons;
-    return result;
-  }
-
-  if (result.undefended < result.mass_lower95 - bound_margin) result.flags.emplace_back("below mass bound");
+  estimate(evaluation, scoring, result);
   return result;
 }
 

@@ -49,8 +49,9 @@ struct Efficiency : Estimate {
   std::vector<Estimate> others;
   /// "underpowered" (as many uniform samples would put fewer than 10 into A), "censored" (no sample in A), "partial"
   /// (coverage clearly below uniform's), "below mass bound" (D is below the bound from the mass in A, hence wrong),
-  /// "too few samples" (fewer than k samples that are not atoms), "lower bound" (`arc`), "indicative" (`knn` from five
-  /// dimensions on), "empty target", "cannot reach" (part of T is invalid, where the samples never are).
+  /// "too few samples" (fewer than k samples that are not atoms), "lower bound" (`arc`), "empty target", "cannot reach"
+  /// (part of T is invalid, where the samples never are). From five degrees of freedom on "indicative" (`knn`) and "few
+  /// in target" (1 to 299 samples in A), and neither "underpowered" nor "partial".
   std::vector<std::string> flags;
   /// Why there is no value; "" where there is one.
   std::string reason;

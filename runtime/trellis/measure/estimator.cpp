@@ -103,6 +103,13 @@ std::string EstimatorSpec::text() const {
   return text.empty() ? name_ : fmt::format("{} {{ {} }}", name_, text);
 }
 
+std::string unfit_in(const Space& space, const EstimatorSpec& estimator) {
+  const std::string& name = estimator.name();
+  if (space.flat() || name == "exact" || name == "arc" || name == "knn") return "";
+  return fmt::format("{} needs a space of independent axes, and {} has rotations: use exact, arc or knn", name,
+                     space.name());
+}
+
 double defended_mass(double mass, double uniform) {
   return -std::log((1.0 - defence) * std::exp(-mass) + defence * std::exp(-uniform));
 }

@@ -24,7 +24,7 @@ struct ChainRule {
   /// D(T || Q given A): how unevenly the samples in A cover it. NaN without a sample in A.
   double spread = std::numeric_limits<double>::quiet_NaN();
   /// The parts of the spread: the divergence of arc length along the path, and the rest across it. NaN without a path;
-  /// the part across is also NaN from `most_across` dimensions on, where samples do not show it.
+  /// the part across is also NaN from `most_across` degrees of freedom on, where samples do not show it.
   double along = std::numeric_limits<double>::quiet_NaN();
   double across = std::numeric_limits<double>::quiet_NaN();
 };
@@ -71,8 +71,11 @@ class EstimatorSpec {
   Options options_;
 };
 
-/// Returns the default order: recorded densities, else the bound by arc length from five dimensions on, else nearest
-/// neighbours: { exact, arc, knn }.
+/// Returns why an estimator has no value in a space, whatever the samples; "" where it may have one.
+std::string unfit_in(const Space& space, const EstimatorSpec& estimator);
+
+/// Returns the default order: recorded densities, else the bound by arc length from five degrees of freedom on, else
+/// nearest neighbours: { exact, arc, knn }.
 const std::vector<EstimatorSpec>& default_estimators();
 
 namespace measure {

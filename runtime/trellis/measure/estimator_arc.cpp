@@ -21,8 +21,8 @@ const Settings<ArcSettings>& arc_settings() {
           "a lower bound that needs no density: the mass in the target, by counting, and the divergence "
           "of arc length along the path; the headline where nearest neighbours fail",
           "the chain rule")
-          .integer("dimension", &ArcSettings::dimension, "axes", {.lo = 1, .hi = 1000},
-                   "spaces of fewer dimensions have no such figure");
+          .integer("dimension", &ArcSettings::dimension, "degrees of freedom", {.lo = 1, .hi = 1000},
+                   "spaces of fewer have no such figure");
   return settings;
 }
 
@@ -50,7 +50,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
 
 std::string unfit(const Options& options, const Evaluation& evaluation) {
   const auto least = static_cast<std::size_t>(arc_settings().read(options).dimension);
-  const std::size_t d = evaluation.frame().dimension();
+  const std::size_t d = evaluation.frame().degrees();
   if (!evaluation.target.has_path()) return "the target has no path";
   if (d < least) return fmt::format("the space has {} dimensions, fewer than {}", d, least);
   if (!evaluation.unreachable.empty()) return "part of the target cannot be reached";

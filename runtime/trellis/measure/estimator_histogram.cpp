@@ -13,9 +13,12 @@ namespace trellis::measure {
 
 namespace {
 
+/// What an empty cell gets (option `smoothing`).
+enum class Smoothing : std::uint8_t { kt, laplace, least_share };
+
 struct HistogramSettings {
   double bin = 0.5;
-  std::string smoothing = "kt";
+  Smoothing smoothing = Smoothing::kt;
   double floor = 1e-10;
 };
 
@@ -25,7 +28,8 @@ const Settings<HistogramSettings>& histogram_settings() {
                                   "Krichevsky and Trofimov 1981")
           .number("bin", &HistogramSettings::bin, "m in the metric", Range::positive(),
                   "longest side of a cell; the cells divide the space evenly")
-          .choice("smoothing", &HistogramSettings::smoothing, {"kt", "laplace", "floor"},
+          .choice("smoothing", &HistogramSettings::smoothing,
+                  {{"kt", Smoothing::kt}, {"laplace", Smoothing::laplace}, {"floor", Smoothing::least_share}},
                   "kt: half a sample more in every cell; laplace: one more; floor: no less than `floor` of the samples")
           .number("floor", &HistogramSettings::floor, "share of the samples", Range::positive(),
                   "the least share of a cell, for smoothing = \"floor\"")
@@ -108,7 +112,7 @@ Estimate estimate_histogram(const Options& options, const Evaluation& evaluation
   Grid grid(evaluation.frame(), all_axes(evaluation.frame()), settings.bin, true);
   grid.count_rows(evaluation.samples.all());
   const auto total = static_cast<double>(evaluation.samples.total());
-  const double more = settings.smoothing == "kt" ? 0.5 : settings.smoothing == "laplace" ? 1.0 : 0.0;
+  const double more = settings.smoothing == Smoothing::kt ? 0.5 : settings.smoothing == Smoothing::laplace ? 1.0 : 0.0;
   std::vector<double> log_density(evaluation.points);
   double mass = 0.0;
   for (std::size_t i = 0; i < evaluation.points; ++i) {

@@ -24,7 +24,7 @@ constexpr int likelihood_stride = 3;
 
 struct KdeSettings {
   double bandwidth = 0.0;
-  std::string rule = "likelihood";
+  bool scott = false;
 };
 
 const Settings<KdeSettings>& kde_settings() {
@@ -33,7 +33,7 @@ const Settings<KdeSettings>& kde_settings() {
                             "Gaussian kernels, reflected at walls and wrapped on periodic axes", "Parzen 1962")
           .number("bandwidth", &KdeSettings::bandwidth, "m in the metric", Range::non_negative(),
                   "standard deviation of a kernel, the same for all axes; 0: by the rule")
-          .choice("rule", &KdeSettings::rule, {"likelihood", "scott"},
+          .choice("rule", &KdeSettings::scott, {{"likelihood", false}, {"scott", true}},
                   "likelihood: the bandwidth with the largest leave-one-out likelihood; scott: Scott's rule")
           .positional({"bandwidth"});
   return settings;
@@ -339,10 +339,11 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   const KdeSettings settings = kde_settings().read(options);
   const auto& rows = evaluation.samples.all();
   const auto chosen = [&] {
-    return settings.rule == "scott" ? scott(evaluation.frame(), rows) : most_likely(evaluation.frame(), rows);
+    return settings.scott ? scott(evaluation.frame(), rows) : most_likely(evaluation.frame(), rows);
   };
-  const double h =
-      settings.bandwidth > 0.0 ? settings.bandwidth : evaluation.samples.remembered("kde " + settings.rule, chosen);
+  const double h = settings.bandwidth > 0.0
+                       ? settings.bandwidth
+                       : evaluation.samples.remembered(settings.scott ? "kde scott" : "kde likelihood", chosen);
   Kernels kernels(evaluation.frame(), evaluation.samples.tree().size(), h, negligible);
   std::vector<PointTree::Leaf> leaves;
   const double log_total = std::log(static_cast<double>(evaluation.samples.total()));

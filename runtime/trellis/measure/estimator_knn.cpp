@@ -56,6 +56,7 @@ class BlendedNeighbours {
         inside_(evaluation.frame(), evaluation.in_target.inside),
         space_ball_(evaluation.frame(), space_points),
         target_ball_(evaluation.frame(), target_points),
+        degrees_(evaluation.frame().degrees()),
         boundary_(settings.boundary),
         k_all_(std::min(static_cast<std::size_t>(settings.k_all), evaluation.samples.tree().size())),
         k_inside_(settings.blend ? std::min(static_cast<std::size_t>(settings.k), inside_.size()) : 0),
@@ -86,7 +87,7 @@ class BlendedNeighbours {
     }
     const double r = std::max(std::sqrt(kth), least_radius_);
     const double volume = boundary_ ? space_ball_.log_volume(y, r)
-                                    : log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r);
+                                    : log_unit_ball(degrees_) + static_cast<double>(degrees_) * std::log(r);
     const double plain = log_mass_all_ - volume;
     if (k_inside_ == 0) return plain;
     inside_.nearest(y, std::span(squared_).first(k_inside_));
@@ -106,7 +107,7 @@ class BlendedNeighbours {
     };
     // The choice of the method depends on the ball only; a choice by the number of points in it would bias that number.
     const double r = std::max(std::sqrt(squared), least_radius_);
-    const double ball = std::exp(log_unit_ball(y.size()) + static_cast<double>(y.size()) * std::log(r) -
+    const double ball = std::exp(log_unit_ball(degrees_) + static_cast<double>(degrees_) * std::log(r) -
                                  target_.log_volume());  // in volumes of A
     if (ball * static_cast<double>(part_->size()) >= pool_enough) {
       const std::size_t self = i < part_->size() ? 0 : 1;
@@ -140,6 +141,7 @@ class BlendedNeighbours {
   PointTree inside_;
   CutBall space_ball_;
   CutBall target_ball_;
+  std::size_t degrees_;
   bool boundary_;
   std::size_t k_all_;
   std::size_t k_inside_;

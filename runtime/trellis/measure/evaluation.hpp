@@ -26,7 +26,7 @@ struct Evaluation {
 
   static constexpr std::size_t neighbour_count = 8;
   [[nodiscard]] const Frame& frame() const { return samples.frame(); }
-  /// Returns the i-th evaluation point in metric coordinates.
+  /// Returns the i-th evaluation point, a row of the frame.
   [[nodiscard]] View at(std::size_t i) const {
     const std::size_t d = frame().dimension();
     return View(target.pool_rows()).subspan(i * d, d);

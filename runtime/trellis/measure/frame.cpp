@@ -8,6 +8,7 @@
 namespace trellis::measure {
 
 Frame::Frame(const Space& space) : space_(space) {
+  if (!flat()) return;
   for (const Axis& axis : space.axes()) {
     lo_.push_back(axis.weight * axis.lo);
     hi_.push_back(axis.weight * axis.hi);
@@ -19,17 +20,31 @@ Frame::Frame(const Space& space) : space_(space) {
 void Frame::to_metric(View x, MutableView y) const {
   std::copy(x.begin(), x.end(), y.begin());
   space_.normalise(y);
+  if (!flat()) return;
   const auto& axes = space_.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) y[j] *= axes[j].weight;
 }
 
 void Frame::to_raw(View y, MutableView x) const {
+  if (!flat()) {
+    std::copy(y.begin(), y.end(), x.begin());
+    return;
+  }
   const auto& axes = space_.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) {
     // The division may leave the bounds by a rounding error; a point of C must stay in C.
     x[j] = std::clamp(y[j] / axes[j].weight, axes[j].lo, axes[j].hi);
   }
   space_.normalise(x);
+}
+
+void Frame::from_unit(View unit, MutableView y) const {
+  if (!flat()) {
+    space_.from_unit(unit, y);
+    space_.normalise(y);
+    return;
+  }
+  for (std::size_t j = 0; j < lo_.size(); ++j) y[j] = lo_[j] + unit[j] * extent(j);
 }
 
 double Frame::fold(std::size_t j, double y) const {

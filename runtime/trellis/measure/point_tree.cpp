@@ -8,7 +8,9 @@
 #include <limits>
 #include <numeric>
 
+#include <trellis/base/error.hpp>
 #include <trellis/measure/clones.hpp>
+#include <trellis/measure/vantage_tree.hpp>
 
 namespace trellis::measure {
 
@@ -27,8 +29,12 @@ constexpr std::size_t width = 4;
 }  // namespace
 
 PointTree::PointTree(const Frame& frame, std::span<const double> rows) : dimension_(frame.dimension()) {
-  for (std::size_t j = 0; j < dimension_; ++j) period_.push_back(frame.period(j));
   size_ = dimension_ == 0 ? 0 : rows.size() / dimension_;
+  if (!frame.flat()) {
+    vantage_ = std::make_shared<const VantageTree>(frame.space(), rows);
+    return;
+  }
+  for (std::size_t j = 0; j < dimension_; ++j) period_.push_back(frame.period(j));
   if (size_ == 0) return;
   std::vector<std::uint32_t> ids(size_);
   std::iota(ids.begin(), ids.end(), 0U);
@@ -212,6 +218,7 @@ TRELLIS_ALONG std::size_t PointTree::count(const double* y, double squared) cons
 }
 
 TRELLIS_CLONES void PointTree::nearest(View y, std::span<double> squared) const {
+  if (vantage_) return vantage_->nearest(y, squared);
   switch (dimension_) {
     case 2: return find_nearest<2>(y.data(), squared);
     case 3: return find_nearest<3>(y.data(), squared);
@@ -220,6 +227,7 @@ TRELLIS_CLONES void PointTree::nearest(View y, std::span<double> squared) const 
 }
 
 TRELLIS_CLONES std::size_t PointTree::count_within(View y, double squared) const {
+  if (vantage_) return vantage_->count_within(y, squared);
   switch (dimension_) {
     case 2: return count<2>(y.data(), squared);
     case 3: return count<3>(y.data(), squared);
@@ -228,6 +236,7 @@ TRELLIS_CLONES std::size_t PointTree::count_within(View y, double squared) const
 }
 
 void PointTree::leaves_within(View y, double squared, std::vector<Leaf>& leaves) const {
+  if (vantage_) throw Fault("the leaves of a tree of a space with rotations");
   leaves.clear();
   if (size_ == 0) return;
   std::array<std::uint32_t, deepest> stack;

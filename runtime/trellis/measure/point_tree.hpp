@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,14 +11,17 @@
 
 namespace trellis::measure {
 
+class VantageTree;
+
 /// A static, balanced kd-tree over points in metric coordinates: exact nearest neighbours and exact counts in balls,
-/// under the wrapped metric. Results are distances and counts, so they do not depend on how ties were split.
+/// under the wrapped metric. Results are distances and counts, so they do not depend on how ties were split. Rows of a
+/// space with rotations are not metric coordinates: there the tree is a `VantageTree`.
 ///
 /// The leaves are blocks of fixed length, one coordinate after the other, so that a scan of a leaf has no branches. The
 /// wrap is min(|u|, period - |u|), which leaves an axis without a period unchanged.
 class PointTree {
  public:
-  /// \param rows  metric coordinates within the frame's bounds, row by row
+  /// \param rows  rows of the frame, metric coordinates within its bounds
   PointTree(const Frame& frame, std::span<const double> rows);
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -37,6 +41,7 @@ class PointTree {
     double least;  ///< lower bound of the squared distance of its points
   };
   /// Collects the leaves that may contain a point at a squared distance of at most `squared`, always in the same order.
+  /// \throws Fault for a space with rotations
   void leaves_within(View y, double squared, std::vector<Leaf>& leaves) const;
 
  private:
@@ -67,6 +72,7 @@ class PointTree {
   std::vector<Node> nodes_;
   std::vector<double> boxes_;  // per node: lo and hi of each axis in turn
   std::vector<double> blocks_;
+  std::shared_ptr<const VantageTree> vantage_;  // of a space with rotations, else null
 };
 
 }  // namespace trellis::measure

@@ -45,16 +45,7 @@ void check(const char* name, const TargetSettings& settings) {
   if (settings.pool < 1) fail(fmt::format("pool must be at least 1, got {}", settings.pool));
 }
 
-void check(const TubeSettings& settings) {
-  check("tube", settings);
-  const auto fail = [](const std::string& what) { throw Error("tube: " + what); };
-  if (settings.distance != "planar" && settings.distance != "full") {
-    fail(fmt::format(R"(distance must be "planar" or "full", got "{}")", settings.distance));
-  }
-  if (settings.support != "free" && settings.support != "all") {
-    fail(fmt::format(R"(support must be "free" or "all", got "{}")", settings.support));
-  }
-}
+void check(const TubeSettings& settings) { check("tube", settings); }
 
 void check(const Space& space, const Configurations& path, const std::vector<std::size_t>& position) {
   if (space.dimension() == 0) throw Error("tube: the space has no axes");
@@ -100,16 +91,29 @@ measure::LowDiscrepancy sequence_of(std::uint64_t seed, std::size_t dimension, s
   return {dimension, unit};
 }
 
+/// Returns the relative standard error of a share of independent draws; those of low discrepancy have less.
+double relative_error(double share, std::size_t draws) {
+  return std::sqrt((1.0 - share) / (share * static_cast<double>(draws)));
+}
+
 }  // namespace
+
+std::string to_string(TubeSettings::Distance distance) {
+  return distance == TubeSettings::Distance::planar ? "planar" : "full";
+}
+
+std::string to_string(TubeSettings::Support support) { return support == TubeSettings::Support::free ? "free" : "all"; }
 
 const Settings<TubeSettings>& tube_settings() {
   static const Settings<TubeSettings> settings =
       with_target_options(Settings<TubeSettings>(Component::Kind::target, "tube",
                                                  "configurations within delta of the final path", "Attali et al. 2022"),
                           "radius of the tube")
-          .choice("distance", &TubeSettings::distance, {"planar", "full"},
+          .choice("distance", &TubeSettings::distance,
+                  {{"planar", TubeSettings::Distance::planar}, {"full", TubeSettings::Distance::full}},
                   "planar: position of the reference point only; full: the space's metric")
-          .choice("support", &TubeSettings::support, {"free", "all"},
+          .choice("support", &TubeSettings::support,
+                  {{"free", TubeSettings::Support::free}, {"all", TubeSettings::Support::all}},
                   "free: valid configurations only; all: the whole tube, which no tree can reach")
           .positional({"delta"});
   return settings;
@@ -162,20 +166,20 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
   check(settings);
   check(space, path, position);
   const std::size_t d = space.dimension();
-  if (settings.distance == "full" || position.empty()) {
+  if (settings.distance == TubeSettings::Distance::full || position.empty()) {
     position.resize(d);
     std::iota(position.begin(), position.end(), std::size_t{0});
   }
-  const bool free_only = settings.support == "free";
+  const bool free_only = settings.support == TubeSettings::Support::free;
   if (free_only && !valid_) throw Error("tube: support \"free\" needs a validity");
   holds_invalid_ = !free_only;
 
   const measure::Frame frame(space);
-  tube_ = std::make_shared<const measure::Tube>(frame, space, path, std::move(position), settings.delta);
+  tube_ = measure::make_tube(frame, path, std::move(position), settings.delta);
   if (!(tube_->length() > 0.0)) throw Error("tube: the path has no length");
 
   std::vector<double> unit;
-  measure::LowDiscrepancy sequence = sequence_of(seed, d + 1, unit);
+  measure::LowDiscrepancy sequence = sequence_of(seed, tube_->unit_dimension(), unit);
   const auto wanted = static_cast<std::size_t>(std::max(settings.pool, settings.points));
   const auto evaluated = static_cast<std::size_t>(settings.points);
   std::vector<double> y(d);
@@ -209,6 +213,7 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     free_share_ = static_cast<double>(pool_.size()) / static_cast<double>(checked);
     const double tube_share = static_cast<double>(in_tube) / static_cast<double>(drawn);
     log_volume_ = std::log(tube_->cover_volume()) + std::log(tube_share) + std::log(free_share_);
+    log_volume_error_ = std::hypot(relative_error(tube_share, drawn), relative_error(free_share_, checked));
   } else {
     free_share_ = 0.0;
   }
@@ -222,7 +227,7 @@ Target Target::region(const Space& space, const TargetSettings& settings, const 
   const std::size_t d = space.dimension();
   const measure::Frame frame(space);
   std::vector<double> unit;
-  measure::LowDiscrepancy sequence = sequence_of(seed, d, unit);
+  measure::LowDiscrepancy sequence = sequence_of(seed, space.degrees(), unit);
   const auto wanted = static_cast<std::size_t>(std::max(settings.pool, settings.points));
   target.pool_ = Configurations(d);
   std::vector<double> y(d);
@@ -230,13 +235,14 @@ Target Target::region(const Space& space, const TargetSettings& settings, const 
   std::size_t drawn = 0;
   for (; drawn < region_limit * wanted && target.pool_.size() < wanted; ++drawn) {
     sequence.next(unit);
-    for (std::size_t j = 0; j < d; ++j) y[j] = frame.lo(j) + unit[j] * frame.extent(j);
+    frame.from_unit(unit, y);
     frame.to_raw(y, x);
     if (contains(x)) target.pool_.push(x);
   }
   if (!target.pool_.empty()) {
-    target.log_volume_ =
-        space.log_volume() + std::log(static_cast<double>(target.pool_.size()) / static_cast<double>(drawn));
+    const double share = static_cast<double>(target.pool_.size()) / static_cast<double>(drawn);
+    target.log_volume_ = space.log_volume() + std::log(share);
+    target.log_volume_error_ = relative_error(share, drawn);
   }
   target.finish();
   return target;
@@ -347,7 +353,7 @@ Configurations Target::draw(std::size_t count, Stream& stream) const {
     return drawn;
   }
   const measure::Frame frame(space_);
-  std::vector<double> unit(d + 1);
+  std::vector<double> unit(tube_ ? tube_->unit_dimension() : space_.degrees() + 1);
   std::vector<double> y(d);
   std::vector<double> x(d);
   const auto attempts = static_cast<std::size_t>(static_cast<double>(cover_limit * count) / free_share_);
@@ -356,7 +362,7 @@ Configurations Target::draw(std::size_t count, Stream& stream) const {
     if (tube_) {
       if (!tube_->draw(unit, y)) continue;
     } else {
-      for (std::size_t j = 0; j < d; ++j) y[j] = frame.lo(j) + unit[j] * frame.extent(j);
+      frame.from_unit(unit, y);
     }
     frame.to_raw(y, x);
     if (tube_ ? holds_invalid_ || valid_(x) : contains_(x)) drawn.push(x);

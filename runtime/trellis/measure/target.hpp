@@ -28,9 +28,20 @@ struct TargetSettings {
 
 /// The tube target: T uniform on A = { x in C_free : d(x, P) < delta }, P the final path.
 struct TubeSettings : TargetSettings {
-  std::string distance = "planar";  ///< "planar": the reference point's position only; "full": the space's metric
-  std::string support = "free";     ///< "free": A contains valid configurations only; "all": the whole tube
+  enum class Distance {
+    planar,  ///< the reference point's position only
+    full     ///< the space's metric
+  };
+  enum class Support {
+    free,  ///< A contains valid configurations only
+    all    ///< the whole tube
+  };
+  Distance distance = Distance::planar;
+  Support support = Support::free;
 };
+/// The words of scripts and results.
+std::string to_string(TubeSettings::Distance distance);
+std::string to_string(TubeSettings::Support support);
 const Settings<TubeSettings>& tube_settings();
 
 /// The target of near-optimal paths: T uniform on the configurations that lie on a path of at most (1 + epsilon) times
@@ -77,7 +88,8 @@ class Target {
   struct Distribution {
     /// Independent draws, `pool` of them, within the space.
     Configurations samples;
-    /// log T with respect to volume in metric coordinates; -inf outside of the support.
+    /// log T with respect to volume in metric coordinates, or of the metric where the space has rotations; -inf outside
+    /// of the support.
     std::function<double(View)> log_density;
   };
   /// \throws Error for draws outside of the space, fewer than 64 of them, and densities that are NaN or, at a draw, not
@@ -90,8 +102,11 @@ class Target {
   [[nodiscard]] bool empty() const { return pool_.empty(); }
   /// Whether T is uniform on A.
   [[nodiscard]] bool is_uniform() const { return log_weights_.empty(); }
-  /// Returns log|A| in metric coordinates; NaN where T is not uniform.
+  /// Returns log|A|, in metric coordinates where the space is flat; NaN where T is not uniform.
   [[nodiscard]] double log_volume() const { return log_volume_; }
+  /// Returns a standard error of `log_volume`: that of as many independent draws. Its draws have low discrepancy, so
+  /// the error is smaller, the more so the fewer dimensions the space has.
+  [[nodiscard]] double log_volume_error() const { return log_volume_error_; }
   /// Returns log T at a point of the pool.
   [[nodiscard]] double log_density(std::size_t i) const { return is_uniform() ? -log_volume_ : log_weights_[i]; }
   /// Returns D(T || uniform on C), which is log|C| - log|A| where T is uniform: the divergence of uniform sampling, the
@@ -126,7 +141,7 @@ class Target {
   /// Returns the number of points over which log q is averaged: a prefix of the pool.
   [[nodiscard]] std::size_t evaluation_points() const;
   [[nodiscard]] const Configurations& pool() const { return pool_; }
-  /// Returns the pool in metric coordinates, row by row.
+  /// Returns the pool row by row: in metric coordinates where the space is flat.
   [[nodiscard]] const std::vector<double>& pool_rows() const { return pool_rows_; }
   /// Returns a tree, for counting points in balls, of about the first `points` points of the pool: 2/3 to 4/3 of them,
   /// at least 1024; the whole pool if that is at most twice as many. The target builds each tree once. Thread-safe.
@@ -151,6 +166,7 @@ class Target {
   std::function<bool(View)> contains_;  // of regions and distributions
   bool holds_invalid_ = false;
   double log_volume_ = std::numeric_limits<double>::quiet_NaN();
+  double log_volume_error_ = std::numeric_limits<double>::quiet_NaN();
   double uniform_ = std::numeric_limits<double>::quiet_NaN();
   double free_share_ = 1.0;
   Configurations pool_;

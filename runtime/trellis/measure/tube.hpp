@@ -2,83 +2,53 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
+#include <memory>
 #include <vector>
 
 #include <trellis/measure/frame.hpp>
 
 namespace trellis::measure {
 
-/// The geometry of a tube { x in C : d(x, P) < radius }, with d over all axes or over a subset of them.
-///
-/// A cover of small grid cells around P has two uses: quasi Monte Carlo points drawn from it mostly lie in the tube,
-/// and a membership test needs only the pieces of P near the point's cell. The grid spans the first three axes of the
-/// distance; each cell has bounds on the others. Waypoints within a thousandth of the radius of the line that replaces
-/// them are omitted, which simplifies densely interpolated paths.
+/// The geometry of a tube { x in C : d(x, P) < radius }, with d over all axes or over a subset of them. Points are rows
+/// of the frame. Flat spaces have a `GridTube`, those with rotations a `BallTube`.
 class Tube {
  public:
-  /// \param path    at least one configuration of the space
-  /// \param axes    the axes of the distance, at least one
-  /// \param radius  > 0, in metric coordinates
-  Tube(const Frame& frame, const Space& space, const Configurations& path, std::vector<std::size_t> axes,
-       double radius);
+  virtual ~Tube() = default;
+  Tube(const Tube&) = delete;
+  Tube& operator=(const Tube&) = delete;
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  /// Whether a point of C (metric coordinates) lies in the tube.
-  [[nodiscard]] bool contains(View y) const;
-  /// Returns the distance from a point (metric coordinates) to P over the tube's axes.
-  [[nodiscard]] double distance(View y) const;
-  /// Returns the length of P over the tube's axes, and the arc length at the point of P nearest to y.
-  [[nodiscard]] double length() const { return length_; }
-  [[nodiscard]] double along(View y) const;
+  /// The coordinates of a row that the distance is over.
   [[nodiscard]] const std::vector<std::size_t>& axes() const { return axes_; }
+  /// Whether a point of C lies in the tube.
+  [[nodiscard]] virtual bool contains(View y) const = 0;
+  /// Returns the distance from a point to P over the tube's axes.
+  [[nodiscard]] virtual double distance(View y) const = 0;
+  /// Returns the length of P over the tube's axes, and the arc length at the point of P nearest to y.
+  [[nodiscard]] virtual double length() const = 0;
+  [[nodiscard]] virtual double along(View y) const = 0;
 
   /// Returns the volume of the cover, which contains the whole tube within C.
-  [[nodiscard]] double cover_volume() const { return cover_volume_; }
-  /// Maps a point of the unit cube, with one more coordinate than C has, to the cover with uniform density. \return
-  /// whether the point lies in the tube
-  bool draw(View unit, MutableView y) const;
+  [[nodiscard]] virtual double cover_volume() const = 0;
+  /// Returns the number of coordinates of the unit cube that `draw` maps.
+  [[nodiscard]] virtual std::size_t unit_dimension() const = 0;
+  /// Maps a point of the unit cube to the cover with uniform density. \return whether the point lies in the tube: the
+  /// share of such points, times the cover's volume, is the tube's volume, and they are uniform in it
+  virtual bool draw(View unit, MutableView y) const = 0;
 
- private:
-  void add_piece(const std::vector<double>& from, const std::vector<double>& step, double piece_limit);
-  void cut_path(const Space& space, const Configurations& path);
-  void choose_grid();
-  void fill_cells();
-  void bound_rest();
-  [[nodiscard]] std::size_t pieces() const { return step_square_.size(); }
-  /// Returns the squared distance to a piece over the first `count` axes. `at`, if given, receives the nearest point's
-  /// parameter on the piece.
-  [[nodiscard]] double squared(std::size_t piece, const double* z, std::size_t count, double* at = nullptr) const;
-  /// Returns the cell that contains y; none outside of the cover.
-  [[nodiscard]] std::optional<std::size_t> cell_of(View y) const;
-  /// Returns the first cell at which the cumulative volume exceeds a volume.
-  [[nodiscard]] std::size_t cell_at(double volume) const;
-  [[nodiscard]] bool near(std::size_t cell, const double* z) const;
+ protected:
+  Tube(const Frame& frame, std::vector<std::size_t> axes, double radius)
+      : frame_(frame), axes_(std::move(axes)), radius_(radius) {}
 
   Frame frame_;
   std::vector<std::size_t> axes_;
   double radius_;
-
-  // Pieces of P over the tube's axes: start and shortest difference to the end, about as long as the radius.
-  std::vector<double> from_, step_;
-  std::vector<double> step_square_;
-  std::vector<double> begin_;  // arc length at each piece's start
-  double length_ = 0.0;
-
-  // The grid: cells per axis, their sides, and the occupied cells in the order of their keys.
-  std::size_t grid_axes_ = 0;
-  std::vector<std::uint64_t> cells_;
-  std::vector<double> side_;
-  std::vector<std::uint64_t> keys_;
-  std::vector<std::uint32_t> cell_of_key_;  // of all cells of the grid, where they are not too many
-  std::vector<std::uint32_t> first_;        // of each cell's pieces in near_, one more than cells
-  std::vector<std::uint32_t> near_;
-  std::vector<char> inside_;        // the whole cell lies in the tube
-  std::vector<double> rest_;        // per cell: lo and width of each axis of the tube beyond the grid
-  std::vector<double> cumulative_;  // volume of the cells up to and with this one
-  double cover_volume_ = 0.0;
 };
+
+/// \param path    at least one configuration of the space
+/// \param axes    the coordinates of the distance, at least one; of a rotation, one stands for all four
+/// \param radius  > 0, metres of the metric
+std::shared_ptr<const Tube> make_tube(const Frame& frame, const Configurations& path, std::vector<std::size_t> axes,
+                                      double radius);
 
 }  // namespace trellis::measure

@@ -13,6 +13,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -40,6 +41,10 @@ std::optional<std::size_t> beside(const WorldGrid& grid, std::size_t cell, const
 template <class May>
 std::vector<double> spread_from(const WorldGrid& grid, const std::vector<std::size_t>& from, const May& may) {
   std::vector<double> length(grid.size(), nowhere);
+  std::array<double, around.size()> steps{};
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    steps[k] = std::hypot(around[k].columns * grid.width(), around[k].rows * grid.height());
+  }
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (const std::size_t cell : from) {
@@ -50,10 +55,10 @@ std::vector<double> spread_from(const WorldGrid& grid, const std::vector<std::si
     const auto [d, cell] = queue.top();
     queue.pop();
     if (d > length[cell]) continue;
-    for (const Step& step : around) {
-      const auto next = beside(grid, cell, step);
-      if (!next || !may(cell, *next, step)) continue;
-      const double reached = d + std::hypot(step.columns * grid.width(), step.rows * grid.height());
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const auto next = beside(grid, cell, around[k]);
+      if (!next || !may(cell, *next, around[k])) continue;
+      const double reached = d + steps[k];
       if (reached < length[*next]) {
         length[*next] = reached;
         queue.emplace(reached, *next);
@@ -77,9 +82,9 @@ WorldGrid::WorldGrid(const World& world, const Box2& box, std::size_t cells) : b
 
   // A cell whose side only touches an obstacle's side or the boundary is still free.
   constexpr double inner = 0.49;
-  const auto scene = std::make_shared<const Scene>(Scene{
-      world, Robot::rigid({Box2{{-inner * width_, -inner * height_}, {inner * width_, inner * height_}}}, false)});
-  const auto checker = make_checker("planar", scene, default_space(scene->robot, world, 1.0), cell);
+  const auto scene = std::make_shared<const PlanarScene>(
+      world, Robot::rigid({Box2{{-inner * width_, -inner * height_}, {inner * width_, inner * height_}}}, false));
+  const auto checker = make_checker("planar", scene, scene->default_space(1.0), cell);
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const Vec2 p = centre(i);
     free_[i] = checker->valid(std::array{p.x, p.y}) ? 1 : 0;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 

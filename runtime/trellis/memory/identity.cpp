@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/memory/identity.hpp>
 
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <variant>
 
 #include <trellis/base/random.hpp>
 #include <trellis/memory/bytes.hpp>
+#include <trellis/scene/visit.hpp>
 
 namespace trellis {
 
@@ -40,21 +42,7 @@ void put(std::string& bytes, const std::variant<Shapes...>& shape) {
   std::visit([&](const auto& one) { put(bytes, one); }, shape);
 }
 
-}  // namespace
-
-std::uint64_t identity(const Space& space) {
-  std::string bytes;
-  for (const Axis& axis : space.axes()) {
-    bytes += axis.name;
-    bytes += axis.periodic ? '\1' : '\0';
-    put_number(bytes, axis.lo);
-    put_number(bytes, axis.hi);
-    put_number(bytes, axis.weight);
-  }
-  return stable_hash(bytes);
-}
-
-std::uint64_t identity(const Robot& robot) {
+std::uint64_t hash_of(const Robot& robot) {
   std::string bytes;
   bytes += robot.translates() ? '\1' : '\0';
   put(bytes, robot.base());
@@ -73,11 +61,90 @@ std::uint64_t identity(const Robot& robot) {
   return stable_hash(bytes);
 }
 
-std::uint64_t identity(const World& world) {
+std::uint64_t hash_of(const World& world) {
   std::string bytes;
   put(bytes, world.bounds());
   for (const Obstacle& obstacle : world.obstacles()) put(bytes, obstacle.shape);
   return stable_hash(bytes);
+}
+
+void put(std::string& bytes, const Vec3& p) {
+  put_number(bytes, p.x);
+  put_number(bytes, p.y);
+  put_number(bytes, p.z);
+}
+
+void put(std::string& bytes, const Sphere& sphere) {
+  bytes += 's';
+  put_number(bytes, sphere.radius);
+}
+
+void put(std::string& bytes, const Cuboid& cuboid) {
+  bytes += 'q';
+  put(bytes, cuboid.size);
+}
+
+void put(std::string& bytes, const Cylinder& cylinder) {
+  bytes += 'y';
+  put_number(bytes, cylinder.radius);
+  put_number(bytes, cylinder.length);
+}
+
+void put(std::string& bytes, const Capsule& capsule) {
+  bytes += 'c';
+  put_number(bytes, capsule.radius);
+  put_number(bytes, capsule.length);
+}
+
+void put(std::string& bytes, const std::shared_ptr<const Mesh>& mesh) {
+  bytes += 'm';
+  put_integer(bytes, mesh->hash());
+}
+
+void put(std::string& bytes, const Solid& solid) {
+  std::visit([&](const auto& shape) { put(bytes, shape); }, solid.shape);
+  put(bytes, solid.pose.position);
+  const Quaternion& turn = solid.pose.orientation;
+  for (const double x : {turn.x, turn.y, turn.z, turn.w}) put_number(bytes, x);
+}
+
+std::uint64_t hash_of(const Robot3& robot) {
+  std::string bytes = "3";
+  bytes += robot.rotates() ? '\1' : '\0';
+  for (const Solid& solid : robot.solids()) put(bytes, solid);
+  return stable_hash(bytes);
+}
+
+std::uint64_t hash_of(const World3& world) {
+  std::string bytes = "3";
+  put(bytes, world.bounds().lo);
+  put(bytes, world.bounds().hi);
+  bytes += static_cast<char>(world.contain());
+  bytes += world.surface() ? '\1' : '\0';
+  for (const Obstacle3& obstacle : world.obstacles()) put(bytes, obstacle.solid);
+  return stable_hash(bytes);
+}
+
+}  // namespace
+
+std::uint64_t identity(const Space& space) {
+  std::string bytes;
+  for (const Axis& axis : space.coordinates()) {
+    bytes += axis.name;
+    bytes += axis.periodic ? '\1' : '\0';
+    put_number(bytes, axis.lo);
+    put_number(bytes, axis.hi);
+    put_number(bytes, axis.weight);
+  }
+  return stable_hash(bytes);
+}
+
+std::uint64_t robot_hash(const Scene& scene) {
+  return visit(scene, [](const auto& kind) { return hash_of(kind.robot); });
+}
+
+std::uint64_t world_hash(const Scene& scene) {
+  return visit(scene, [](const auto& kind) { return hash_of(kind.world); });
 }
 
 }  // namespace trellis

@@ -13,9 +13,9 @@ namespace trellis {
 
 /// Hashes the axes and their weights, but not the name of the space.
 std::uint64_t identity(const Space& space);
-/// Hashes the shapes and joints.
-std::uint64_t identity(const Robot& robot);
-/// Hashes the bounds and the obstacles in their order, but not their names.
-std::uint64_t identity(const World& world);
+/// Hashes the shapes and joints of the scene's robot.
+std::uint64_t robot_hash(const Scene& scene);
+/// Hashes the bounds of the scene's world and its obstacles in their order, but not their names.
+std::uint64_t world_hash(const Scene& scene);
 
 }  // namespace trellis

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/world.hpp>
 
 namespace trellis {
 

@@ -17,6 +17,7 @@
 #include <trellis/memory/bytes.hpp>
 #include <trellis/memory/database.hpp>
 #include <trellis/memory/identity.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -88,8 +89,8 @@ StoredPath stored_path(const Problem& problem, const Configurations& path) {
   stored.problem = problem.name;
   stored.space_name = problem.space.name();
   stored.space = identity(problem.space);
-  stored.robot = identity(problem.scene->robot);
-  stored.world = identity(problem.scene->world);
+  stored.robot = robot_hash(*problem.scene);
+  stored.world = world_hash(*problem.scene);
   stored.length = path_length(problem.space, path);
   stored.path = path;
   return stored;

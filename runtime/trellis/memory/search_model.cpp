@@ -16,6 +16,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/instance/grid_graph.hpp>
 #include <trellis/memory/model_file.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -124,10 +125,10 @@ SearchTrial::Effort effort(BestFirstSearch search) {
 KnownWorld::KnownWorld(const LearningTask& task, std::size_t cells) : name_(task.name) {
   Problem problem;
   problem.name = task.name;
-  problem.scene = std::make_shared<const Scene>(Scene{task.world, Robot::point()});
-  problem.space = default_space(problem.scene->robot, task.world, 1.0);
+  problem.scene = std::make_shared<const PlanarScene>(task.world, Robot::point());
+  problem.space = problem.scene->default_space(1.0);
   problem.start = {task.start.x, task.start.y};
-  problem.goal = {task.goal.x, task.goal.y};
+  problem.goals = {{task.goal.x, task.goal.y}};
   instance_ = make_instance(problem);
   const Vec2 extent = task.world.bounds().hi - task.world.bounds().lo;
   graph_ = grid_graph(*instance_, std::max(extent.x, extent.y) / static_cast<double>(cells));

@@ -42,6 +42,8 @@ class MotionModel {
   [[nodiscard]] double dt() const { return dt_; }
 
   /// Computes f(x, u) into `rate`.
+  /// \param x,  rate  `dimension` numbers, as those of all states below; another size is undefined behaviour
+  /// \param u  a number for each control, as all controls below
   virtual void derivative(View x, View u, MutableView rate) const = 0;
   /// Whether a state satisfies those limits of the model that are not bounds of single axes.
   [[nodiscard]] virtual bool admits(View x) const {

@@ -13,12 +13,12 @@ namespace trellis {
 
 /// The options of anytime planners. `with_anytime` describes each field.
 struct AnytimeSettings : CommonSettings {
-  std::string connect = "k_nearest";
+  bool within = false;
   double factor = 1.1;
   double improve = 1000;
 
   [[nodiscard]] Connection connection(const Space& space) const {
-    return connect == "within" ? Connection::within(space, factor) : Connection::k_nearest(space, factor);
+    return within ? Connection::within(space, factor) : Connection::k_nearest(space, factor);
   }
 };
 
@@ -26,7 +26,7 @@ template <class S>
 Settings<S> with_anytime(Settings<S> settings) {
   settings
       .choice(
-          "connect", &S::connect, {"k_nearest", "within"},
+          "connect", &S::within, {{"k_nearest", false}, {"within", true}},
           "what a new node may be joined to, n nodes in d dimensions: \"k_nearest\", the e (1 + 1/d) log n nearest; "
           "\"within\", all within 2 ((1 + 1/d) |C| log n / (n zeta_d))^(1/d), zeta_d the volume of the unit ball")
       .number("factor", &S::factor, "times", Range::positive(),

@@ -22,7 +22,7 @@ namespace {
 struct BestFirstSettings : CommonSettings {
   BestFirstSettings() { goal_bias = 0.0; }
   std::string model;
-  std::string evaluate = "expansion";
+  BestFirstSearch::Evaluation evaluate = BestFirstSearch::Evaluation::expansion;
   std::int64_t samples = 200;
 };
 
@@ -37,7 +37,9 @@ const Settings<BestFirstSettings>& best_first_settings() {
           .file("model", &BestFirstSettings::model,
                 "the search heuristic, as trellis train --search makes it; none: Euclidean distance")
           .choice(
-              "evaluate", &BestFirstSettings::evaluate, {"expansion", "selection"},
+              "evaluate", &BestFirstSettings::evaluate,
+              {{"expansion", BestFirstSearch::Evaluation::expansion},
+               {"selection", BestFirstSearch::Evaluation::selection}},
               "when edges are evaluated that are not known to be valid: \"expansion\", as SaIL does, all those of a "
               "vertex when it is expanded; \"selection\", the one to a vertex when the vertex is selected, which "
               "evaluates fewer edges and finds fewer invalid positions that the heuristic could use")
@@ -71,7 +73,7 @@ class BestFirst final : public Planner {
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
     }
     if (!graph.verified) {
-      if (auto found = keep_valid_ends(context_.instance)) return *found;
+      if (auto found = remove_invalid_goals(context_.instance)) return *found;
       evaluated_.renew();
     }
     BudgetMonitor drawing(context_, budget);
@@ -88,10 +90,7 @@ class BestFirst final : public Planner {
       }
       return evaluated_.valid(e, to) ? View{} : evaluated_.invalid_at(e);
     };
-    BestFirstSearch search(graph, evaluate, priority,
-                           {.evaluation = settings_.evaluate == "selection" ? BestFirstSearch::Evaluation::selection
-                                                                            : BestFirstSearch::Evaluation::expansion,
-                            .penalties = penalties()});
+    BestFirstSearch search(graph, evaluate, priority, {.evaluation = settings_.evaluate, .penalties = penalties()});
     // The search draws no more proposals, so the limit of proposals must not end it.
     Budget searching = budget;
     searching.proposals = Budget::unlimited;

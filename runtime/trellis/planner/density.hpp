@@ -27,6 +27,8 @@ class Density {
   Density& operator=(const Density&) = delete;
   virtual ~Density() = default;
 
+  /// Returns the density at q, per volume in metric coordinates.
+  /// \param q  of the space that the density is over; another size is undefined behaviour
   [[nodiscard]] virtual double at(View q) const = 0;
   /// Whether a weighted sum of the two densities has a closed form that costs less to evaluate than its terms.
   [[nodiscard]] virtual bool mergeable(const Density& other) const {

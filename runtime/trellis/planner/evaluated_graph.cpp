@@ -105,7 +105,7 @@ Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, cons
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
       if (reached[v] == 0) continue;
-      const double to_goal = context_.instance.space.distance(graph.vertices[v], context_.instance.goal);
+      const double to_goal = context_.instance.space.distance(graph.vertices[v], context_.instance.goal());
       if (to_goal < least) {
         least = to_goal;
         end = v;

@@ -55,7 +55,7 @@ class GraphSearch final : public Planner {
     if (graph.verified) {
       dijkstra(graph, cost, adjacency, parent, done);
     } else {
-      if (auto found = keep_valid_ends(context_.instance)) return *found;
+      if (auto found = remove_invalid_goals(context_.instance)) return *found;
       // The search draws no more proposals, so the limit of proposals must not end it.
       Budget looks = budget;
       looks.proposals = Budget::unlimited;
@@ -107,7 +107,7 @@ class GraphSearch final : public Planner {
       if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
     }
     const auto ahead = [&](std::uint32_t v) {
-      return rate * instance.space.distance(std::as_const(graph.vertices)[v], instance.goal);
+      return rate * instance.space.distance(std::as_const(graph.vertices)[v], instance.goal());
     };
     struct Entry {
       double estimate = 0.0;

@@ -48,7 +48,7 @@ struct Outcome {
 };
 
 /// The heuristic h as a planner uses it: a distribution over the planner's space that receives the results of its
-/// samples.
+/// samples. Views have the dimension of the planner's space, which is not checked.
 class Guidance {
  public:
   /// The part that drew a sample: an index into sources(), whose length is constant.
@@ -123,7 +123,7 @@ class UniformGuidance final : public Guidance {
 class GoalGuidance final : public Guidance {
  public:
   explicit GoalGuidance(const Instance& instance) : goals_(instance.space.dimension()) {
-    for (std::size_t i = 0; i < instance.goals(); ++i) goals_.push(instance.goal_at(i));
+    for (const auto& goal : instance.goals) goals_.push(goal);
   }
   Source sample(Stream& stream, MutableView out) override {
     const View goal = std::as_const(goals_)[goals_.size() > 1 ? stream.below(goals_.size()) : 0];

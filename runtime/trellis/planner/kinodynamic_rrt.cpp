@@ -21,7 +21,7 @@ struct KinodynamicRrtSettings : CommonSettings {
   std::int64_t controls = 10;
   double longest = 1.0;
   double connect = 1.0;
-  std::string extend = "controls";
+  bool curves = false;
 };
 
 const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
@@ -36,7 +36,7 @@ const Settings<KinodynamicRrtSettings>& kinodynamic_rrt_settings() {
           .number("longest", &KinodynamicRrtSettings::longest, "s", Range::positive(),
                   "the longest duration of a control, or of an extension along a curve; a whole number of the model's "
                   "steps, at least one")
-          .choice("extend", &KinodynamicRrtSettings::extend, {"controls", "curves"},
+          .choice("extend", &KinodynamicRrtSettings::curves, {{"controls", false}, {"curves", true}},
                   "how a node is driven towards a proposal: \"controls\", under random controls; \"curves\", along the "
                   "shortest curve to it at a random speed, of Dubins, or of Reeds and Shepp where the model can go "
                   "backwards: unicycle1 and car have them, any other model keeps to controls")
@@ -51,7 +51,7 @@ class KinodynamicRrt final : public StartTreePlanner {
   KinodynamicRrt(const KinodynamicRrtSettings& settings, PlannerContext context)
       : StartTreePlanner(std::move(context)),
         settings_(settings),
-        curves_(settings.extend == "curves"),
+        curves_(settings.curves),
         model_holder_(context_.instance.motion_model),
         model_(*model_holder_),
         most_steps_(steps_of(settings.longest, model_.dt())),
@@ -228,7 +228,7 @@ class KinodynamicRrt final : public StartTreePlanner {
 
   /// Drives the shortest curve from a node to the goal. Adds it to the tree if it arrives.
   void connect(std::uint32_t id, View from) {
-    const View goal = context_.instance.goal_at(context_.instance.nearest_goal(from).goal);
+    const View goal = context_.instance.goals[context_.instance.nearest_goal(from).goal];
     if (!context_.guidance.worth_connecting(from, goal)) return;
     const auto arrives = [&](const std::optional<Trajectory>& trajectory) {
       if (!trajectory) return false;

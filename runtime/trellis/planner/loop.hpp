@@ -166,22 +166,19 @@ inline bool steer(const Space& space, View from, View q, double distance, double
   return false;
 }
 
-/// Checks start and goals of the instance, and removes invalid goals.
+/// Checks the start, and removes the goals that are invalid; where all are, it keeps them.
 /// \return none if the search can begin; else the solution with the reason
-inline std::optional<Solution> keep_valid_ends(Instance& instance) {
+inline std::optional<Solution> remove_invalid_goals(Instance& instance) {
   Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
   if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
   solution.status = Status::invalid_goal;
   solution.path.push(instance.start);
-  Configurations goals(instance.space.dimension());
-  for (std::size_t i = 0; i < instance.goals(); ++i) {
-    const View q = instance.goal_at(i);
-    if (instance.space.contains(q) && instance.valid(q)) goals.push(q);
+  std::vector<Configuration> valid;
+  for (const Configuration& q : instance.goals) {
+    if (instance.space.contains(q) && instance.valid(q)) valid.push_back(q);
   }
-  if (goals.empty()) return solution;
-  instance.goal.assign(std::as_const(goals)[0].begin(), std::as_const(goals)[0].end());
-  instance.further_goals.clear();
-  for (std::size_t i = 1; i < goals.size(); ++i) instance.further_goals.push(std::as_const(goals)[i]);
+  if (valid.empty()) return solution;
+  instance.goals = std::move(valid);
   return std::nullopt;
 }
 

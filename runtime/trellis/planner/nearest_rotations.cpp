@@ -2,10 +2,14 @@
 // Nearest neighbours where a space has rotations: an incremental kd-tree of buckets over rows in which a distance is
 // never more than the metric's. A rotation's quaternion is scaled by twice its weight: the chord between two
 // quaternions is 2 sin(angle / 4), so twice the weight times the chord is at most the weight times the angle. q and -q
-// are one rotation, so a box is as near as the nearer of the two. Distances of single points are the metric's own.
+// are one rotation, so a box is as near as the nearer of the two. Distances of single points are the metric's own,
+// which takes an arc tangent: it is computed where a bound without one does not show that the point is too far.
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include <trellis/planner/nearest_implementation.hpp>
 
@@ -19,7 +23,16 @@ constexpr NearerNeighbour nearer;
 
 class RotationIndex final : public NearestIndex::Implementation {
  public:
-  explicit RotationIndex(const Space& space) : space_(space), rows_(space.dimension()) {}
+  explicit RotationIndex(const Space& space) : space_(space), rows_(space.dimension()), width_(space.dimension()) {
+    for (const Factor& factor : space_.factors()) {
+      const double weight = factor.axis.weight;
+      switch (factor.kind) {
+        case Factor::Kind::line: lines_.push_back({factor.column, weight, 0.0}); break;
+        case Factor::Kind::circle: circles_.push_back({factor.column, weight, weight * factor.axis.period()}); break;
+        case Factor::Kind::rotation: rotations_.push_back({factor.column, 2.0 * weight, 16.0 * weight * weight}); break;
+      }
+    }
+  }
 
   std::uint32_t add(View q) override {
     Configuration row(q.begin(), q.end());
@@ -29,11 +42,11 @@ class RotationIndex final : public NearestIndex::Implementation {
     const Configuration point = embedded(row);
     std::uint32_t at = 0;
     for (;;) {
-      widen(at, point);
+      widen(at, point.data());
       if (nodes_[at].left == 0) break;
       at = point[nodes_[at].column] < nodes_[at].split ? nodes_[at].left : nodes_[at].right;
     }
-    nodes_[at].ids.push_back(id);
+    nodes_[at].push(id, point.data(), width_);
     if (nodes_[at].ids.size() > bucket) split(at);
     return id;
   }
@@ -77,82 +90,141 @@ class RotationIndex final : public NearestIndex::Implementation {
     std::size_t column = 0;
     double split = 0.0;
     std::vector<std::uint32_t> ids;  ///< of a leaf
-    Configuration lo, hi;            ///< the box of its embedded points
+    std::vector<double> points;      ///< of a leaf: embedded, one after the other
+
+    void push(std::uint32_t id, const double* point, std::size_t width) {
+      ids.push_back(id);
+      points.insert(points.end(), point, point + width);
+    }
+  };
+
+  /// A factor of the space in the embedded rows, which have all lines first, then all circles, then all rotations.
+  struct Part {
+    std::size_t column = 0;  ///< in rows of the space
+    double scale = 1.0;
+    double length = 0.0;  ///< of a circle its circumference; of a rotation 16 weight^2: the squares of both chords
   };
 
   /// The row in metres: coordinates by their weights, quaternions by twice theirs.
-  [[nodiscard]] Configuration embedded(View row) const {
-    Configuration out(row.size());
-    for (const Factor& factor : space_.factors()) {
-      const double scale = factor.kind == Factor::Kind::rotation ? 2.0 * factor.axis.weight : factor.axis.weight;
-      for (std::size_t j = factor.column; j < factor.column + factor.width(); ++j) out[j] = scale * row[j];
+  void embed(View row, Configuration& out) const {
+    out.clear();
+    for (const Part& line : lines_) out.push_back(line.scale * row[line.column]);
+    for (const Part& circle : circles_) out.push_back(circle.scale * row[circle.column]);
+    for (const Part& rotation : rotations_) {
+      for (std::size_t i = 0; i < 4; ++i) out.push_back(rotation.scale * row[rotation.column + i]);
     }
+  }
+  [[nodiscard]] Configuration embedded(View row) const {
+    Configuration out;
+    embed(row, out);
     return out;
   }
 
   std::uint32_t new_leaf() {
-    Node node;
-    node.lo.assign(space_.dimension(), infinity);
-    node.hi.assign(space_.dimension(), -infinity);
-    nodes_.push_back(std::move(node));
+    nodes_.emplace_back();
+    boxes_.insert(boxes_.end(), width_, infinity);
+    boxes_.insert(boxes_.end(), width_, -infinity);
     return static_cast<std::uint32_t>(nodes_.size() - 1);
   }
 
-  void widen(std::uint32_t at, const Configuration& point) {
-    for (std::size_t j = 0; j < point.size(); ++j) {
-      nodes_[at].lo[j] = std::min(nodes_[at].lo[j], point[j]);
-      nodes_[at].hi[j] = std::max(nodes_[at].hi[j], point[j]);
+  /// The lowest coordinates of a node's embedded points; the highest follow.
+  [[nodiscard]] const double* box(std::uint32_t at) const { return boxes_.data() + 2 * width_ * at; }
+
+  void widen(std::uint32_t at, const double* point) {
+    double* lo = boxes_.data() + 2 * width_ * at;
+    double* hi = lo + width_;
+    for (std::size_t j = 0; j < width_; ++j) {
+      lo[j] = std::min(lo[j], point[j]);
+      hi[j] = std::max(hi[j], point[j]);
     }
   }
 
   /// Splits a leaf at the middle of the widest side of its box. A leaf whose points coincide stays whole.
   void split(std::uint32_t at) {
+    const auto side = [&](std::size_t j) { return box(at)[width_ + j] - box(at)[j]; };
     std::size_t column = 0;
-    for (std::size_t j = 0; j < space_.dimension(); ++j) {
-      if (nodes_[at].hi[j] - nodes_[at].lo[j] > nodes_[at].hi[column] - nodes_[at].lo[column]) column = j;
+    for (std::size_t j = 0; j < width_; ++j) {
+      if (side(j) > side(column)) column = j;
     }
-    const double lo = nodes_[at].lo[column];
-    const double hi = nodes_[at].hi[column];
+    const double lo = box(at)[column];
+    const double hi = box(at)[width_ + column];
     const double middle = 0.5 * (lo + hi);
     if (!(lo < middle && middle <= hi)) return;
     const std::uint32_t left = new_leaf();
     const std::uint32_t right = new_leaf();
-    for (const std::uint32_t id : nodes_[at].ids) {
-      const Configuration point = embedded(std::as_const(rows_)[id]);
+    for (std::size_t i = 0; i < nodes_[at].ids.size(); ++i) {
+      const double* point = nodes_[at].points.data() + i * width_;
       const std::uint32_t child = point[column] < middle ? left : right;
-      nodes_[child].ids.push_back(id);
+      nodes_[child].push(nodes_[at].ids[i], point, width_);
       widen(child, point);
     }
     Node& node = nodes_[at];
     node.ids = {};
+    node.points = {};
     node.left = left;
     node.right = right;
     node.column = column;
     node.split = middle;
   }
 
-  /// At most the squared distance from y, embedded, to any point of a node's box.
-  [[nodiscard]] double box_distance(const Node& node, const Configuration& y) const {
-    const auto outside = [&](std::size_t j, double x) { return std::max({node.lo[j] - x, x - node.hi[j], 0.0}); };
+  /// At most the squared distance from y, embedded, to any point of a box.
+  /// \param lines  their number, which the compiler sees where it is usual
+  template <class Lines, class Rotations>
+  [[nodiscard]] double box_distance(const double* lo, const double* y, Lines lines, Rotations rotations) const {
+    const double* hi = lo + width_;
+    const auto outside = [&](std::size_t j, double x) { return std::max({lo[j] - x, x - hi[j], 0.0}); };
     double sum = 0.0;
-    for (const Factor& factor : space_.factors()) {
-      const std::size_t j = factor.column;
-      if (factor.kind == Factor::Kind::rotation) {
-        double same = 0.0;
-        double opposite = 0.0;
-        for (std::size_t i = j; i < j + factor.width(); ++i) {
-          same += outside(i, y[i]) * outside(i, y[i]);
-          opposite += outside(i, -y[i]) * outside(i, -y[i]);
-        }
-        sum += std::min(same, opposite);
-        continue;
-      }
-      double d = outside(j, y[j]);
-      if (factor.kind == Factor::Kind::circle) {
-        const double period = factor.axis.weight * factor.axis.period();
-        d = std::min({d, outside(j, y[j] - period), outside(j, y[j] + period)});
-      }
+    std::size_t j = 0;
+    for (; j < lines; ++j) {
+      const double d = outside(j, y[j]);
       sum += d * d;
+    }
+    for (const Part& circle : circles_) {
+      const double d = std::min({outside(j, y[j]), outside(j, y[j] - circle.length), outside(j, y[j] + circle.length)});
+      sum += d * d;
+      ++j;
+    }
+    for (std::size_t r = 0; r < rotations; ++r) {
+      double same = 0.0;
+      double opposite = 0.0;
+      for (std::size_t i = 0; i < 4; ++i, ++j) {
+        const double d = outside(j, y[j]), e = outside(j, -y[j]);
+        same += d * d;
+        opposite += e * e;
+      }
+      sum += std::min(same, opposite);
+    }
+    return sum;
+  }
+
+  /// At most the squared distance between two embedded rows, and as a rule within some percent of it.
+  template <class Lines, class Rotations>
+  [[nodiscard]] double point_distance(const double* p, const double* y, Lines lines, Rotations rotations) const {
+    double sum = 0.0;
+    std::size_t j = 0;
+    for (; j < lines; ++j) {
+      const double d = y[j] - p[j];
+      sum += d * d;
+    }
+    for (const Part& circle : circles_) {
+      const double d = std::abs(y[j] - p[j]);
+      const double shorter = std::min(d, std::abs(circle.length - d));
+      sum += shorter * shorter;
+      ++j;
+    }
+    for (std::size_t r = 0; r < rotations; ++r) {
+      const Part& rotation = rotations_[r];
+      double same = 0.0;
+      for (std::size_t i = 0; i < 4; ++i, ++j) {
+        const double d = y[j] - p[j];
+        same += d * d;
+      }
+      // The norms of quaternions are 1 up to rounding.
+      constexpr double rounding = 1e-13;
+      const double chord = std::max(std::min(same, rotation.length - same) - rounding * rotation.length, 0.0);
+      // angle = 4 asin(c / 2), c the chord: the first terms of its square's series, all of which are positive.
+      const double s = chord / rotation.length;
+      sum += chord * (1.0 + s * (1.0 / 3.0 + s * (8.0 / 45.0)));
     }
     return sum;
   }
@@ -161,34 +233,54 @@ class RotationIndex final : public NearestIndex::Implementation {
   template <class Limit, class Offer>
   void visit(View q, const Limit& limit, const Offer& offer) const {
     if (nodes_.empty()) return;
-    Configuration row(q.begin(), q.end());
+    if (lines_.size() == 3 && circles_.empty() && rotations_.size() == 1) {
+      visit(q, limit, offer, std::integral_constant<std::size_t, 3>(), std::integral_constant<std::size_t, 1>());
+    } else {
+      visit(q, limit, offer, lines_.size(), rotations_.size());
+    }
+  }
+
+  template <class Limit, class Offer, class Lines, class Rotations>
+  void visit(View q, const Limit& limit, const Offer& offer, Lines lines, Rotations rotations) const {
+    thread_local Configuration row, y;
+    thread_local std::vector<std::pair<double, std::uint32_t>> waiting;
+    row.assign(q.begin(), q.end());
     space_.normalise(row);
-    const Configuration y = embedded(row);
+    embed(row, y);
     // Rounding must not hide a point at the limit.
     constexpr double rounding = 1.0 - 1e-12;
-    std::vector<std::pair<double, std::uint32_t>> waiting = {{0.0, 0}};
+    waiting.assign(1, {0.0, 0});
     while (!waiting.empty()) {
       const auto [distance, at] = waiting.back();
       waiting.pop_back();
       if (distance * rounding > limit()) continue;
       const Node& node = nodes_[at];
       if (node.left == 0) {
-        for (const std::uint32_t id : node.ids) {
+        const double* point = node.points.data();
+        for (std::size_t i = 0; i < node.ids.size(); ++i, point += width_) {
+          if (point_distance(point, y.data(), lines, rotations) * rounding > limit()) continue;
+          const std::uint32_t id = node.ids[i];
           offer({id, space_.squared_distance(std::as_const(rows_)[id], row)});
         }
         continue;
       }
-      const std::pair<double, std::uint32_t> left = {box_distance(nodes_[node.left], y), node.left};
-      const std::pair<double, std::uint32_t> right = {box_distance(nodes_[node.right], y), node.right};
+      const std::pair<double, std::uint32_t> left = {box_distance(box(node.left), y.data(), lines, rotations),
+                                                     node.left};
+      const std::pair<double, std::uint32_t> right = {box_distance(box(node.right), y.data(), lines, rotations),
+                                                      node.right};
       const bool left_first = left.first <= right.first;
-      waiting.push_back(left_first ? right : left);
+      const auto& farther = left_first ? right : left;
+      if (farther.first * rounding <= limit()) waiting.push_back(farther);
       waiting.push_back(left_first ? left : right);
     }
   }
 
   Space space_;
   Configurations rows_;
+  std::size_t width_;  ///< of a row
+  std::vector<Part> lines_, circles_, rotations_;
   std::vector<Node> nodes_;
+  std::vector<double> boxes_;  ///< by node
 };
 
 }  // namespace

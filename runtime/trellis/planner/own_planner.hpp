@@ -11,21 +11,28 @@
 
 namespace trellis {
 
+// The functions below change the context's search: only the thread that runs the planner may call them. They throw what
+// the instance's validity and the guidance throw.
+
 /// Adds a node to the search, and returns its row in Search::nodes.
+/// \param q  of the instance's space
 /// \param parent  its parent's row; no_node for a root, which is its own parent
 std::uint32_t add_node(PlannerContext& context, View q, std::uint32_t parent = no_node);
 
 /// Extends a node towards the last proposal: checks the motion, which the instance counts, adds its end if the motion
-/// is valid, and reports the result to the guidance. \param from  the node's row in Search::nodes \param step  longest
-/// extension, in metres in the metric \return the row of the new node; no_node if none was added
+/// is valid, and reports the result to the guidance.
+/// \param from  the node's row in Search::nodes
+/// \param step  longest extension, in metres in the metric
+/// \return the row of the new node; no_node if none was added
 std::uint32_t extend_node(PlannerContext& context, std::uint32_t from, double step);
 
 /// Returns the path from the root to a node, both included.
+/// \param row  of the node in Search::nodes
 Configurations branch_to(const Search& search, std::uint32_t row);
 
 /// Adds a planner to planner_kinds(): then strategies, scripts, help and the reference have it. Call it at the
-/// beginning of the program, from one thread. \throws Error for a name that is no identifier or that a planner or guide
-/// has already, for a missing summary or
+/// beginning of the program, from one thread.
+/// \throws Error for a name that is no identifier or that a planner or guide has already, for a missing summary or
 ///     option of every planner (with_common), for an option without a description, and after the first use of
 ///     planner_kinds()
 void register_planner(const PlannerKind& kind);

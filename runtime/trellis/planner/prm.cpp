@@ -24,8 +24,8 @@ struct PrmSettings : RoadmapSettings {
 struct LazyPrmSettings : RoadmapSettings {
   std::int64_t samples = 100;
   std::int64_t batch = 20;
-  std::string remove = "all";
-  std::string edges = "in_turn";
+  bool remove_first = false;
+  bool coarse_to_fine = false;
   double enhance = 0.0;
   double spread = 0.25;
 };
@@ -59,10 +59,10 @@ const Settings<LazyPrmSettings>& lazy_prm_settings() {
                    "proposals before the first search")
           .integer("batch", &LazyPrmSettings::batch, "proposals", Range::at_least(1),
                    "proposals added when start and goal are not connected, or another path is asked for")
-          .choice("remove", &LazyPrmSettings::remove, {"all", "first"},
+          .choice("remove", &LazyPrmSettings::remove_first, {{"all", false}, {"first", true}},
                   "which of a path's nodes go before the next search: \"all\" that are invalid, since each would have "
                   "to; \"first\", as published, the first that is found")
-          .choice("edges", &LazyPrmSettings::edges, {"in_turn", "coarse_to_fine"},
+          .choice("edges", &LazyPrmSettings::coarse_to_fine, {{"in_turn", false}, {"coarse_to_fine", true}},
                   "how a path's edges are checked: \"in_turn\", each to its end; \"coarse_to_fine\", as published, all "
                   "at their middles, then all at their quarters, and so on")
           .number("enhance", &LazyPrmSettings::enhance, "nodes per proposal", {.lo = 0, .hi = 100},
@@ -89,19 +89,18 @@ PlannerKind lazy_prm_kind() {
   return {&lazy_prm_settings().component(), [](const Options& o) { return common_of(lazy_prm_settings().read(o)); },
           [](const Options& o, PlannerContext context) -> std::unique_ptr<Planner> {
             const LazyPrmSettings settings = lazy_prm_settings().read(o);
-            return std::make_unique<RoadmapPlanner>(
-                settings.connection(),
-                RoadmapPlanner::Mode{.lazy_nodes = true,
-                                     .lazy_edges = true,
-                                     .samples = settings.samples,
-                                     .batch = settings.batch,
-                                     .again = settings.batch,
-                                     .proposals = settings.proposals,
-                                     .remove_first = settings.remove == "first",
-                                     .coarse_to_fine = settings.edges == "coarse_to_fine",
-                                     .enhance = settings.enhance,
-                                     .spread = settings.spread},
-                std::move(context));
+            return std::make_unique<RoadmapPlanner>(settings.connection(),
+                                                    RoadmapPlanner::Mode{.lazy_nodes = true,
+                                                                         .lazy_edges = true,
+                                                                         .samples = settings.samples,
+                                                                         .batch = settings.batch,
+                                                                         .again = settings.batch,
+                                                                         .proposals = settings.proposals,
+                                                                         .remove_first = settings.remove_first,
+                                                                         .coarse_to_fine = settings.coarse_to_fine,
+                                                                         .enhance = settings.enhance,
+                                                                         .spread = settings.spread},
+                                                    std::move(context));
           },
           false, true};
 }

@@ -42,7 +42,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
   begin_evaluation();
   bool repaired = false;
   if (paths_.vertices() == 0) {
-    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
       Solution solution{Status::solved, Configurations(dimension())};
       context_.search.nodes.push(instance.start);
@@ -52,7 +52,7 @@ Solution RoadmapPlanner::solve(const Budget& budget) {
     }
     begin();
   } else if (epoch_ != instance.epoch()) {
-    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
     repair();
     repaired = true;
   } else if (solved_) {
@@ -147,9 +147,9 @@ double RoadmapPlanner::mean_valid_length() const {
 void RoadmapPlanner::begin() {
   const auto& instance = context_.instance;
   epoch_ = instance.epoch();
-  goals_end_ = goal + static_cast<std::uint32_t>(instance.goals());
+  goals_end_ = goal + static_cast<std::uint32_t>(instance.goals.size());
   insert(instance.start, Known::valid);
-  for (std::size_t i = 0; i < instance.goals(); ++i) insert(instance.goal_at(i), Known::valid);
+  for (const auto& end : instance.goals) insert(end, Known::valid);
   // These edges extend a path to any goal to the first goal.
   for (std::uint32_t further = goal + 1; further < goals_end_; ++further) {
     jumps_.push_back(paths_.add_edge(further, goal, jump_cost));
@@ -169,14 +169,11 @@ void RoadmapPlanner::repair() {
   best_cost_ = std::numeric_limits<double>::infinity();
   const auto same = [](View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); };
   const auto is_goal = [&](std::uint32_t id) {
-    for (std::size_t i = 0; i < instance.goals(); ++i) {
-      if (same(node(id), instance.goal_at(i))) return true;
-    }
-    return false;
+    return std::ranges::any_of(instance.goals, [&](const auto& end) { return same(node(id), end); });
   };
   std::size_t goals = 0;
   for (std::uint32_t id = goal; id < goals_end_; ++id) goals += is_goal(id) ? 1 : 0;
-  if (!same(node(LifelongSearch::start), instance.start) || goals < instance.goals()) {
+  if (!same(node(LifelongSearch::start), instance.start) || goals < instance.goals.size()) {
     index_ = NearestIndex(instance.space);
     paths_ = {};
     connectivity_ = {};
@@ -347,7 +344,8 @@ bool RoadmapPlanner::insert(View q, Known known, bool unless_there) {
   // The bound is 0 for several goals, because an edge between goals costs less than the difference of their distances
   // to the start.
   const double to_goal = context_.instance.to_goal(q);
-  double to_start = context_.instance.goals() > 1 ? 0.0 : context_.instance.space.distance(context_.instance.start, q);
+  double to_start =
+      context_.instance.goals.size() > 1 ? 0.0 : context_.instance.space.distance(context_.instance.start, q);
   // A search that grows only the tree from the start uses the full bound.
   if (how_.event != LazyEvaluation::Event::shortest_path) to_start = -to_goal;
   const std::uint32_t id = paths_.add_vertex(to_goal, to_start);

@@ -43,7 +43,7 @@ class RrtConnect final : public TreePlanner {
     trees_[1].emplace(context_);
     context_.guidance.restart();
     trees_[0]->add(instance.start, 0);
-    for (std::uint32_t i = 0; i < instance.goals(); ++i) trees_[1]->add(instance.goal_at(i), i);
+    for (std::uint32_t i = 0; i < instance.goals.size(); ++i) trees_[1]->add(instance.goals[i], i);
     bridge_.reset();
     active_ = 0;
     best_ = 0;
@@ -66,17 +66,15 @@ class RrtConnect final : public TreePlanner {
     for (std::uint32_t id = 0; id < goals.size(); ++id) {
       if (goals.parent(id) == id) roots.push_back(id);
     }
-    for (std::size_t i = 0; i < instance.goals(); ++i) {
-      const View goal = instance.goal_at(i);
+    for (const auto& goal : instance.goals) {
       if (std::any_of(roots.begin(), roots.end(), [&](std::uint32_t id) { return same(goals[id], goal); })) continue;
       goals.add(goal, static_cast<std::uint32_t>(goals.size()));
     }
     repairs_[0].emplace(*trees_[0]);
     repairs_[1].emplace(goals);
     for (const std::uint32_t id : roots) {
-      bool still = false;
-      for (std::size_t i = 0; i < instance.goals(); ++i) still = still || same(goals[id], instance.goal_at(i));
-      if (!still) repairs_[1]->refute(id);
+      const auto is_root = [&](const auto& goal) { return same(goals[id], goal); };
+      if (std::ranges::none_of(instance.goals, is_root)) repairs_[1]->refute(id);
     }
     repairing_ = true;
   }

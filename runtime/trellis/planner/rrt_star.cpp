@@ -147,7 +147,7 @@ class RrtStar final : public StartTreePlanner {
   }
   void note_all() override {
     ends_.clear();
-    goals_.assign(context_.instance.goals(), no_node);
+    goals_.assign(context_.instance.goals.size(), no_node);
     StartTreePlanner::note_all();
   }
 

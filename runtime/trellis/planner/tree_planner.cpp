@@ -10,7 +10,7 @@ Solution TreePlanner::solve(const Budget& budget) {
   auto& instance = context_.instance;
   BudgetMonitor monitor(context_, budget);
   if (!ends_checked_ || epoch_ != instance.epoch()) {
-    if (auto nothing = keep_valid_ends(instance)) return std::move(*nothing);
+    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
     ends_checked_ = true;
     epoch_ = instance.epoch();
     if (planted()) begin_repair();
@@ -100,7 +100,7 @@ void StartTreePlanner::iterate() {
 
 void StartTreePlanner::connect(std::uint32_t id, std::size_t goal) {
   auto& instance = context_.instance;
-  const View q = instance.goal_at(goal);
+  const View q = instance.goals[goal];
   if (!context_.guidance.worth_connecting(target_, q)) return;
   const MotionReport report = instance.motion(target_, q);
   Outcome outcome;

@@ -89,26 +89,32 @@ std::string with_values(const std::string& text, const Options& options) {
 /// "x, y in [0, 10], theta periodic in [-3.142, 3.142) with weight 0.3183".
 std::string axes_text(const Space& space) {
   std::string text;
-  const auto& axes = space.axes();
-  for (std::size_t i = 0; i < axes.size();) {
-    const Axis& axis = axes[i];
-    std::vector<std::string> names;
-    for (; i < axes.size(); ++i) {
-      Axis same = axes[i];
-      same.name = axis.name;
-      if (!(same == axis)) break;
-      names.push_back(axes[i].name);
+  const auto& factors = space.factors();
+  for (std::size_t i = 0; i < factors.size();) {
+    const Axis& axis = factors[i].axis;
+    if (!text.empty()) text += "; ";
+    if (factors[i].kind == Factor::Kind::rotation) {
+      text += axis.name;
+      ++i;
+    } else {
+      std::vector<std::string> names;
+      for (; i < factors.size(); ++i) {
+        Axis same = factors[i].axis;
+        same.name = axis.name;
+        if (!(same == axis) || factors[i].kind == Factor::Kind::rotation) break;
+        names.push_back(factors[i].axis.name);
+      }
+      text += fmt::format("{} {}in [{:.4g}, {:.4g}{}", fmt::join(names, ", "), axis.periodic ? "periodic " : "",
+                          axis.lo, axis.hi, axis.periodic ? ")" : "]");
     }
-    text += fmt::format("{}{} {}in [{:.4g}, {:.4g}{}", text.empty() ? "" : "; ", fmt::join(names, ", "),
-                        axis.periodic ? "periodic " : "", axis.lo, axis.hi, axis.periodic ? ")" : "]");
     if (axis.weight != 1.0) text += fmt::format(", weight {:.4g}", axis.weight);
   }
   return text;
 }
 
 std::string space_text(const LevelExplanation& level) {
-  std::string text = fmt::format("{}, {}: {}", level.space.name(), plural(level.space.dimension(), "dimension"),
-                                 axes_text(level.space));
+  std::string text =
+      fmt::format("{}, {}: {}", level.space.name(), plural(level.space.degrees(), "dimension"), axes_text(level.space));
   if (level.goals > 1) text += fmt::format("; {} goals", level.goals);
   return text;
 }
@@ -389,7 +395,7 @@ Json guide_json(const GuideExplanation& guide, int above) {
 
 Json level_json(const LevelExplanation& level, int above) {
   Json axes = Json::array();
-  for (const Axis& axis : level.space.axes()) {
+  for (const Axis& axis : level.space.coordinates()) {
     axes.push_back(
         {{"name", axis.name}, {"lo", axis.lo}, {"hi", axis.hi}, {"weight", axis.weight}, {"periodic", axis.periodic}});
   }

@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
+#include <trellis/report/measures.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/resolves.hpp>
@@ -85,12 +86,15 @@ Json numbers(const std::vector<double>& values) {
   return out;
 }
 
-Json along_json(const Along& along) {
-  return {{"D", number_or_inf(along.divergence)},
-          {"empty_share", number(along.empty_share)},
-          {"length", number(along.length)},
-          {"target", numbers(along.target)},
-          {"samples", numbers(along.samples)}};
+/// The quantities of a run's measure, by group.
+Json quantities_json(const Efficiency& e) {
+  Json out = Json::object();
+  for (const MeasureQuantity& quantity : measure_quantities()) {
+    const double x = quantity.of_run(e);
+    Json& to = quantity.group == nullptr ? out : out[quantity.group];
+    to[quantity.name] = quantity.infinite ? number_or_inf(x) : number(x);
+  }
+  return out;
 }
 
 /// The chain rule: the parts sum to the divergence.
@@ -118,32 +122,18 @@ Json measure_json(const Efficiency* estimated) {
   const Efficiency* const e = &bounded;
   Json others = Json::object();
   for (const Estimate& other : e->others) others[other.estimator] = estimate_json(other);
-  return {{"D", number_or_inf(e->undefended)},
-          {"D_parts", parts_json(e->undefended_parts)},
-          {"D_eps", number(e->value)},
-          {"D_eps_parts", parts_json(e->parts)},
-          {"D_eps0.01", number(e->light_value)},
-          {"D_perfect", number(e->perfect)},
-          {"D_uniform", number(e->uniform)},
-          {"gain", number(e->gain)},
-          {"D_mass", number_or_inf(e->mass)},
-          {"D_mass_lower95", number(e->mass_lower95)},
-          {"D_mass_lo", number(e->mass_lo)},
-          {"D_mass_hi", number_or_inf(e->mass_hi)},
-          {"JS", number(e->js)},
-          {"coverage", number(e->coverage)},
-          {"coverage_half", number(e->coverage_half)},
-          {"uniform_coverage", number(e->uniform_coverage)},
-          {"uniform_coverage_half", number(e->uniform_coverage_half)},
-          {"free_share", number(e->free_share)},
-          {"along", along_json(e->along)},
-          {"N", scored ? Json(e->samples) : Json(nullptr)},
-          {"n", scored && !std::isnan(e->mass) ? Json(e->in_target) : Json(nullptr)},
-          {"repeated", scored ? Json(e->repeated) : Json(nullptr)},
-          {"estimator", std::isnan(e->value) ? Json(nullptr) : Json(e->estimator)},
-          {"others", std::move(others)},
-          {"flags", e->flags},
-          {"reason", e->reason.empty() ? Json(nullptr) : Json(e->reason)}};
+  Json out = quantities_json(*e);
+  out["along"].update({{"length", number(e->along.length)},
+                       {"target", numbers(e->along.target)},
+                       {"samples", numbers(e->along.samples)}});
+  out.update({{"N", scored ? Json(e->samples) : Json(nullptr)},
+              {"n", scored && !std::isnan(e->mass) ? Json(e->in_target) : Json(nullptr)},
+              {"repeated", scored ? Json(e->repeated) : Json(nullptr)},
+              {"estimator", std::isnan(e->value) ? Json(nullptr) : Json(e->estimator)},
+              {"others", std::move(others)},
+              {"flags", e->flags},
+              {"reason", e->reason.empty() ? Json(nullptr) : Json(e->reason)}});
+  return out;
 }
 
 const Efficiency* role_of(const std::optional<Scores>& scores, Efficiency Scores::*role) {
@@ -342,40 +332,31 @@ Json measure_json(const Figure& f) {
   for (const auto& [flag, runs] : f.flags) flags[flag] = runs;
   Json profile = Json::array();
   for (const Interval& share : f.profile) profile.push_back(interval_json(share));
-  Json along = interval_json(f.along);
-  along["empty_share"] = interval_json(f.empty_share);
-  along["target"] = numbers(f.profile_target);
-  along["samples"] = std::move(profile);
   Json check = nullptr;
   if (!f.check.empty()) {
     check = {{"estimator", f.check}, {"difference", interval_json(f.check_difference.difference)}};
   }
-  return {{"D", interval_json(f.undefended)},
-          {"D_parts", {{"mass", interval_json(f.mass)}, {"spread", interval_json(f.spread)}}},
-          {"D_eps", interval_json(f.value)},
-          {"D_eps_parts",
-           {{"mass", interval_json(f.mass_part)},
-            {"spread", interval_json(f.spread_part)},
-            {"along", interval_json(f.along_part)},
-            {"across", interval_json(f.across_part)}}},
-          {"D_eps0.01", interval_json(f.light_value)},
-          {"D_perfect", interval_json(f.perfect)},
-          {"D_uniform", interval_json(f.uniform)},
-          {"gain", interval_json(f.gain)},
-          {"D_mass", interval_json(f.mass)},
-          {"D_mass_lower95", interval_json(f.mass_lower95)},
-          {"JS", interval_json(f.js)},
-          {"coverage", interval_json(f.coverage)},
-          {"coverage_half", interval_json(f.coverage_half)},
-          {"uniform_coverage", interval_json(f.uniform_coverage)},
-          {"free_share", interval_json(f.free_share)},
-          {"along", std::move(along)},
-          {"N_median", number(f.samples)},
-          {"n_median", number(f.in_target)},
-          {"runs", f.scored},
-          {"estimators", f.estimators},
-          {"check", std::move(check)},
-          {"flags", std::move(flags)}};
+  Json out = Json::object();
+  for (const MeasureQuantity& quantity : measure_quantities()) {
+    if (quantity.over_runs == nullptr) continue;
+    Json interval = interval_json(f.*quantity.over_runs);
+    if (quantity.group == nullptr) {
+      out[quantity.name] = std::move(interval);
+    } else if (quantity.over_runs == &Figure::along) {
+      // The divergence of arc length is the object itself.
+      out[quantity.group] = std::move(interval);
+    } else {
+      out[quantity.group][quantity.name] = std::move(interval);
+    }
+  }
+  out["along"].update({{"target", numbers(f.profile_target)}, {"samples", std::move(profile)}});
+  out.update({{"N_median", number(f.samples)},
+              {"n_median", number(f.in_target)},
+              {"runs", f.scored},
+              {"estimators", f.estimators},
+              {"check", std::move(check)},
+              {"flags", std::move(flags)}});
+  return out;
 }
 
 Json pair_json(const FigurePair& pair) {
@@ -550,7 +531,7 @@ Json experiment_json(const Experiment& experiment) {
                         {"space", p.space.name()},
                         {"dimension", p.space.dimension()},
                         {"start", array(View(p.start))},
-                        {"goal", array(View(p.goal))},
+                        {"goal", array(View(p.goal()))},
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
                         {"collision", p.collision}});
@@ -561,9 +542,8 @@ Json experiment_json(const Experiment& experiment) {
       problems.back()["group"] = group->name;
       problems.back()["tuned"] = group->tuned;
     }
-    for (std::size_t i = 0; i < p.further_goals.size(); ++i) {
-      problems.back()["further_goals"].push_back(array(p.further_goals[i]));
-    }
+    for (std::size_t i = 1; i < p.goals.size(); ++i)
+      problems.back()["further_goals"].push_back(array(View(p.goals[i])));
     if (p.motion_model) problems.back()["motion"] = p.motion_model->text();
   }
   Json strategies = Json::array();
@@ -582,8 +562,8 @@ Json experiment_json(const Experiment& experiment) {
                {"points", common.points},
                {"pool", common.pool}};
     if (const auto* tube = std::get_if<TubeSettings>(&m.target)) {
-      measure["distance"] = tube->distance;
-      measure["support"] = tube->support;
+      measure["distance"] = to_string(tube->distance);
+      measure["support"] = to_string(tube->support);
     } else if (const auto* near = std::get_if<NearOptimalSettings>(&m.target)) {
       measure["epsilon"] = number(near->epsilon);
       measure["nodes"] = near->nodes;

@@ -330,9 +330,11 @@ std::string next_step(const Experiment& experiment, const std::vector<Section>& 
     }
   }
   if (guided == nullptr) {
-    return experiment.strategies.size() > 1 ? "--report full prints every figure"
-                                            : "put a guide before the planner, for instance skeleton() >> " +
-                                                  experiment.strategies.front().second.text();
+    if (experiment.strategies.size() > 1) return "--report full prints every figure";
+    const Scene* scene = experiment.problems.empty() ? nullptr : experiment.problems.front().scene.get();
+    const bool space = scene != nullptr && scene->spatial() != nullptr;
+    return fmt::format("put a guide before the planner, for instance {} >> {}", space ? "workspace()" : "skeleton()",
+                       experiment.strategies.front().second.text());
   }
   if (!costly.empty()) return "leave out " + costly + ": the strategy costs less without it";
   if (!misleading.empty()) return "examine the proposals of " + misleading + ": --html FILE shows them on the map";

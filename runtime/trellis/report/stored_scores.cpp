@@ -181,7 +181,13 @@ void read(const Json& json, double& x) {
 }
 void read(const Json& json, std::size_t& x) { x = json.get<std::size_t>(); }
 void read(const Json& json, std::string& text) { text = json.get<std::string>(); }
-void read(const Json& json, NodeClass& c) { c = static_cast<NodeClass>(json.get<int>()); }
+void read(const Json& json, NodeClass& c) {
+  const int number = json.get<int>();
+  if (number < 0 || number > static_cast<int>(NodeClass::invalid)) {
+    throw Error(fmt::format("a node has class {}; there are 0 to {}", number, static_cast<int>(NodeClass::invalid)));
+  }
+  c = static_cast<NodeClass>(number);
+}
 
 template <class T>
 void read(const Json& json, T& object);
@@ -254,6 +260,10 @@ void restore_scores(RunResult& run, const std::string& line) {
     const Json& target = json.at("target");
     const auto points = target.at("points").get<std::vector<double>>();
     const auto dimension = target.at("dimension").get<std::size_t>();
+    const std::size_t expected = run.levels.empty() ? dimension : run.levels.front().record.space.dimension();
+    if (!points.empty() && dimension != expected) {
+      throw Error(fmt::format("the target's points have {} coordinates, the run's have {}", dimension, expected));
+    }
     run.target = Configurations(dimension);
     for (std::size_t i = 0; dimension > 0 && i + dimension <= points.size(); i += dimension) {
       run.target.push(View(points).subspan(i, dimension));

@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include <trellis/report/measures.hpp>
 #include <trellis/report/resolves.hpp>
 #include <trellis/report/words.hpp>
 
@@ -134,34 +135,6 @@ std::vector<double> values_of(const std::vector<const Efficiency*>& figures, con
   return values;
 }
 
-/// A mean over the runs and the field of a score that it averages.
-struct Average {
-  Interval Figure::*mean;
-  double (*field)(const Efficiency&);
-};
-
-constexpr auto averages = std::to_array<Average>({
-    {&Figure::free_share, [](const Efficiency& e) { return e.free_share; }},
-    {&Figure::value, [](const Efficiency& e) { return e.value; }},
-    {&Figure::light_value, [](const Efficiency& e) { return e.light_value; }},
-    {&Figure::undefended, [](const Efficiency& e) { return e.undefended; }},
-    {&Figure::gain, [](const Efficiency& e) { return e.gain; }},
-    {&Figure::perfect, [](const Efficiency& e) { return e.perfect; }},
-    {&Figure::mass, [](const Efficiency& e) { return e.mass; }},
-    {&Figure::spread, [](const Efficiency& e) { return e.undefended_parts.spread; }},
-    {&Figure::mass_part, [](const Efficiency& e) { return e.parts.mass; }},
-    {&Figure::spread_part, [](const Efficiency& e) { return e.parts.spread; }},
-    {&Figure::along_part, [](const Efficiency& e) { return e.parts.along; }},
-    {&Figure::across_part, [](const Efficiency& e) { return e.parts.across; }},
-    {&Figure::mass_lower95, [](const Efficiency& e) { return e.mass_lower95; }},
-    {&Figure::js, [](const Efficiency& e) { return e.js; }},
-    {&Figure::coverage, [](const Efficiency& e) { return e.coverage; }},
-    {&Figure::uniform_coverage, [](const Efficiency& e) { return e.uniform_coverage; }},
-    {&Figure::coverage_half, [](const Efficiency& e) { return e.coverage_half; }},
-    {&Figure::along, [](const Efficiency& e) { return e.along.divergence; }},
-    {&Figure::empty_share, [](const Efficiency& e) { return e.along.empty_share; }},
-});
-
 /// Compares the headline estimator with the first other one, in the runs that have both.
 void add_check(const std::vector<const Efficiency*>& figures, Figure& result) {
   std::vector<double> headline;
@@ -184,10 +157,14 @@ Figure figure(const LevelResults& levels, Where where, Role role) {
   Figure result;
   const auto figures = collect(all, result);
   result.scored = figures.size();
-  result.uniform = student_interval(values_of(all, [](const Efficiency& e) { return e.uniform; }));
   result.samples = median(values_of(figures, [](const Efficiency& e) { return e.samples; }));
   result.in_target = median(values_of(figures, [](const Efficiency& e) { return e.in_target; }));
-  for (const auto& [mean, field] : averages) result.*mean = student_interval(values_of(figures, field));
+  for (const MeasureQuantity& quantity : measure_quantities()) {
+    if (quantity.over_runs == nullptr) continue;
+    // Uniform sampling has its divergence where the samples have none, too.
+    const auto& scores = quantity.over_runs == &Figure::uniform ? all : figures;
+    result.*quantity.over_runs = student_interval(values_of(scores, quantity.of_run));
+  }
   const auto least = [](const Efficiency& e) { return e.estimator.starts_with("exact") ? e.perfect : least_value(e); };
   bound_below(result, student_interval(values_of(figures, least)).value);
   add_profile(figures, result);
@@ -326,7 +303,7 @@ LevelSummary summarise_level(const LevelResults& levels) {
   result.key = first.key;
   result.name = first.name;
   result.space = first.space.name();
-  result.dimension = first.space.dimension();
+  result.dimension = first.space.degrees();
   result.planner = first.planner;
   result.runs = levels.size();
   for (const auto* level : levels) {
@@ -337,7 +314,7 @@ LevelSummary summarise_level(const LevelResults& levels) {
     }
     if (record.resolves.exhausted) ++result.resolved_for.exhausted;
     if (record.resolves.limit_reached) ++result.resolved_for.limited;
-    if (record.space.name() != result.space || record.space.dimension() != result.dimension) result.space.clear();
+    if (record.space.name() != result.space || record.space.degrees() != result.dimension) result.space.clear();
   }
   using R = const LevelRecord&;
   const auto count = [](auto n) { return static_cast<double>(n); };

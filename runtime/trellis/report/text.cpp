@@ -715,7 +715,7 @@ std::string tubes_text(const Experiment& experiment) {
     if (spec.guide() != nullptr) collect_radii(*spec.guide(), radii);
   }
   if (target == nullptr || radii.empty()) return "";
-  const bool full = target->distance == "full";
+  const bool full = target->distance == TubeSettings::Distance::full;
   if (full && radii == std::set{target->delta}) return "Guides propose in the same set, their tubes.";
   std::string text;
   for (const double radius : radii) {

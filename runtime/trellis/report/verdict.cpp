@@ -152,7 +152,8 @@ const Figure& lifted_figure(const LevelSummary& level) {
 }
 
 bool estimate_fails(const Figure& figure) {
-  static const std::vector<std::string> failing = {"below mass bound", "underpowered", "too few samples", "censored"};
+  static const std::vector<std::string> failing = {"below mass bound", "underpowered", "few in target",
+                                                   "too few samples", "censored"};
   return std::any_of(figure.flags.begin(), figure.flags.end(), [&](const auto& flag) {
     return 2 * flag.second >= figure.scored && std::find(failing.begin(), failing.end(), flag.first) != failing.end();
   });

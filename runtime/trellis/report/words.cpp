@@ -93,9 +93,10 @@ std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
 
 std::string target_text(const TargetSpec& target) {
   if (const auto* tube = std::get_if<TubeSettings>(&target)) {
-    return fmt::format("{} within {:g} m ({}) of the path",
-                       tube->support == "free" ? "valid configurations" : "configurations, valid or not,", tube->delta,
-                       tube->distance == "planar" ? "position only, all headings" : "full metric");
+    return fmt::format(
+        "{} within {:g} m ({}) of the path",
+        tube->support == TubeSettings::Support::free ? "valid configurations" : "configurations, valid or not,",
+        tube->delta, tube->distance == TubeSettings::Distance::planar ? "position only, all headings" : "full metric");
   }
   if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
     return fmt::format("configurations on paths of at most {:g} times the optimal length", 1.0 + near->epsilon);

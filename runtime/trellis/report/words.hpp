@@ -48,14 +48,15 @@ struct Note {
   const char* flag;
   const char* meaning;
 };
-inline constexpr std::array<Note, 9> notes = {{
+inline constexpr std::array<Note, 10> notes = {{
     {'c', "censored", "censored: no sample in the target; D is infinite or beyond what so few samples can show"},
     {'b', "below mass bound", "below the mass bound: the estimate is wrong"},
     {'a', "at its bound", "at its bound: the mean of the estimates is beyond what the mass in the target allows"},
     {'p', "partial", "partial: covers clearly less of the target than as many uniform samples would"},
     {'u', "underpowered", "underpowered: as many uniform samples would put fewer than 10 in the target"},
     {'f', "too few samples", "too few samples"},
-    {'l', "lower bound", "a lower bound, by mass and arc length: in so many dimensions samples show no more"},
+    {'t', "few in target", "fewer than 300 samples in the target: the bound may be off by more than 0.1"},
+    {'l', "lower bound", "at most: from mass and arc length alone, which do not show losses across the path"},
     {'k', "indicative", "indicative: nearest neighbours are far from the truth in so many dimensions"},
     {'i', "cannot reach", "infinite undefended: part of the target is invalid, and these samples never are"},
 }};

@@ -4,9 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <trellis/base/configurations.hpp>
@@ -16,134 +14,82 @@
 
 namespace trellis {
 
-struct Obstacle {
-  std::string name;  ///< its name in messages: "obstacle 3 (box 4 0 6 4.75)"
-  Shape shape;
-};
+class PlanarScene;
+class SpatialScene;
 
-/// A planar workspace: a boundary box that contains the whole robot, and closed obstacles. Immutable: copies share
-/// their content and the results cached for it, so that robots of several sizes in one world share them.
-class World {
+/// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene and SpatialScene
+/// implement it. Planners, guides and the measure use what it declares; code for one kind of geometry asks for the
+/// scene as that kind (`planar`, `spatial`).
+class Scene {
  public:
-  /// A convex piece of an obstacle.
-  struct Part {
-    ConvexShape shape;
-    std::size_t obstacle = 0;  ///< index into obstacles()
-  };
+  virtual ~Scene() = default;
 
-  World() : World(Box2{{0, 0}, {1, 1}}, {}) {}
-  /// Validates the obstacles (finite, positive extents and radii, simple polygons) and splits non-convex polygons into
-  /// convex parts.
-  /// \throws Error that names the obstacle.
-  World(Box2 bounds, std::vector<Obstacle> obstacles);
+  /// Returns this scene if it is of that kind, else nullptr.
+  [[nodiscard]] virtual const PlanarScene* planar() const { return nullptr; }
+  [[nodiscard]] virtual const SpatialScene* spatial() const { return nullptr; }
 
-  [[nodiscard]] const Box2& bounds() const { return content_->bounds; }
-  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return content_->obstacles; }
-  [[nodiscard]] const std::vector<Part>& parts() const { return content_->parts; }
-  /// Returns a pointer that identifies the content: copies have the same pointer, and no other living world has it.
-  [[nodiscard]] std::shared_ptr<const void> identity() const { return content_; }
+  /// The number of coordinates of a position in the world: 2 or 3.
+  [[nodiscard]] virtual std::size_t world_dimension() const = 0;
+  /// Returns the length of the diagonal of the world's bounds, in metres.
+  [[nodiscard]] virtual double diagonal() const = 0;
+  /// Returns the largest coordinate of the bounds, or the robot's bounding radius where it is larger, in metres.
+  /// Rounding errors of collision checks are relative to it.
+  [[nodiscard]] virtual double magnitude() const = 0;
+  [[nodiscard]] virtual std::size_t obstacle_count() const = 0;
+  /// Returns the obstacle's name in messages: "obstacle 3 (box 4 0 6 4.75)".
+  [[nodiscard]] virtual const std::string& obstacle_name(std::size_t obstacle) const = 0;
+  /// Returns a pointer that identifies the world: scenes with copies of one world have the same.
+  [[nodiscard]] virtual std::shared_ptr<const void> world_identity() const = 0;
 
- private:
-  struct Content {
-    Box2 bounds;
-    std::vector<Obstacle> obstacles;
-    std::vector<Part> parts;
-  };
-  std::shared_ptr<const Content> content_;
-};
-
-/// One rigid body of a robot. The frame's origin is the joint; the body's angle rotates the frame.
-struct Body {
-  std::vector<ConvexShape> parts;  ///< in the body's frame
-  int parent = -1;                 ///< index of an earlier body, -1: the robot's reference point
-  Vec2 joint;                      ///< the body's origin, in the parent's frame
-  int angle_axis = -1;             ///< the axis that turns it; -1: it has its parent's angle
-  bool absolute = false;           ///< the axis gives the angle in the world, not relative to the parent
-  std::string name = {};           ///< its name in messages: "link 2"; "": "body 2"
-};
-
-/// The parameters of `Robot::arm`. The joint of link i + 1 is at the far end of link i.
-struct Arm {
-  std::vector<double> links;   ///< lengths, from the base on
-  std::vector<double> widths;  ///< of each link
-  Vec2 base = {};              ///< position of the first joint
-  /// Of each joint the least and the greatest angle, relative to the previous link; none: full turns.
-  std::vector<std::optional<std::pair<double, double>>> limits = {};
-  bool self_collision = true;  ///< links that are not neighbours must not touch
-};
-
-/// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body.
-class Robot {
- public:
-  Robot() = default;
-  /// \param translates  axes 0 and 1 move the reference point; otherwise it is fixed at `base`
-  /// \throws Error on an empty robot, a parent that does not come earlier, or a malformed part.
-  Robot(std::string name, std::vector<Body> bodies, bool translates = true, Vec2 base = {});
-
-  static Robot point();
-  static Robot disc(double radius);
-  /// Returns a robot of one rigid body; axis 2 turns it where `rotates`. Splits non-convex polygons into convex parts.
-  static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
-  /// Returns a planar arm of rectangular links with revolute joints; the first joint's angle refers to the world.
-  static Robot arm(const Arm& arm);
-
-  /// Returns the robot with these self-collision pairs, the lower index first; bodies of no pair may overlap.
-  /// \throws Error for indices out of range.
-  [[nodiscard]] Robot apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const;
-  /// Returns the robot with joint limits on the axes that turn bodies, in their order; none or an empty list: full
-  /// turns.
-  /// \throws Error for bounds that are not finite and ascending, or that span more than a full turn.
-  [[nodiscard]] Robot limited(std::vector<std::optional<std::pair<double, double>>> limits) const;
-
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
-  [[nodiscard]] bool translates() const { return translates_; }
-  [[nodiscard]] Vec2 base() const { return base_; }
-  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& pairs() const { return pairs_; }
-  [[nodiscard]] const std::vector<std::optional<std::pair<double, double>>>& limits() const { return limits_; }
-  /// Returns "link 2", or "body 2" where it has no name.
-  [[nodiscard]] std::string body_name(std::size_t body) const;
-  [[nodiscard]] bool is_point() const;
-  /// Returns the number of axes that a configuration of the robot has.
-  [[nodiscard]] std::size_t dimension() const { return dimension_; }
-
-  /// Returns the robot scaled by `factor` > 0 about its reference point, shapes and joints alike.
-  [[nodiscard]] Robot scaled(double factor) const;
-  /// Returns the robot with each part of each body scaled by `factor` > 0 across the body's axis, and discs about their
-  /// centres. Joints do not move, so the kinematics are the same. The axis leads from the body's joint to the farthest
-  /// joint that it carries, or to the middle of its own parts. For a factor of at most 1 every part lies within that of
-  /// the original robot at the same configuration. Radii and displacement bounds stay those of the original robot, so
-  /// that a checker validates a motion at the same configurations; only `inscribed_radius` is 0.
-  [[nodiscard]] Robot thinned(double factor) const;
+  [[nodiscard]] virtual const std::string& robot_name() const = 0;
+  /// The number of coordinates that a configuration of the robot has.
+  [[nodiscard]] virtual std::size_t robot_dimension() const = 0;
+  /// Whether the first `world_dimension` coordinates are the position of the robot's reference point; else the robot is
+  /// fixed to its base.
+  [[nodiscard]] virtual bool translates() const = 0;
+  [[nodiscard]] virtual bool is_point() const = 0;
   /// Returns a bound on the distance of the robot's points from its reference point at all configurations.
-  [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
-  /// Returns the radius of the largest disc about the reference point inside the robot (0 for a point, or where the
-  /// reference point lies outside).
-  [[nodiscard]] double inscribed_radius() const { return inscribed_radius_; }
+  [[nodiscard]] virtual double bounding_radius() const = 0;
+  /// Returns the radius of the largest ball about the reference point inside the robot; 0 for a point, or where the
+  /// reference point lies outside.
+  [[nodiscard]] virtual double inscribed_radius() const = 0;
+  [[nodiscard]] virtual std::size_t body_count() const = 0;
+  /// Returns "link 2", or "body 2" where it has no name.
+  [[nodiscard]] virtual std::string body_name(std::size_t body) const = 0;
 
-  /// Computes the pose of each body at q; `out` has bodies().size() entries.
-  void place(View q, std::span<Pose2> out) const;
-  /// Returns a bound, in metres, on the displacement of all points of the robot on the straight motion from a to b in
-  /// the space: translation plus radius times turn, summed along the chain.
-  [[nodiscard]] double displacement_bound(const Space& space, View a, View b) const;
+  /// Returns the space of the robot's configurations in the world.
+  /// \param weight  metres of the metric per radian
+  [[nodiscard]] virtual Space default_space(double weight) const = 0;
 
- private:
-  std::string name_;
-  std::vector<Body> bodies_;
-  bool translates_ = true;
-  Vec2 base_;
-  std::size_t dimension_ = 0;
-  double bounding_radius_ = 0.0;
-  double inscribed_radius_ = 0.0;
-  std::vector<double> body_radius_;  ///< of each body's parts about its own origin
-  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
-  std::vector<std::optional<std::pair<double, double>>> limits_;
-};
+  // The scenes of guiding spaces.
 
-/// The world and the robot of a planar problem. Immutable, shared between runs and threads.
-struct Scene {
-  World world;
-  Robot robot;
+  /// Returns the scene of a smaller robot: scaled about its reference point, or with thinner links where it is fixed to
+  /// its base.
+  /// \param scale  in (0, 1]
+  [[nodiscard]] virtual std::shared_ptr<const Scene> shrunken(double scale) const = 0;
+  /// Returns the scene with some of its obstacles.
+  /// \param kept  ascending indices
+  [[nodiscard]] virtual std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const = 0;
+  /// Returns the world with a point instead of the robot.
+  [[nodiscard]] virtual std::shared_ptr<const Scene> of_point() const = 0;
+  /// Returns the scene of the part of the robot that some of its coordinates determine: bodies whose pose depends on no
+  /// other coordinate, and the largest ball inside a body whose position alone is determined. The result's coordinates
+  /// are numbered as in `kept`. nullptr if nothing is determined.
+  /// \param kept  ascending; those beyond the robot's own are ignored
+  [[nodiscard]] virtual std::shared_ptr<const Scene> reduced(const std::vector<std::size_t>& kept) const = 0;
+  /// Returns the scene with obstacles that lost all points within `distance` metres of their boundary.
+  /// \throws Error where an obstacle cannot be eroded
+  [[nodiscard]] virtual std::shared_ptr<const Scene> eroded(double distance) const = 0;
+  /// Returns the scene with near obstacles merged into their convex hulls.
+  /// \param error  metres: no point of a hull is farther from its obstacles; with 0 the result is the same scene
+  [[nodiscard]] virtual std::shared_ptr<const Scene> aggregated(double error) const = 0;
+
+ protected:
+  Scene() = default;
+  Scene(const Scene&) = default;
+  Scene(Scene&&) = default;
+  Scene& operator=(const Scene&) = default;
+  Scene& operator=(Scene&&) = default;
 };
 
 /// A goal region: all configurations that place a point of the robot in a box of the workspace.
@@ -159,18 +105,16 @@ struct Problem {
   std::shared_ptr<const Scene> scene;
   Space space;
   Configuration start;
-  Configuration goal;
-  Configurations further_goals = {};  ///< other goals that also solve the problem
-  std::optional<Reach> reach = {};    ///< the goal region from which the goals were chosen
-  double goal_tolerance = 1e-6;       ///< a configuration within this distance (metric) of the goal counts as the goal
+  std::vector<Configuration> goals = {};  ///< each solves the problem; the first is the one of guides and statistics
+  std::optional<Reach> reach = {};        ///< the goal region from which the goals were chosen
+  double goal_tolerance = 1e-6;      ///< a configuration within this distance (metric) of the goal counts as the goal
   double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
   /// nullptr: the robot moves straight between any two configurations. Else `space` is its state space.
   std::shared_ptr<const MotionModel> motion_model = nullptr;
-};
 
-/// Returns the default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise
-/// (SO(2)^k for a fixed base); an angle with limits is a bounded axis, R. `weight` in metres per radian.
-Space default_space(const Robot& robot, const World& world, double weight);
+  /// Returns the first goal. Requires that there is one.
+  [[nodiscard]] const Configuration& goal() const { return goals.front(); }
+};
 
 }  // namespace trellis

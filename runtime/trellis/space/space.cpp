@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <trellis/base/error.hpp>
 #include <trellis/space/rotation.hpp>
@@ -136,6 +138,21 @@ Space Space::product(const std::vector<std::pair<double, Space>>& factors) {
     }
   }
   return {std::move(name), std::move(all)};
+}
+
+std::vector<Axis> Space::coordinates() const {
+  std::vector<Axis> all;
+  all.reserve(dimension_);
+  for (const Factor& factor : factors_) {
+    if (factor.kind != Factor::Kind::rotation) {
+      all.push_back(factor.axis);
+      continue;
+    }
+    for (const char* part : {"x", "y", "z", "w"}) {
+      all.push_back({factor.axis.name + "." + part, -1.0, 1.0, factor.axis.weight, false});
+    }
+  }
+  return all;
 }
 
 double Space::squared_distance(View a, View b) const {
@@ -342,53 +359,96 @@ double Space::injectivity_radius() const {
 
 namespace {
 
-/// The same for a space with rotations. The squared distance to q is smooth along a short motion: a search over equal
-/// parts finds the part of the least one, and golden sections the place within it.
-Foot searched_on_motion(const Space& space, View a, View b, View q) {
-  Configuration p(space.dimension());
-  const auto squared = [&](double t) {
-    space.interpolate(a, b, t, p);
-    return space.squared_distance(p, q);
+/// The squared distance from q to the point at t of the motion from a to b, as a function of t alone.
+class DistanceAlong {
+ public:
+  DistanceAlong(const Space& space, View a, View b, View q) {
+    parts_.reserve(space.factors().size());
+    for (const Factor& factor : space.factors()) {
+      const std::size_t j = factor.column;
+      Part part = {&factor};
+      if (factor.kind == Factor::Kind::rotation) {
+        const Quaternion from = quaternion_at(a, factor);
+        const Quaternion seen = quaternion_at(q, factor).inverse() * from;
+        const Vec3 turn = rotation_vector(from.inverse() * quaternion_at(b, factor));
+        const double angle = norm(turn);
+        const Vec3 axis = angle > 0.0 ? (1.0 / angle) * turn : Vec3{1.0, 0.0, 0.0};
+        const Vec3 vector = {seen.x, seen.y, seen.z};
+        // The real part of seen * rotation_of(t turn) is a cosine of t: C cos(at + t step).
+        const double about = dot(vector, axis);
+        const Vec3 off = cross(vector, axis);
+        part.at = std::atan2(about, seen.w);
+        part.step = 0.5 * angle;
+        part.off = dot(off, off);
+        part.square = seen.w * seen.w + about * about;
+      } else {
+        const bool circle = factor.kind == Factor::Kind::circle;
+        part.at = a[j] - q[j];
+        part.step = circle ? shortest_difference(factor.axis, b[j] - a[j]) : b[j] - a[j];
+      }
+      if (factor.kind != Factor::Kind::line) turn_ = std::max(turn_, std::abs(turn_of(part)));
+      parts_.push_back(part);
+    }
+  }
+
+  /// Returns the largest angle by which a circle or a rotation turns, the whole period of a circle being 2 pi.
+  [[nodiscard]] double turn() const { return turn_; }
+
+  double operator()(double t) const {
+    double sum = 0.0;
+    for (const Part& part : parts_) {
+      double delta = part.at + t * part.step;
+      switch (part.factor->kind) {
+        case Factor::Kind::line: break;
+        case Factor::Kind::circle: delta = shortest_difference(part.factor->axis, delta); break;
+        case Factor::Kind::rotation: {
+          const double cosine = std::cos(delta);
+          const double sine = std::sin(delta);
+          delta = 2.0 * std::atan2(std::sqrt(part.off + part.square * sine * sine),
+                                   std::sqrt(part.square) * std::abs(cosine));
+          break;
+        }
+      }
+      delta *= part.factor->axis.weight;
+      sum += delta * delta;
+    }
+    return sum;
+  }
+
+ private:
+  struct Part {
+    const Factor* factor = nullptr;
+    double at = 0.0;    ///< coordinate at t = 0 relative to q; of a rotation the phase of the cosine
+    double step = 0.0;  ///< its change from t = 0 to 1
+    double off = 0.0;   ///< of a rotation 1 - C^2, without cancellation, and C^2
+    double square = 0.0;
   };
-  constexpr int parts = 16;
-  int best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= parts; ++k) {
-    const double here = squared(static_cast<double>(k) / parts);
-    if (here < least) {
-      least = here;
-      best = k;
-    }
+  static double turn_of(const Part& part) {
+    if (part.factor->kind == Factor::Kind::rotation) return 2.0 * part.step;
+    return 2.0 * std::numbers::pi * part.step / part.factor->axis.period();
   }
-  double lo = std::max(0.0, static_cast<double>(best - 1) / parts);
-  double hi = std::min(1.0, static_cast<double>(best + 1) / parts);
-  constexpr double golden = 0.6180339887498949;
-  constexpr int sections = 48;
-  double left = hi - golden * (hi - lo);
-  double right = lo + golden * (hi - lo);
-  double at_left = squared(left);
-  double at_right = squared(right);
-  for (int k = 0; k < sections; ++k) {
-    if (at_left <= at_right) {
-      hi = right;
-      right = left;
-      at_right = at_left;
-      left = hi - golden * (hi - lo);
-      at_left = squared(left);
-    } else {
-      lo = left;
-      left = right;
-      at_left = at_right;
-      right = lo + golden * (hi - lo);
-      at_right = squared(right);
-    }
-  }
-  Foot foot = {static_cast<double>(best) / parts, least};
-  for (const double t : {0.5 * (lo + hi), 0.0, 1.0}) {
+
+  double turn_ = 0.0;
+  std::vector<Part> parts_;
+};
+
+/// The same for a space with rotations. The squared distance to q is smooth along a short motion: a search over equal
+/// parts finds the part of the least one, and Brent's method the place within it.
+Foot searched_on_motion(const Space& space, View a, View b, View q) {
+  const DistanceAlong squared(space, a, b, q);
+  constexpr int most = 16;  // of a half turn
+  const int parts = std::clamp(static_cast<int>(std::ceil(most * squared.turn() / std::numbers::pi)), 2, most);
+  Foot foot = {0.0, squared(0.0)};
+  for (int k = 1; k <= parts; ++k) {
+    const double t = static_cast<double>(k) / parts;
     const double here = squared(t);
     if (here < foot.squared_distance) foot = {t, here};
   }
-  return foot;
+  constexpr int bits = std::numeric_limits<double>::digits / 2;  // a minimum is flat: more have no effect
+  const double part = 1.0 / parts;
+  const auto [t, least] =
+      boost::math::tools::brent_find_minima(squared, std::max(0.0, foot.t - part), std::min(1.0, foot.t + part), bits);
+  return least < foot.squared_distance ? Foot{t, least} : foot;
 }
 
 }  // namespace
@@ -415,7 +475,9 @@ Foot nearest_on_motion(const Space& space, View a, View b, View q) {
 
 double log_unit_ball(std::size_t d) {
   const double half = 0.5 * static_cast<double>(d);
-  return half * std::log(std::numbers::pi) - std::lgamma(half + 1.0);
+  // std::lgamma writes to a global variable, the sign, so threads must not share it.
+  int sign = 0;
+  return half * std::log(std::numbers::pi) - ::lgamma_r(half + 1.0, &sign);
 }
 
 double path_length(const Space& space, const Configurations& path) {

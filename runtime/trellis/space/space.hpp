@@ -50,6 +50,9 @@ struct Factor {
 ///
 /// The tangent vectors of a space have one number for each degree of freedom, in metres of the metric: `log` and `exp`
 /// go to them and back. For flat spaces that is a scaling of coordinates, for rotations it is the rotation vector.
+///
+/// Views and outputs have `dimension` numbers unless their parameter says otherwise. Only `contains` and `normalise`
+/// accept coordinates that are not finite. Sizes are not checked: another one is undefined behaviour.
 class Space {
  public:
   Space() = default;
@@ -85,6 +88,10 @@ class Space {
     if (!flat()) not_flat("axes");
     return axes_;
   }
+
+  /// Describes each coordinate of a row, for messages and files: the axes of a flat space; a rotation has four, from -1
+  /// to 1, named as "rotation.x".
+  [[nodiscard]] std::vector<Axis> coordinates() const;
 
   [[nodiscard]] double squared_distance(View a, View b) const;
   [[nodiscard]] double distance(View a, View b) const;

@@ -6,6 +6,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/instance/nearest_valid.hpp>
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
 
@@ -56,11 +57,10 @@ void check_planner(const PlannerKind& kind, const Instance& instance) {
 
 void check(const Problem& problem) {
   if (!problem.scene) throw Error(fmt::format("problem '{}': has no scene", problem.name));
-  const auto& axes = problem.space.axes();
-  const auto& robot = problem.scene->robot;
-  if (problem.space.dimension() < robot.dimension()) {
+  const std::vector<Axis> axes = problem.space.coordinates();
+  if (problem.space.dimension() < problem.scene->robot_dimension()) {
     throw Error(fmt::format("problem '{}': the robot needs {} coordinates and the space {} has {}", problem.name,
-                            robot.dimension(), problem.space.name(), problem.space.dimension()));
+                            problem.scene->robot_dimension(), problem.space.name(), problem.space.dimension()));
   }
   if (!(problem.resolution > 0.0) || !std::isfinite(problem.resolution)) {
     throw Error(fmt::format("problem '{}': resolution must be a number greater than 0, in m, got {}", problem.name,
@@ -76,13 +76,7 @@ void check(const Problem& problem) {
                             problem.goal_tolerance));
   }
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
-  std::vector<std::pair<std::string, Configuration>> ends = {{"start", problem.start}, {"goal", problem.goal}};
-  for (std::size_t i = 0; i < problem.further_goals.size(); ++i) {
-    const View q = problem.further_goals[i];
-    ends.emplace_back(fmt::format("goal {}", i + 2), Configuration(q.begin(), q.end()));
-  }
-  if (ends.size() > 2) ends[1].first = "goal 1";
-  for (const auto& [what, q] : ends) {
+  for (const auto& [what, q] : named_ends(problem)) {
     if (q.size() != axes.size()) {
       std::vector<std::string> names;
       names.reserve(axes.size());
@@ -125,7 +119,7 @@ std::unique_ptr<Instance> root_instance(const StrategySpec& strategy, const Prob
     throw Error(fmt::format("in {}, level 0 (problem '{}'): {}", strategy.text(), problem.name, error.what()));
   }
   instance->space.normalise(instance->start);
-  instance->space.normalise(instance->goal);
+  for (Configuration& goal : instance->goals) instance->space.normalise(goal);
   return instance;
 }
 

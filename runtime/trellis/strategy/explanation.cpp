@@ -93,7 +93,7 @@ LevelExplanation explained(Level& level, const GuideSpec* guide, bool planner_gi
   LevelExplanation out{.number = record.level,
                        .name = record.name,
                        .space = instance.space,
-                       .goals = instance.goals(),
+                       .goals = instance.goals.size(),
                        .motion_model = instance.motion_model ? instance.motion_model->text() : "",
                        .presumed = record.presumed,
                        .collision = instance.collision,

@@ -53,12 +53,12 @@ class ComponentGuidance final : public SearchedGuidance {
   /// Applies f to the goals after the first, except for an explicit graph. Omits goals that f maps out of S.
   void project_further_goals(Instance& sub) {
     const Instance& parent = parent_.instance();
-    sub.further_goals = Configurations(sub.space.dimension());
+    sub.goals.resize(1);
     if (sub.graph) return;
     Configuration s(sub.space.dimension());
-    for (std::size_t i = 1; i < parent.goals(); ++i) {
-      guide_->project(parent.goal_at(i), s);
-      if (sub.space.contains(s)) sub.further_goals.push(s);
+    for (std::size_t i = 1; i < parent.goals.size(); ++i) {
+      guide_->project(parent.goals[i], s);
+      if (sub.space.contains(s)) sub.goals.push_back(s);
     }
   }
 

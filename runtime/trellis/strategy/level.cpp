@@ -40,7 +40,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
   record_.name = std::move(name);
   record_.space = instance_->space;
   record_.start = instance_->start;
-  record_.goal = instance_->goal;
+  record_.goal = instance_->goal();
   record_.position_axes = instance_->position_axes;
   record_.scene = instance_->scene;
   record_.presumed = !instance_->validity->spends_checks();
@@ -131,8 +131,8 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
     end_turn(found.solved() ? found.path : Configurations(), true);
   }
   // A later solve without a path keeps the earlier solution: its path may still guide.
-  if (found.solved() && instance_->goals() > 1) {
-    const View reached = instance_->goal_at(instance_->nearest_goal(found.path.back()).goal);
+  if (found.solved() && instance_->goals.size() > 1) {
+    const View reached = instance_->goals[instance_->nearest_goal(found.path.back()).goal];
     record_.goal.assign(reached.begin(), reached.end());
   }
   if (found.solved() || !record_.solution.solved()) record_.solution = std::move(found);

@@ -68,7 +68,7 @@ class SplitSearch final : public Planner {
   Solution solve(const Budget& budget) override {
     if (undivided_) return undivided_->solve(budget);
     if (!ends_checked_) {
-      if (auto nothing = keep_valid_ends(context_.instance)) return std::move(*nothing);
+      if (auto nothing = remove_invalid_goals(context_.instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
     while (tries_ < settings_.tries) {
@@ -215,8 +215,7 @@ class SplitSearch final : public Planner {
       half->checks = {};
       // The second half starts where the first one ended, within the goal tolerance of the sub-goal.
       if (i == 0) {
-        half->goal = goal;
-        half->further_goals.clear();
+        half->goals = {goal};
       } else {
         const View reached = whole.path.back();
         half->start.assign(reached.begin(), reached.end());

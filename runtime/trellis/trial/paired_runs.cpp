@@ -50,8 +50,7 @@ std::vector<Pair> pairs_of(const std::vector<RunResult>& mine, const Trial& tria
   };
   const Problem& here = trial.setup().problem;
   const Problem& there = other.setup().problem;
-  if (here.name != there.name || here.start != there.start || here.goal != there.goal ||
-      !std::ranges::equal(here.further_goals.values(), there.further_goals.values())) {
+  if (here.name != there.name || here.start != there.start || here.goals != there.goals) {
     fail("they are on different problems");
   }
   if (trial.setup().seeds != other.setup().seeds) fail("their seeds differ");

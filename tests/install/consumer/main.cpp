@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include <trellis/scene/planar/scene.hpp>
 #include <trellis/trellis.hpp>
 
 int main() {
@@ -13,9 +14,9 @@ int main() {
   Problem problem;
   problem.name = "wall";
   problem.space = default_space(robot, world, 1.0);
-  problem.scene = std::make_shared<Scene>(Scene{std::move(world), std::move(robot)});
+  problem.scene = std::make_shared<PlanarScene>(std::move(world), std::move(robot));
   problem.start = {1, 1, 0};
-  problem.goal = {9, 1, 0};
+  problem.goals = {{9, 1, 0}};
   const StrategySpec strategy =
       GuideSpec::make("skeleton", {}) >> StrategySpec(PlannerSpec::make("rrt", {{"step", 0.5}}));
   const auto run = execute(strategy, problem, 1);

@@ -19,6 +19,7 @@
 #include <trellis/collision/common.hpp>
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/planar/distance.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
 
@@ -141,7 +142,7 @@ bool overlap(const Box2& a, const Box2& b) {
 
 class FclChecker final : public Checker {
  public:
-  FclChecker(std::shared_ptr<const Scene> scene, Space space, double resolution)
+  FclChecker(std::shared_ptr<const PlanarScene> scene, Space space, double resolution)
       : scene_(std::move(scene)), robot_(scene_->robot), space_(std::move(space)), resolution_(resolution) {
     check_fits(*scene_, space_, resolution_);
     slack_ = touching_slack(*scene_);
@@ -197,14 +198,14 @@ class FclChecker final : public Checker {
   }
 
   [[nodiscard]] bool valid(View q) const override {
-    if (!is_finite(robot_, q)) return false;
+    if (!is_finite(q, robot_.dimension())) return false;
     robot_.place(q, frames_);
     return std::none_of(pieces_.begin(), pieces_.end(), [&](Piece& piece) { return invalid_by_tree(piece); }) &&
            std::none_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) { return meeting(pair); });
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
-    if (!is_finite(robot_, a) || !is_finite(robot_, b)) return {false, 1, 1.0};
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
     bool by_tree = true;
     if (sweepable_) {
@@ -262,7 +263,7 @@ class FclChecker final : public Checker {
   }
 
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
-    if (!is_finite(robot_, q)) return Contact{0, std::nullopt};
+    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
     robot_.place(q, frames_);
     for (std::size_t first = 0; first < pieces_.size();) {
       const std::size_t body = pieces_[first].body;
@@ -398,7 +399,7 @@ class FclChecker final : public Checker {
     return false;
   }
 
-  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const PlanarScene> scene_;
   const Robot& robot_;
   Space space_;
   double resolution_;
@@ -425,7 +426,7 @@ class FclChecker final : public Checker {
 }  // namespace
 
 std::unique_ptr<Checker> make_fcl_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution) {
-  return std::make_unique<FclChecker>(std::move(scene), space, resolution);
+  return std::make_unique<FclChecker>(planar_scene(std::move(scene)), space, resolution);
 }
 
 }  // namespace trellis

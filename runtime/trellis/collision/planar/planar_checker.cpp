@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/collision/planar/planar_checker.hpp>
+#include <trellis/scene/planar/scene.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -84,7 +85,7 @@ class Pieces {
 
 class PlanarChecker final : public Checker {
  public:
-  PlanarChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, const kernel::Table& kernels)
+  PlanarChecker(std::shared_ptr<const PlanarScene> scene, Space space, double resolution, const kernel::Table& kernels)
       : scene_(std::move(scene)),
         robot_(scene_->robot),
         space_(std::move(space)),
@@ -144,7 +145,7 @@ class PlanarChecker final : public Checker {
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
-    if (!is_finite(robot_, a) || !is_finite(robot_, b)) return {false, 1, 1.0};
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
     const std::uint32_t n = configurations_of(robot_.displacement_bound(space_, a, b), resolution_);
     const bool in_line = rigid_ && line_between(a, b);
     bool inside = false;
@@ -208,7 +209,7 @@ class PlanarChecker final : public Checker {
   /// The maximum of the bounds of all overlaps. If two convex shapes overlap by a depth p, their projections overlap in
   /// every direction by at least p: they have no separating direction before points of the robot have moved by p.
   [[nodiscard]] double invalid_radius(View q) const override {
-    if (!continuous_ || !is_finite(robot_, q) || valid(q)) return 0.0;
+    if (!continuous_ || !is_finite(q, robot_.dimension()) || valid(q)) return 0.0;
     robot_.place(q, frames_);
     double best = 0.0;
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
@@ -497,7 +498,7 @@ class PlanarChecker final : public Checker {
     return box;
   }
 
-  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const PlanarScene> scene_;
   const Robot& robot_;
   Space space_;
   double resolution_;
@@ -535,7 +536,7 @@ class PlanarChecker final : public Checker {
 
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
                                              const kernel::Table& kernels) {
-  return std::make_unique<PlanarChecker>(std::move(scene), space, resolution, kernels);
+  return std::make_unique<PlanarChecker>(planar_scene(std::move(scene)), space, resolution, kernels);
 }
 
 std::unique_ptr<Checker> make_planar_checker(std::shared_ptr<const Scene> scene, const Space& space,

@@ -64,7 +64,8 @@ function unpackLevel(raw, number) {
   const n = level.nodes.size, p = level.proposals.size;
   level.robot = data.robots[raw.robot] || null;
   level.drawn = raw.position.length >= 2;
-  [level.x, level.y] = raw.position;
+  [level.x, level.y, level.z] = raw.position;
+  level.rotations = raw.rotations || [];      // the first columns of unit quaternions
   level.parents = raw.parents === null ? null : numbers(raw.parents).map((delta, i) => i - signed(delta));
   const kinds = bytes(raw.fates);
   level.station = i => {
@@ -172,17 +173,18 @@ const until = (times, time) => {
 
 // The state ---------------------------------------------------------------------------------------------------------
 
-const state = { scene: 0, method: 0, seed: 0, beside: -1, at: 0, along: null, select: null, layers: null, colour: 'fate', show: 'density' };
-let run = null, other = null, hover = null, playing = false, zoom = { k: 1, x: 0, y: 0 };
+const state = { scene: 0, method: 0, seed: 0, beside: -1, at: 0, along: null, select: null, layers: null, colour: 'fate', show: 'density', view: null };
+let run = null, other = null, hover = null, playing = false, driving = false, grip = null, zoom = { k: 1, x: 0, y: 0 };
 const roles = ['tree', 'expansion', 'path'];
 
 const cell = () => data.cells[state.scene][state.method];
-/// By default all layers of the root, and the trees and paths of the levels that guide it.
+/// By default all layers of the root, and the trees and paths of the levels that guide it. In space proposals would cover
+/// the scene.
 const defaultLayers = () => {
   const on = new Set();
   for (const level of run ? run.levels : []) {
     on.add(level.number + ':tree').add(level.number + ':path');
-    if (level.number === 0) on.add('0:expansion');
+    if (level.number === 0 && !spatial()) on.add('0:expansion');
   }
   return on;
 };
@@ -223,6 +225,8 @@ function readHash() {
   state.show = given.get('show') === 'samples' ? 'samples' : 'density';
   state.layers = given.has('layers') ? new Set(given.get('layers').split(',').filter(Boolean)) : null;
   state.colour = given.get('colour') === 'source' ? 'source' : 'fate';
+  const turn = /^(-?\d+),(-?\d+)$/.exec(given.get('view') || '');
+  state.view = turn ? [Number(turn[1]), Math.max(-90, Math.min(90, Number(turn[2])))] : null;
   const at = given.get('at'), select = given.get('select'), along = given.get('along');
   load(false);
   state.along = along !== null && /^\d+$/.test(along) ? Math.min(1000, Number(along)) : null;
@@ -245,6 +249,7 @@ function writeHash() {
   if (state.layers) out.set('layers', [...state.layers].join(','));
   if (state.colour !== 'fate') out.set('colour', state.colour);
   if (state.show !== 'density') out.set('show', state.show);
+  if (state.view && spatial()) out.set('view', state.view.map(Math.round).join(','));
   const hash = '#' + out.toString().replace(/%3A/g, ':').replace(/%2C/g, ',');
   if (hash === location.hash) return;
   try { history.replaceState(null, '', hash); } catch (e) { /* some browsers keep a file's address as it is */ }
@@ -290,6 +295,9 @@ const levelColour = level => colours.levels[level.number % 4];
 const levelDash = level => [[], [5, 3], [1.5, 2.5]][Math.floor(level.number / 4) % 3];
 const sourceColour = i => colours.sources[i % colours.sources.length];
 
+/// Whether the scene is one of space: the page then contains space.js, and bounds are x, y, z of two corners.
+const spatial = () => data.problems[state.scene].world !== undefined;
+
 /// The visible part of the plane: the world, or without a world the bounds of the root's positions.
 function bounds() {
   const problem = data.problems[state.scene];
@@ -303,9 +311,10 @@ function fitCanvas() {
   const b = bounds();
   plot.classList.toggle('empty', !b);
   canvas.hidden = !b;
+  canvas.classList.toggle('space', spatial());
   if (!b) return null;
   const width = plot.clientWidth, most = Math.max(240, 0.74 * window.innerHeight);
-  const aspect = (b[3] - b[1]) / (b[2] - b[0]);
+  const aspect = spatial() ? 0.8 : (b[3] - b[1]) / (b[2] - b[0]);
   const height = Math.max(160, Math.min(most, width * aspect));
   const ratio = window.devicePixelRatio || 1;
   const w = Math.round(width * ratio), h = Math.round(height * ratio);
@@ -314,12 +323,151 @@ function fitCanvas() {
     canvas.height = h;
     canvas.style.height = height + 'px';
   }
+  if (spatial()) return spaceFrame(b, ratio, width, height);
   // A page that is not laid out yet has no width; radii must not be negative.
   const pad = 8, inside = length => Math.max(1, length - 2 * pad);
   const scale = Math.min(inside(width) / (b[2] - b[0]), inside(height) / (b[3] - b[1])) * zoom.k;
   const cx = (b[0] + b[2]) / 2 + zoom.x, cy = (b[1] + b[3]) / 2 + zoom.y;
-  return { b, ratio, width, height, scale, X: x => width / 2 + (x - cx) * scale, Y: y => height / 2 - (y - cy) * scale,
+  const at = (q, level) => [frame.X(q[level.x]), frame.Y(q[level.y]), 0];
+  return { b, ratio, width, height, scale, at, hides: () => false, X: x => width / 2 + (x - cx) * scale, Y: y => height / 2 - (y - cy) * scale,
            back: (px, py) => [cx + (px - width / 2) / scale, cy - (py - height / 2) / scale] };
+}
+
+const viewNow = () => state.view || data.problems[state.scene].view;
+
+/// The frame of a scene of space: its scale is that at which the default view fits.
+function spaceFrame(b, ratio, width, height) {
+  const camera = space3.camera(...viewNow()), first = space3.camera(...data.problems[state.scene].view);
+  const dot = (a, p) => a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+  const size = axis => { const all = [0, 1, 2, 3, 4, 5, 6, 7].map(i => dot(axis, space3.corner(b, i))); return Math.max(...all) - Math.min(...all); };
+  const pad = 36, inside = length => Math.max(1, length - 2 * pad), middle = [0, 1, 2].map(k => (b[k] + b[k + 3]) / 2);
+  const scale = Math.min(inside(width) / size(first.right), inside(height) / size(first.up)) * zoom.k;
+  const cx = dot(camera.right, middle) + zoom.x, cy = dot(camera.up, middle) + zoom.y;
+  const diagonal = Math.hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
+  const space = { b, ratio, width, height, scale, camera, space: true, picture: null, bias: 0.004 * diagonal,
+    project: (x, y, z) => [width / 2 + (dot(camera.right, [x, y, z]) - cx) * scale, height / 2 - (dot(camera.up, [x, y, z]) - cy) * scale, dot(camera.to, [x, y, z])],
+    at: (q, level) => space.project(q[level.x], q[level.y], q[level.z]),
+    hides: ([x, y, depth]) => space.picture !== null && space.picture.depthAt(x, y) > depth + space.bias,
+    back: (px, py) => [cx + (px - width / 2) / scale, cy - (py - height / 2) / scale] };
+  return space;
+}
+
+/// The triangles of a world or a robot of space.
+const partsOf = raw => raw.parts3 || (raw.parts3 = space3.surfaces(raw, bytes, numbers));
+const poseOf = (robot, q) => ({ position: [q[0], q[1], q[2]], rotation: robot.rotates ? space3.unit([q[3], q[4], q[5], q[6]]) : [0, 0, 0, 1] });
+
+/// Draws the solids of a scene of space into its depth buffer: obstacles, and robots as [robot, q, colour]. Keeps the
+/// picture while nothing of it changes.
+function drawSolids(problem, robots) {
+  const moving = grip !== null || driving, sharp = moving ? frame.ratio : Math.max(2, frame.ratio);
+  const key = JSON.stringify([state.scene, viewNow(), zoom, frame.width, frame.height, sharp, colours.obstacle, robots.map(([, q, colour]) => [[...q], colour])]);
+  if (!canvas.solids || canvas.solids.key !== key) {
+    const picture = new space3.Picture(frame.width, frame.height, sharp);
+    const place = p => { const [x, y, depth] = frame.project(...p); return [x * sharp, y * sharp, depth]; };
+    const base = rgb(colours.obstacle), edge = rgb(colours['obstacle-edge']);
+    for (const part of partsOf(data.worlds[problem.world])) {
+      if (!space3.closesView(part, frame.b, frame.camera.to)) picture.surface(part, frame, place, base, edge, { obstacle: true, dark: 0.72, bias: frame.bias });
+    }
+    for (const [robot, q, colour] of robots) {
+      for (const part of partsOf(robot.surfaces)) picture.surface(part, frame, place, rgb(colour), null, { pose: poseOf(robot, q), dark: 0.6, bias: frame.bias });
+    }
+    canvas.solids = { key, picture: picture.finish() };
+  }
+  frame.picture = canvas.solids.picture;
+  pen.imageSmoothingEnabled = true;
+  pen.drawImage(frame.picture.canvas, 0, 0, frame.width, frame.height);
+}
+
+/// Strokes lines given as [from, to] in coordinates of space: what an obstacle hides is faint.
+function strokeSpace(lines, alpha) {
+  const seen = new Path2D(), hidden = new Path2D();
+  for (const [from, to] of lines) {
+    const a = frame.project(...from), b = frame.project(...to);
+    addLine(a, b, seen, hidden);
+  }
+  pen.globalAlpha = alpha;
+  pen.stroke(seen);
+  pen.globalAlpha = 0.25 * alpha;
+  pen.stroke(hidden);
+  pen.globalAlpha = 1;
+}
+
+/// Adds a line between points of the picture to one of two paths, in pieces of some pixels.
+function addLine(a, b, seen, hidden) {
+  const pieces = frame.space ? Math.max(1, Math.min(400, Math.ceil(Math.hypot(b[0] - a[0], b[1] - a[1]) / 6))) : 1;
+  const at = t => [0, 1, 2].map(k => a[k] + t * (b[k] - a[k]));
+  let path = null;
+  for (let i = 0; i < pieces; i++) {
+    const from = at(i / pieces), to = at((i + 1) / pieces), into = frame.hides(at((i + 0.5) / pieces)) ? hidden : seen;
+    if (into !== path) into.moveTo(from[0], from[1]);
+    into.lineTo(to[0], to[1]);
+    path = into;
+  }
+}
+
+/// The edges of a robot of space.
+function drawRobot3(robot, q, options) {
+  const parts = partsOf(robot.surfaces);
+  if (!parts.length) return false;
+  const pose = poseOf(robot, q), lines = [];
+  for (const part of parts) {
+    const at = i => space3.rotated(pose.rotation, part.vertices.subarray(3 * i, 3 * i + 3)).map((c, k) => c + pose.position[k]);
+    for (let i = 0; i < part.edges.length; i += 2) lines.push([at(part.edges[i]), at(part.edges[i + 1])]);
+    for (const [a, b] of space3.outline(part, pose.rotation, frame.camera.to)) lines.push([at(a), at(b)]);
+  }
+  pen.strokeStyle = options.stroke;
+  pen.lineWidth = options.width || 1.25;
+  strokeSpace(lines, options.alpha || 1);
+  return true;
+}
+
+/// The bounds, and metres along their edges.
+function drawBox(before) {
+  pen.strokeStyle = colours['obstacle-edge'];
+  pen.lineWidth = before ? 0.7 : 1;
+  pen.globalAlpha = before ? 0.5 : 0.9;
+  pen.beginPath();
+  for (const [a, b] of space3.boxEdges(frame.b, frame.camera.to, before)) {
+    pen.moveTo(...frame.project(...a).slice(0, 2));
+    pen.lineTo(...frame.project(...b).slice(0, 2));
+  }
+  pen.stroke();
+  pen.globalAlpha = 1;
+  if (before) return;
+  pen.font = '11px system-ui, sans-serif';
+  pen.fillStyle = colours.muted;
+  pen.lineWidth = 1;
+  const [mx, my] = frame.project(...[0, 1, 2].map(k => (frame.b[k] + frame.b[k + 3]) / 2)), labelled = [];
+  for (let axis = 0; axis < 3; axis++) {
+    const [from, to] = space3.axisEdge(frame.b, axis, frame), a = frame.project(...from), b = frame.project(...to);
+    const length = Math.hypot(b[0] - a[0], b[1] - a[1]);
+    if (length < 30) continue;
+    let out = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+    const half = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+    if (out[0] * (half[0] - mx) + out[1] * (half[1] - my) < 0) out = out.map(c => -c);
+    pen.textAlign = out[0] < -0.3 ? 'right' : out[0] > 0.3 ? 'left' : 'center';
+    pen.textBaseline = out[1] > 0.3 ? 'top' : out[1] < -0.3 ? 'bottom' : 'middle';
+    const { at, digits } = space3.ticks(from[axis], to[axis], Math.max(2, Math.min(8, Math.floor(length / 45))));
+    const place = value => { const t = (value - from[axis]) / (to[axis] - from[axis]); return [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]; };
+    // At a corner two axes would write over each other.
+    const free = at.filter(value => { const p = place(value); return !labelled.some(q => Math.hypot(p[0] - q[0], p[1] - q[1]) < 14); });
+    free.forEach((value, i) => {
+      const [x, y] = place(value);
+      labelled.push([x, y]);
+      pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x + 4 * out[0], y + 4 * out[1]); pen.stroke();
+      pen.fillText(value.toFixed(digits).replace(/^-/, '−') + (i === free.length - 1 ? ' m ' + 'xyz'[axis] : ''), x + 6 * out[0], y + 6 * out[1]);
+    });
+  }
+  pen.textAlign = 'left';
+}
+
+/// Turns the view by some degrees.
+function turnBy(azimuth, elevation) {
+  if (!spatial()) return;
+  const [a, e] = viewNow();
+  state.view = [((a + azimuth + 540) % 360) - 180, Math.max(-90, Math.min(90, e + elevation))];
+  viewer.dataset.view = state.view.map(Math.round).join(',');
+  draw();
 }
 
 function shapePath(shape, place) {
@@ -357,6 +505,7 @@ function poses(robot, q) {
 
 function drawRobot(robot, q, options) {
   if (!robot || q.length < robot.dimension) return false;
+  if (frame.space) return drawRobot3(robot, q, options);
   const at = poses(robot, q);
   pen.beginPath();
   let extent = 0;
@@ -383,54 +532,65 @@ function marker(kind, x, y, r) {
   else { pen.moveTo(x - r, y - r); pen.lineTo(x + r, y + r); pen.moveTo(x - r, y + r); pen.lineTo(x + r, y - r); }
 }
 
+/// The lines of a path: those that are seen, and those behind obstacles.
 function polyline(path, level) {
-  pen.beginPath();
-  for (let i = 0; i < path.size; i++) {
-    const q = path.row(i);
-    if (i === 0) pen.moveTo(frame.X(q[level.x]), frame.Y(q[level.y])); else pen.lineTo(frame.X(q[level.x]), frame.Y(q[level.y]));
-  }
+  const seen = new Path2D(), hidden = new Path2D();
+  for (let i = 1; i < path.size; i++) addLine(frame.at(path.row(i - 1), level), frame.at(path.row(i), level), seen, hidden);
+  return [seen, hidden];
 }
 
 function drawTree(level, n) {
-  const X = i => frame.X(level.nodes.values[i * level.nodes.d + level.x]);
-  const Y = i => frame.Y(level.nodes.values[i * level.nodes.d + level.y]);
+  const at = i => frame.at(level.nodes.row(i), level);
+  const middle = (a, b) => [0, 1, 2].map(k => (a[k] + b[k]) / 2);
+  const stroke = (ends, alpha) => {
+    const seen = new Path2D(), hidden = new Path2D();
+    for (const [i, j] of ends) {
+      const a = at(i), b = at(j), path = frame.hides(middle(a, b)) ? hidden : seen;
+      path.moveTo(a[0], a[1]);
+      path.lineTo(b[0], b[1]);
+    }
+    pen.globalAlpha = alpha;
+    pen.stroke(seen);
+    pen.globalAlpha = 0.25 * alpha;
+    pen.stroke(hidden);
+  };
   // Abandoned trees are fainter.
   const plant = level.plants.filter(r => r < n).pop() || 0;
   const colour = levelColour(level);
   const many = n > 4000, dense = level.edges.length > 2 * level.nodes.size;
   for (const [from, to, alpha] of [[0, plant, 0.22], [plant, n, 1]]) {
     if (from >= to) continue;
-    pen.globalAlpha = alpha * (many ? 0.7 : 0.85);
     pen.strokeStyle = pen.fillStyle = colour;
     pen.lineWidth = many ? 0.6 : 0.9;
     pen.setLineDash(levelDash(level));
-    pen.beginPath();
+    const ends = [];
     if (level.parents) {
       for (let i = from; i < to; i++) {
         const up = level.parents[i];
         // A rewired node may have a parent that the replay has not reached.
-        if (up !== i && up < n) { pen.moveTo(X(up), Y(up)); pen.lineTo(X(i), Y(i)); }
+        if (up !== i && up < n) ends.push([up, i]);
       }
     }
-    pen.stroke();
+    stroke(ends, alpha * (many ? 0.7 : 0.85));
     pen.setLineDash([]);
-    pen.globalAlpha = alpha;
-    pen.beginPath();
+    const seen = new Path2D(), hidden = new Path2D();
     // The points along a graph's edges are no new nodes.
     const r = level.edges.length && !dense ? 0.6 : many || dense ? 1.1 : 1.7;
-    for (let i = from; i < to; i++) { const x = X(i), y = Y(i); pen.moveTo(x + r, y); pen.arc(x, y, r, 0, 7); }
-    pen.fill();
+    for (let i = from; i < to; i++) {
+      const p = at(i), path = frame.hides(p) ? hidden : seen;
+      path.moveTo(p[0] + r, p[1]);
+      path.arc(p[0], p[1], r, 0, 7);
+    }
+    pen.globalAlpha = alpha;
+    pen.fill(seen);
+    pen.globalAlpha = 0.25 * alpha;
+    pen.fill(hidden);
   }
   if (level.edges.length) {
-    pen.globalAlpha = dense ? Math.max(0.07, Math.min(0.5, 200 / level.edges.length)) : 0.85;
     pen.strokeStyle = colour;
     pen.lineWidth = dense ? 0.6 : 1.2;
     pen.setLineDash(levelDash(level));
-    pen.beginPath();
-    level.edges.forEach(([a, b], i) => {
-      if (level.edgeTime[i] <= state.at) { pen.moveTo(X(a), Y(a)); pen.lineTo(X(b), Y(b)); }
-    });
-    pen.stroke();
+    stroke(level.edges.filter((ends, i) => level.edgeTime[i] <= state.at), dense ? Math.max(0.07, Math.min(0.5, 200 / level.edges.length)) : 0.85);
     pen.setLineDash([]);
   }
   pen.globalAlpha = 1;
@@ -441,9 +601,8 @@ function drawTree(level, n) {
 function drawDensity(level, p) {
   const step = 5, w = Math.ceil(frame.width / step) + 1, h = Math.ceil(frame.height / step) + 1;
   let grid = new Float32Array(w * h);
-  const values = level.proposals.values, d = level.proposals.d;
   for (let i = 0; i < p; i++) {
-    const x = frame.X(values[i * d + level.x]) / step, y = frame.Y(values[i * d + level.y]) / step;
+    const [x, y] = frame.at(level.proposals.row(i), level).map(c => c / step);
     const cx = Math.floor(x), cy = Math.floor(y), fx = x - cx, fy = y - cy;
     if (cx < 0 || cy < 0 || cx + 1 >= w || cy + 1 >= h) continue;
     const at = cy * w + cx;
@@ -490,38 +649,40 @@ function drawProposals(level, p) {
   const groups = new Map();
   for (let i = 0; i < p; i++) {
     const kind = level.station(i);
-    const key = state.colour === 'source' ? kind + ':' + level.source[i] : kind;
+    const key = (state.colour === 'source' ? kind + ':' + level.source[i] : kind) + (frame.hides(frame.at(level.proposals.row(i), level)) ? ':hidden' : '');
     if (!groups.has(key)) groups.set(key, []);
     groups.get(key).push(i);
   }
   const r = p > 4000 ? 1.6 : 2.6;
   for (const [key, list] of groups) {
-    const [kind, source] = key.split(':');
+    const hidden = key.endsWith(':hidden'), [kind, source] = key.replace(/:hidden$/, '').split(':');
     pen.beginPath();
     for (const i of list) {
-      const q = level.proposals.row(i);
-      marker(kind, frame.X(q[level.x]), frame.Y(q[level.y]), r);
+      const [x, y] = frame.at(level.proposals.row(i), level);
+      marker(kind, x, y, r);
     }
     pen.strokeStyle = pen.fillStyle = source === undefined ? colours[kind] : sourceColour(Number(source));
     pen.lineWidth = 1.2;
-    pen.globalAlpha = 0.9;
+    pen.globalAlpha = hidden ? 0.2 : 0.9;
     if (kind === 'reached') pen.fill(); else pen.stroke();
   }
   pen.globalAlpha = 1;
 }
 
 function drawPath(level, path, width) {
-  polyline(path, level);
+  const [seen, hidden] = polyline(path, level);
   pen.lineJoin = pen.lineCap = 'round';
   pen.strokeStyle = colours.free;
   pen.lineWidth = width + 2.5;
   pen.globalAlpha = 0.8;
-  pen.stroke();
-  pen.globalAlpha = 1;
+  pen.stroke(seen);
   pen.strokeStyle = levelColour(level);
   pen.lineWidth = width;
   pen.setLineDash(levelDash(level));
-  pen.stroke();
+  pen.globalAlpha = 0.35;
+  pen.stroke(hidden);
+  pen.globalAlpha = 1;
+  pen.stroke(seen);
   pen.setLineDash([]);
 }
 
@@ -539,7 +700,7 @@ function drawSelected() {
   const q = sampleRow(s);
   drawRobot(level.robot, q, { stroke: colours.ink, fill: levelColour(level), fillAlpha: 0.35, width: 1.6 });
   if (!level.drawn) return;
-  const point = row => [frame.X(row[level.x]), frame.Y(row[level.y])];
+  const point = row => frame.at(row, level).slice(0, 2);
   const [x, y] = point(q);
   let node = s.role === 'tree' ? s.index : level.near[s.index];
   pen.strokeStyle = colours.ink;
@@ -571,25 +732,21 @@ function drawNewest() {
     if (!level.drawn) continue;
     const p = until(level.proposalTime, state.at) - 1;
     if (p < 0 || level.proposalTime[p] !== state.at) continue;
-    const q = level.proposals.row(p), x = frame.X(q[level.x]), y = frame.Y(q[level.y]);
+    const [x, y] = frame.at(level.proposals.row(p), level);
     pen.strokeStyle = levelColour(level);
     pen.lineWidth = 1.5;
     if (level.near[p] >= 0) {
       const from = level.nodes.row(level.near[p]);
       pen.setLineDash([3, 3]);
-      pen.beginPath(); pen.moveTo(frame.X(from[level.x]), frame.Y(from[level.y])); pen.lineTo(x, y); pen.stroke();
+      pen.beginPath(); pen.moveTo(...frame.at(from, level).slice(0, 2)); pen.lineTo(x, y); pen.stroke();
       pen.setLineDash([]);
     }
     pen.beginPath(); pen.arc(x, y, 5.5, 0, 2 * Math.PI); pen.stroke();
   }
 }
 
-function drawRun() {
-  frame = fitCanvas();
-  if (!frame) return;
-  pen.setTransform(frame.ratio, 0, 0, frame.ratio, 0, 0);
-  pen.clearRect(0, 0, frame.width, frame.height);
-  const problem = data.problems[state.scene], b = frame.b;
+/// The free plane and its obstacles.
+function drawPlane(problem, b) {
   pen.fillStyle = colours.free;
   pen.fillRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
   pen.save();
@@ -607,9 +764,37 @@ function drawRun() {
   pen.strokeStyle = colours['obstacle-edge'];
   pen.lineWidth = 1;
   pen.strokeRect(frame.X(b[0]), frame.Y(b[3]), (b[2] - b[0]) * frame.scale, (b[3] - b[1]) * frame.scale);
+}
+
+/// The robots of space that are drawn as solids: at the start, at the place on the path, and at the selected sample.
+function solidRobots(problem, robot) {
+  const list = robot ? [[robot, problem.start, colours.ends]] : [], root = run && run.levels[0];
+  if (robot && state.along !== null && run && run.path && root) list.push([robot, onPath(run.path, root, state.along / 1000), levelColour(root)]);
+  if (state.select && run) {
+    const level = run.levels[state.select.level];
+    if (level.robot) list.push([level.robot, sampleRow(state.select), levelColour(level)]);
+  }
+  return list.filter(([one, q]) => q.length >= one.dimension);
+}
+
+function drawRun() {
+  frame = fitCanvas();
+  if (!frame) return;
+  pen.setTransform(frame.ratio, 0, 0, frame.ratio, 0, 0);
+  pen.lineCap = 'butt';
+  pen.lineJoin = 'miter';
+  pen.clearRect(0, 0, frame.width, frame.height);
+  const problem = data.problems[state.scene], b = frame.b;
+  const robot = data.robots[problem.robot] || null;
+  if (frame.space) {
+    drawBox(false);
+    drawSolids(problem, solidRobots(problem, robot));
+    drawBox(true);
+  } else {
+    drawPlane(problem, b);
+  }
 
   const now = view();
-  const robot = data.robots[problem.robot] || null;
   if (run) {
     const deepest = [...run.levels].reverse();
     const drawTrees = () => { for (const level of deepest) if (shown(level, 'tree')) drawTree(level, now[level.number].n); };
@@ -621,7 +806,7 @@ function drawRun() {
       if (!path || !path.size) continue;
       drawPath(level, path, level.number === 0 ? 2.6 : 1.8);
       if (level.number === 0) {
-        const every = Math.max(1, Math.floor(path.size / 40));
+        const every = Math.max(1, Math.floor(path.size / (frame.space ? 12 : 40)));
         if (state.along === null) for (let i = 0; i < path.size; i += every) drawRobot(robot, path.row(i), { stroke: levelColour(level), alpha: 0.4, width: 1 });
       }
     }
@@ -636,9 +821,8 @@ function drawRun() {
   const goals = problem.goals.map((q, i) => [q, problem.goals.length > 1 ? 'goal ' + (i + 1) : 'goal', null]);
   for (const [q, name, fill] of [[problem.start, 'start', colours.ends], ...goals]) {
     if (!drawRobot(robot, q, { stroke: colours.ends, fill, fillAlpha: 0.55, width: 1.6 }) && problem.position.length < 2) continue;
-    const px = problem.position.length >= 2 ? q[problem.position[0]] : robot ? robot.base[0] : 0;
-    const py = problem.position.length >= 2 ? q[problem.position[1]] : robot ? robot.base[1] : 0;
-    const x = frame.X(px), y = frame.Y(py);
+    const [x, y] = problem.position.length >= 2 ? frame.at(q, { x: problem.position[0], y: problem.position[1], z: problem.position[2] })
+                                                : [frame.X(robot ? robot.base[0] : 0), frame.Y(robot ? robot.base[1] : 0)];
     if (problem.position.length < 2 && !fill) continue;
     pen.beginPath(); pen.arc(x, y, 3, 0, 7);
     pen.fillStyle = fill || colours.free; pen.fill();
@@ -656,10 +840,10 @@ function drawRun() {
 function drawDriven(robot) {
   const root = run.levels[0];
   if (state.along === null || !run.path || !root) return;
-  const q = onPath(run.path, root.axes, state.along / 1000);
+  const q = onPath(run.path, root, state.along / 1000);
   if (drawRobot(robot, q, { stroke: colours.ink, fill: levelColour(root), fillAlpha: 0.75, width: 1.8 }) || !root.drawn) return;
   pen.beginPath();
-  pen.arc(frame.X(q[root.x]), frame.Y(q[root.y]), 6, 0, 7);
+  pen.arc(...frame.at(q, root).slice(0, 2), 6, 0, 7);
   pen.fillStyle = levelColour(root);
   pen.fill();
   pen.strokeStyle = colours.ink;
@@ -673,17 +857,29 @@ const difference = (axis, a, b) => {
   return axis.periodic ? b - a - period * Math.round((b - a) / period) : b - a;
 };
 
-function onPath(path, axes, share) {
+/// The length of a straight motion in a level's metric.
+function distance(level, a, b) {
+  let sum = 0;
+  level.axes.forEach((axis, j) => {
+    const first = level.rotations.find(r => j >= r && j < r + 4);
+    if (first === undefined) sum += (axis.weight * difference(axis, a[j], b[j])) ** 2;
+    else if (first === j) sum += (axis.weight * space3.angle(space3.unit([...a.slice(j, j + 4)]), space3.unit([...b.slice(j, j + 4)]))) ** 2;
+  });
+  return Math.sqrt(sum);
+}
+
+function onPath(path, level, share) {
   const lengths = [0];
-  for (let i = 1; i < path.size; i++) {
-    const a = path.row(i - 1), b = path.row(i);
-    lengths.push(lengths[i - 1] + Math.hypot(...axes.map((axis, j) => axis.weight * difference(axis, a[j], b[j]))));
-  }
+  for (let i = 1; i < path.size; i++) lengths.push(lengths[i - 1] + distance(level, path.row(i - 1), path.row(i)));
   const at = share * lengths[path.size - 1], end = Math.min(path.size - 1, Math.max(1, until(lengths, at)));
   if (path.size < 2) return path.row(0);
   const a = path.row(end - 1), b = path.row(end), piece = lengths[end] - lengths[end - 1];
   const t = piece > 0 ? Math.min(1, (at - lengths[end - 1]) / piece) : 0;
-  return axes.map((axis, j) => a[j] + t * difference(axis, a[j], b[j]));
+  const q = level.axes.map((axis, j) => a[j] + t * difference(axis, a[j], b[j]));
+  for (const r of level.rotations) {
+    q.splice(r, 4, ...space3.slerp(space3.unit([...a.slice(r, r + 4)]), space3.unit([...b.slice(r, r + 4)]), t));
+  }
+  return q;
 }
 
 /// Draws the run beside: what draws goes by the run, the canvas and its frame, and nothing of it is selected.
@@ -717,6 +913,13 @@ function coordinate(axis, value) {
   const digits = Math.max(0, Math.min(6, Math.floor(-Math.log10((axis.hi - axis.lo) / 65535))));
   const text = value.toFixed(digits).replace(/^-(0(\.0+)?)$/, '$1').replace('-', '−');
   return axis.periodic ? text + ' rad (' + (value * 180 / Math.PI).toFixed(0).replace('-', '−') + '°)' : text;
+}
+
+/// A rotation as an angle about an axis.
+function turnText(q) {
+  const sign = q[3] < 0 ? -1 : 1, sin = Math.hypot(q[0], q[1], q[2]), degrees = 2 * Math.atan2(sin, Math.abs(q[3])) * 180 / Math.PI;
+  const axis = [0, 1, 2].map(k => (sin > 1e-6 ? sign * q[k] / sin : 0).toFixed(2).replace(/^-(0\.00)$/, '$1').replace('-', '−'));
+  return degrees.toFixed(0) + '°' + (sin > 1e-6 ? ' about (' + axis.join(', ') + ')' : '');
 }
 
 const levelTitle = level => 'level ' + level.number + ' · ' + level.name;
@@ -776,7 +979,11 @@ function showSample() {
     if (level.parents && level.parents[s.index] !== s.index) line('parent', node(level.parents[s.index]));
     if (level.classes) line('in the roadmap', data.classes[level.classes[s.index]] || '');
   }
-  level.axes.forEach((axis, i) => line(axis.name, coordinate(axis, q[i])));
+  level.axes.forEach((axis, i) => {
+    const first = level.rotations.find(r => i >= r && i < r + 4);
+    if (first === undefined) line(axis.name, coordinate(axis, q[i]));
+    else if (first === i) line(axis.name.replace(/\.x$/, ''), turnText(space3.unit([...q.slice(i, i + 4)])));
+  });
   const time = (s.role === 'tree' ? level.nodeTime : level.proposalTime)[s.index];
   line('step', String(time) + ' of ' + run.total);
   box.append(list);
@@ -961,6 +1168,8 @@ function load(fresh = true) {
   message.textContent = !run ? 'The samples of this run are not in this file.'
     : root && !root.drawn ? 'The space ' + root.raw.space + ' has no position: its samples are listed, not drawn.' : '';
   message.hidden = !message.textContent;
+  $('simplified').textContent = spatial() ? data.worlds[data.problems[state.scene].world].note : '';
+  $('simplified').hidden = !$('simplified').textContent;
   if (!run) for (const name of ['at', 'total', 'nodes', 'proposals']) delete viewer.dataset[name];
   viewer.dataset.scene = data.problems[state.scene].name;
   viewer.dataset.method = data.strategies[state.method].name;
@@ -1051,7 +1260,7 @@ function makeSortable(table) {
 
 // Replay ------------------------------------------------------------------------------------------------------------------
 
-let clock = null, driving = false;
+let clock = null;
 /// Seconds that the robot takes for its path, for every length of the path.
 const secondsAlong = 6;
 function driveOn(time) {
@@ -1118,8 +1327,7 @@ function pick(px, py) {
       if (!shown(level, role)) continue;
       const list = role === 'tree' ? level.nodes : level.proposals, n = role === 'tree' ? now[level.number].n : now[level.number].p;
       for (let i = 0; i < n; i++) {
-        const dx = frame.X(list.values[i * list.d + level.x]) - px, dy = frame.Y(list.values[i * list.d + level.y]) - py;
-        const d = dx * dx + dy * dy;
+        const [x, y] = frame.at(list.row(i), level), d = (x - px) ** 2 + (y - py) ** 2;
         if (d < least) { least = d; best = { level: level.number, role, index: i }; }
       }
     }
@@ -1127,13 +1335,38 @@ function pick(px, py) {
   return best;
 }
 
-let grip = null;
-firstCanvas.addEventListener('pointerdown', e => { if (frame) grip = { x: e.offsetX, y: e.offsetY, zx: zoom.x, zy: zoom.y, moved: false }; });
+/// Fingers or buttons on the picture, by pointer.
+const hands = new Map();
+const gripAt = e => ({ x: e.offsetX, y: e.offsetY, zx: zoom.x, zy: zoom.y, view: viewNow(), moved: false });
+firstCanvas.addEventListener('pointerdown', e => {
+  if (!frame) return;
+  hands.set(e.pointerId, [e.offsetX, e.offsetY]);
+  grip = gripAt(e);
+  if (frame.space && e.isTrusted) firstCanvas.setPointerCapture(e.pointerId);
+});
+/// Two fingers on a scene of space: their distance zooms, their middle moves the picture.
+function pinch(e) {
+  const before = [...hands.values()];
+  hands.set(e.pointerId, [e.offsetX, e.offsetY]);
+  const after = [...hands.values()], middle = pair => [(pair[0][0] + pair[1][0]) / 2, (pair[0][1] + pair[1][1]) / 2];
+  const apart = pair => Math.max(1, Math.hypot(pair[0][0] - pair[1][0], pair[0][1] - pair[1][1]));
+  const [ax, ay] = middle(before), [bx, by] = middle(after);
+  zoom.x -= (bx - ax) / frame.scale;
+  zoom.y += (by - ay) / frame.scale;
+  grip.moved = true;
+  zoomBy(apart(after) / apart(before), bx, by);
+}
 firstCanvas.addEventListener('pointermove', e => {
-  if (grip && frame && (e.buttons & 1)) {
+  if (grip && frame && frame.space && hands.size === 2 && hands.has(e.pointerId)) { pinch(e); return; }
+  if (grip && frame && (e.buttons & 7)) {
     const dx = e.offsetX - grip.x, dy = e.offsetY - grip.y;
     if (Math.hypot(dx, dy) > 4) grip.moved = true;
-    if (grip.moved && zoom.k > 1) {
+    if (grip.moved && frame.space && !e.shiftKey && (e.buttons & 1)) {
+      state.view = grip.view;
+      turnBy(-0.4 * dx, 0.4 * dy);
+      return;
+    }
+    if (grip.moved && (zoom.k > 1 || frame.space)) {
       zoom.x = grip.zx - dx / frame.scale;
       zoom.y = grip.zy + dy / frame.scale;
       draw();
@@ -1151,9 +1384,13 @@ firstCanvas.addEventListener('pointermove', e => {
 });
 firstCanvas.addEventListener('pointerleave', () => { $('tip').hidden = true; hover = null; });
 firstCanvas.addEventListener('pointerup', e => {
-  if (grip && !grip.moved) { stop(); setSelect(pick(e.offsetX, e.offsetY)); }
+  hands.delete(e.pointerId);
+  const clicked = grip && !grip.moved;
   grip = null;
+  if (clicked) { stop(); setSelect(pick(e.offsetX, e.offsetY)); }
+  else if (frame && frame.space) { draw(); writeHash(); }
 });
+firstCanvas.addEventListener('pointercancel', e => { hands.delete(e.pointerId); grip = null; draw(); });
 firstCanvas.addEventListener('wheel', e => {
   if (!e.ctrlKey && !e.metaKey) return;
   e.preventDefault();
@@ -1163,8 +1400,8 @@ firstCanvas.addEventListener('wheel', e => {
 function zoomBy(factor, px, py) {
   if (!frame) return;
   const at = px === undefined ? null : frame.back(px, py);
-  zoom.k = Math.min(64, Math.max(1, zoom.k * factor));
-  if (zoom.k === 1) zoom = { k: 1, x: 0, y: 0 };
+  zoom.k = Math.min(64, Math.max(frame.space ? 0.5 : 1, zoom.k * factor));
+  if (zoom.k === 1 && !frame.space) zoom = { k: 1, x: 0, y: 0 };
   else if (at) {
     frame = fitCanvas();
     const [x, y] = frame.back(px, py);
@@ -1173,7 +1410,7 @@ function zoomBy(factor, px, py) {
   }
   draw();
 }
-const fit = () => { zoom = { k: 1, x: 0, y: 0 }; draw(); };
+const fit = () => { zoom = { k: 1, x: 0, y: 0 }; state.view = null; delete viewer.dataset.view; draw(); writeHash(); };
 
 document.addEventListener('keydown', e => {
   if (e.altKey || e.ctrlKey || e.metaKey) return;
@@ -1185,18 +1422,19 @@ document.addEventListener('keydown', e => {
   const keys = {
     ' ': play, ArrowLeft: () => goTo(state.at - by), ArrowRight: () => goTo(state.at + by), Home: () => goTo(0),
     End: () => run && goTo(last()), Escape: () => { state.along = null; setSelect(null); }, d: drive, '+': () => zoomBy(1.5), '-': () => zoomBy(1 / 1.5), 0: fit,
+    j: () => turnBy(-10, 0), l: () => turnBy(10, 0), i: () => turnBy(0, 10), k: () => turnBy(0, -10),
     '[': () => s && s.index > 0 && setSelect({ ...s, index: s.index - 1 }),
     ']': () => s && s.index + 1 < (s.role === 'tree' ? run.levels[s.level].nodes : run.levels[s.level].proposals).size && setSelect({ ...s, index: s.index + 1 }),
   };
   // Home and End scroll the page unless the picture has the focus.
   if ((e.key === 'Home' || e.key === 'End') && document.activeElement !== firstCanvas && !ranging) return;
   const action = keys[e.key];
-  if (!action) return;
+  if (!action || 'ijkl'.includes(e.key) && !spatial()) return;
   e.preventDefault();
   action();
 });
 
-const choose = (field, value) => { state[field] = Number(value); load(); };
+const choose = (field, value) => { if (field === 'scene') state.view = null; state[field] = Number(value); load(); };
 $('scene').onchange = e => choose('scene', e.target.value);
 $('method').onchange = e => choose('method', e.target.value);
 $('seed').onchange = e => choose('seed', e.target.value);
@@ -1234,6 +1472,9 @@ data.strategies.forEach((s, i) => $('beside').append(make('option', { value: i, 
 data.strategies.forEach((s, i) => $('method').append(make('option', { value: i, textContent: s.name })));
 data.seeds.forEach((s, i) => $('seed').append(make('option', { value: i, textContent: s })));
 for (const speed of [2, 10, 50, 200, 1000, 5000]) $('speed').append(make('option', { value: speed, textContent: speed + '/s' }));
+if (data.problems.some(p => p.world !== undefined)) {
+  $('keys').append(' In scenes of space drag turns the view, with shift or two fingers it moves; j, l, i and k turn it, and 0 restores it. What an obstacle hides is drawn faintly.');
+}
 // A page of stored results has no samples to draw.
 const bare = !data.cells.some(row => row.some(c => c.runs.some(r => r.id >= 0)));
 if (bare) for (const part of [document.querySelector('.stage'), $('keys'), $('beside').parentElement]) part.hidden = true;

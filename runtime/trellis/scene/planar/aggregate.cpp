@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include <trellis/scene/merging.hpp>
+
 namespace trellis {
 
 namespace {
@@ -120,20 +122,14 @@ bool near(const Box2& a, const Box2& b, double gap) {
   return a.lo.x - b.hi.x <= gap && b.lo.x - a.hi.x <= gap && a.lo.y - b.hi.y <= gap && b.lo.y - a.hi.y <= gap;
 }
 
-struct Merge {
-  double error = 0.0;
-  std::size_t a = 0;  ///< a < b
-  std::size_t b = 0;
-};
-
-/// Returns the merge of two clusters if its error is small enough. In the middle of a gap, a hull's point is half the
-/// gap's width from either obstacle.
-std::optional<Merge> merge_of(const std::vector<Cluster>& clusters, std::size_t a, std::size_t b, double most) {
+/// Returns the error of the hull of two clusters if it is small enough. In the middle of a gap, a hull's point is half
+/// the gap's width from either obstacle.
+std::optional<double> error_of_both(const std::vector<Cluster>& clusters, std::size_t a, std::size_t b, double most) {
   if (!near(clusters[a].box, clusters[b].box, 2.0 * most)) return std::nullopt;
   const Cluster both = merged(clusters[a], clusters[b]);
   const double error = error_of({both.points}, both.parts, most);
   if (error > most) return std::nullopt;
-  return Merge{error, a, b};
+  return error;
 }
 
 }  // namespace
@@ -158,28 +154,8 @@ Polygon convex_hull(std::vector<Vec2> points) {
 World aggregated(const World& world, double error) {
   if (!(error > 0.0)) return world;
   std::vector<Cluster> clusters = singles(world);
-  std::vector<char> gone(clusters.size(), 0);
-  std::vector<Merge> merges;
-  const auto offer = [&](std::size_t a, std::size_t b) {
-    if (const auto merge = merge_of(clusters, a, b, error)) merges.push_back(*merge);
-  };
-  for (std::size_t b = 0; b < clusters.size(); ++b) {
-    for (std::size_t a = 0; a < b; ++a) offer(a, b);
-  }
-  while (true) {
-    std::erase_if(merges, [&](const Merge& m) { return gone[m.a] != 0 || gone[m.b] != 0; });
-    const auto best = std::min_element(merges.begin(), merges.end(), [](const Merge& m, const Merge& n) {
-      return std::tie(m.error, m.a, m.b) < std::tie(n.error, n.a, n.b);
-    });
-    if (best == merges.end()) break;
-    const Merge merge = *best;
-    gone[merge.a] = gone[merge.b] = 1;
-    clusters.push_back(merged(clusters[merge.a], clusters[merge.b]));
-    gone.push_back(0);
-    for (std::size_t a = 0; a + 1 < clusters.size(); ++a) {
-      if (gone[a] == 0) offer(a, clusters.size() - 1);
-    }
-  }
+  const std::vector<char> gone = merge_bottom_up(
+      clusters, [&](std::size_t a, std::size_t b) { return error_of_both(clusters, a, b, error); }, merged);
   std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     if (gone[i] != 0) continue;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/world.hpp>
 
 namespace trellis {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <trellis/base/random.hpp>
-#include <trellis/scene/scene.hpp>
+#include <trellis/scene/planar/world.hpp>
 
 namespace trellis {
 

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <trellis/collision/checker.hpp>
+#include <trellis/collision/common.hpp>
+#include <trellis/collision/orders.hpp>
+#include <trellis/collision/spatial/near_filter.hpp>
+#include <trellis/collision/spatial/shared_cache.hpp>
+#include <trellis/scene/spatial/box_tree.hpp>
+#include <trellis/scene/spatial/obstacle_distance.hpp>
+#include <trellis/scene/spatial/ranges.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+#include <trellis/scene/spatial/surface.hpp>
+
+namespace trellis {
+
+namespace {
+
+using Vector3 = fcl::Vector3d;
+using Transform3 = fcl::Transform3d;
+using Geometry = std::shared_ptr<const fcl::CollisionGeometryd>;
+using Tree = fcl::BVHModel<fcl::OBBRSSd>;
+
+Vector3 vector(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+Transform3 transform(const Pose3& pose) {
+  const Quaternion& q = pose.orientation;
+  Transform3 result = Transform3::Identity();
+  result.linear() = fcl::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
+  result.translation() = vector(pose.position);
+  return result;
+}
+
+/// A mesh as checkers use it.
+struct MeshModel {
+  explicit MeshModel(const std::shared_ptr<const Mesh>& mesh)
+      : tree(std::make_shared<Tree>()), distance(mesh), components(components_of(*mesh)) {
+    std::vector<Vector3> vertices;
+    vertices.reserve(mesh->vertices().size());
+    for (const Vec3& v : mesh->vertices()) vertices.push_back(vector(v));
+    std::vector<fcl::Triangle> triangles;
+    triangles.reserve(mesh->triangles().size());
+    for (const auto& [a, b, c] : mesh->triangles()) triangles.emplace_back(a, b, c);
+    tree->beginModel(static_cast<int>(triangles.size()), static_cast<int>(vertices.size()));
+    tree->addSubModel(vertices, triangles);
+    tree->endModel();
+    tree->computeLocalAABB();
+  }
+
+  std::shared_ptr<Tree> tree;
+  MeshDistance distance;
+  std::vector<MeshComponent> components;
+};
+
+/// Returns the model of a mesh, which all checkers of all threads share.
+std::shared_ptr<const MeshModel> model_of(const std::shared_ptr<const Mesh>& mesh) {
+  static SharedCache<std::uint64_t, MeshModel> cache;
+  constexpr std::size_t small = 20'000;
+  return cache.get(mesh->hash(), mesh->triangles().size() <= small, [&] { return MeshModel(mesh); });
+}
+
+struct MakeGeometry {
+  Geometry operator()(const Sphere& sphere) const { return std::make_shared<fcl::Sphered>(sphere.radius); }
+  Geometry operator()(const Cuboid& cuboid) const { return std::make_shared<fcl::Boxd>(vector(cuboid.size)); }
+  Geometry operator()(const Cylinder& c) const { return std::make_shared<fcl::Cylinderd>(c.radius, c.length); }
+  Geometry operator()(const Capsule& c) const { return std::make_shared<fcl::Capsuled>(c.radius, c.length); }
+  Geometry operator()(const std::shared_ptr<const Mesh>&) const { return nullptr; }
+};
+
+/// A solid as FCL has it.
+struct Piece {
+  explicit Piece(const Solid& s) : solid(s), geometry(std::visit(MakeGeometry(), s.shape)) {
+    if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&s.shape)) {
+      model = model_of(*mesh);
+      geometry = model->tree;
+    }
+    const Box3 box = bounding_box({s.shape, {}});
+    middle = 0.5 * (box.lo + box.hi);
+    half = 0.5 * (box.hi - box.lo);
+  }
+
+  /// Whether the piece is a closed mesh.
+  [[nodiscard]] bool has_inside() const { return model != nullptr && model->distance.mesh().closed(); }
+
+  Solid solid;
+  Geometry geometry;
+  std::shared_ptr<const MeshModel> model;  ///< where it is a mesh
+  Vec3 middle, half;                       ///< of its bounding box in its own frame
+};
+
+/// Returns a box that contains the piece at a pose: the smallest one of its bounding box.
+Box3 box_at(const Piece& piece, const Turn& turn) {
+  const Vec3 x = piece.half.x * turn.x, y = piece.half.y * turn.y, z = piece.half.z * turn.z;
+  const Vec3 half{std::abs(x.x) + std::abs(y.x) + std::abs(z.x), std::abs(x.y) + std::abs(y.y) + std::abs(z.y),
+                  std::abs(x.z) + std::abs(y.z) + std::abs(z.z)};
+  const Vec3 middle = turn(piece.middle);
+  return {middle - half, middle + half};
+}
+
+/// Returns the smallest box along the axes that contains the piece.
+Box3 exact_box(const Piece& piece, const Pose3& pose) {
+  if (piece.model == nullptr) return bounding_box(Solid{piece.solid.shape, pose});
+  const Turn turn(pose);
+  const auto& vertices = piece.model->distance.mesh().vertices();
+  const Vec3 first = turn(vertices.front());
+  Box3 box{first, first};
+  for (const Vec3& vertex : vertices) {
+    const Vec3 p = turn(vertex);
+    box = {least_of(box.lo, p), greatest_of(box.hi, p)};
+  }
+  return box;
+}
+
+/// Whether a part of `inner` lies inside the closed mesh `outer`, where no triangle of it meets the inner piece: each
+/// component of a surface then lies wholly inside or outside. Poses refer to the same frame.
+bool lies_inside(const Piece& inner, const Pose3& inner_pose, const Piece& outer, const Pose3& outer_pose) {
+  const MeshDistance& mesh = outer.model->distance;
+  const Pose3 into = outer_pose.inverse() * inner_pose;
+  if (inner.model == nullptr) return mesh.contains(into.position);
+  const auto& components = inner.model->components;
+  return std::any_of(components.begin(), components.end(),
+                     [&](const MeshComponent& component) { return mesh.contains(into(component.vertex)); });
+}
+
+bool overlap(const Box3& a, const Box3& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
+         b.lo.z <= a.hi.z;
+}
+
+/// Returns the least distance from a box to the sides of one that contains it; negative where it does not.
+double margin_inside(const Box3& box, const Box3& bounds) {
+  const Vec3 low = box.lo - bounds.lo, high = bounds.hi - box.hi;
+  return std::min({low.x, low.y, low.z, high.x, high.y, high.z});
+}
+
+/// Returns how far the shares of a motion are from those that a level of the bisection visited before, by rank.
+double gap_before(std::uint32_t rank) {
+  double gap = 1.0;
+  for (std::uint32_t level = rank; level > 0; level /= 2) gap *= 0.5;
+  return gap;
+}
+
+class SpatialFclChecker final : public Checker {
+ public:
+  SpatialFclChecker(std::shared_ptr<const Scene> scene, Space space, double resolution, bool filtered)
+      : scene_(std::move(scene)),
+        world_(spatial(*scene_).world),
+        robot_(spatial(*scene_).robot),
+        space_(std::move(space)),
+        resolution_(resolution) {
+    check_fits(*scene_, space_, resolution_);
+    slack_ = touching_slack(*scene_);
+    const Vec3 margin{slack_, slack_, slack_};
+    obstacles_.reserve(world_.obstacles().size());
+    for (const Obstacle3& obstacle : world_.obstacles()) {
+      obstacles_.emplace_back(obstacle.solid);
+      frames_.push_back(transform(obstacle.solid.pose));
+      const Box3 box = bounding_box(obstacle.solid);
+      boxes_.push_back({box.lo - margin, box.hi + margin});
+    }
+    tree_ = BoxTree(boxes_);
+    for (const Solid& solid : robot_.solids()) pieces_.emplace_back(solid);
+    if (filtered && NearFilter::pays(spatial(*scene_))) filter_.emplace(spatial(*scene_), slack_);
+    q_.resize(space_.dimension());
+    request_.num_max_contacts = 1;
+    request_.enable_contact = false;
+    request_.gjk_tolerance = 1e-14;
+  }
+
+  [[nodiscard]] bool valid(View q) const override {
+    if (!is_finite(q, robot_.dimension())) return false;
+    const Pose3 pose = robot_.pose(q);
+    const Turn turn(pose);
+    return boundary_margin(pose, 0.0) >= -slack_ && free_of_obstacles(pose, turn, 0.0) >= 0.0;
+  }
+
+  [[nodiscard]] MotionReport motion(View a, View b) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) return {false, 1, 1.0};
+    const double displacement = robot_.displacement_bound(a, b);
+    const std::uint32_t n = configurations_of(displacement, resolution_);
+    const Order& order = order_of(n);
+    if (!filter_) {
+      for (std::uint32_t rank = 0; rank < n; ++rank) {
+        space_.interpolate(a, b, order.share(rank), q_);
+        if (!valid(q_)) return {false, rank + 1, order.share(rank)};
+      }
+      return {true, n, std::numeric_limits<double>::quiet_NaN()};
+    }
+    // By index: whether the clearance of another configuration shows that this one is free.
+    free_.assign(n + std::size_t{1}, 0);
+    // Rounding, in the displacement and in interpolation, is far below the filter's margin.
+    const double per_configuration = displacement / n;
+    for (std::uint32_t rank = 0; rank < n; ++rank) {
+      const std::uint32_t index = order.indices[rank];
+      if (free_[index] != 0) continue;
+      space_.interpolate(a, b, order.share(rank), q_);
+      const Pose3 pose = robot_.pose(q_);
+      const Turn turn(pose);
+      // Both margins shrink by at most the displacement.
+      const double enough = displacement * gap_before(rank);
+      const double margin = boundary_margin(pose, enough);
+      const double clearance = margin >= -slack_ ? free_of_obstacles(pose, turn, enough) : -1.0;
+      if (clearance < 0.0) return {false, rank + 1, order.share(rank)};
+      const double sure = std::min(clearance, margin);
+      if (sure > per_configuration) {
+        const double reach = std::min(sure / per_configuration, static_cast<double>(n));
+        const auto steps = static_cast<std::uint32_t>(reach);
+        const std::uint32_t first = index > steps ? index - steps : 0, last = std::min(n, index + steps);
+        std::fill(free_.begin() + first, free_.begin() + last + 1, char{1});
+      }
+    }
+    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  [[nodiscard]] double clearance(View q) const override {
+    if (!valid(q)) return 0.0;
+    const Pose3 pose = robot_.pose(q);
+    double best = std::numeric_limits<double>::infinity();
+    if (world_.contain() == Contain::reference) {
+      best = margin_inside({pose.position, pose.position}, world_.bounds());
+    }
+    fcl::DistanceRequestd request;
+    for (const Piece& piece : pieces_) {
+      const Solid placed{piece.solid.shape, pose * piece.solid.pose};
+      if (world_.contain() == Contain::robot)
+        best = std::min(best, margin_inside(bounding_box(placed), world_.bounds()));
+      const Transform3 frame = transform(placed.pose);
+      for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+        fcl::DistanceResultd result;
+        fcl::distance(piece.geometry.get(), frame, obstacles_[i].geometry.get(), frames_[i], request, result);
+        best = std::min(best, result.min_distance);
+      }
+    }
+    return std::max(best, 0.0);
+  }
+
+  [[nodiscard]] std::optional<Contact> contact(View q) const override {
+    if (!is_finite(q, robot_.dimension())) return Contact{0, std::nullopt};
+    if (valid(q)) return std::nullopt;
+    const Pose3 pose = robot_.pose(q);
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      for (const Piece& piece : pieces_) {
+        const Pose3 at = pose * piece.solid.pose;
+        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at), i)) return Contact{0, i};
+      }
+    }
+    return Contact{0, std::nullopt};
+  }
+
+ private:
+  /// Returns a margin inside the boundary that the robot has, the exact one where that is less than `enough`; negative
+  /// where it leaves the boundary.
+  [[nodiscard]] double boundary_margin(const Pose3& pose, double enough) const {
+    if (world_.contain() == Contain::none) return std::numeric_limits<double>::infinity();
+    const Vec3& p = pose.position;
+    const double of_reference = margin_inside({p, p}, world_.bounds());
+    if (world_.contain() == Contain::reference) return of_reference;
+    if (const double of_ball = of_reference - robot_.bounding_radius(); of_ball >= enough) return of_ball;
+    double margin = std::numeric_limits<double>::infinity();
+    for (const Piece& piece : pieces_) {
+      const Pose3 at = pose * piece.solid.pose;
+      double of_piece = margin_inside(box_at(piece, Turn(at)), world_.bounds());
+      if (!(of_piece >= enough)) of_piece = margin_inside(exact_box(piece, at), world_.bounds());
+      margin = std::min(margin, of_piece);
+      if (!(margin >= -slack_)) return margin;
+    }
+    return margin;
+  }
+
+  /// Returns a distance that the robot at a pose certainly has from all obstacles, 0 where it is unknown; -1 where it
+  /// meets one.
+  /// \param enough  the search for a larger distance may end at this one
+  [[nodiscard]] double free_of_obstacles(const Pose3& pose, const Turn& turn, double enough) const {
+    if (filter_) {
+      const NearFilter::Answer answer = filter_->decide(turn, enough);
+      if (answer.verdict == NearFilter::Verdict::free) return answer.clearance;
+      if (answer.verdict == NearFilter::Verdict::meets) return -1.0;
+    }
+    const bool met = std::any_of(pieces_.begin(), pieces_.end(),
+                                 [&](const Piece& piece) { return meets_any(piece, pose * piece.solid.pose); });
+    return met ? -1.0 : 0.0;
+  }
+
+  [[nodiscard]] bool meets_any(const Piece& piece, const Pose3& pose) const {
+    const Box3 box = box_at(piece, Turn(pose));
+    const Transform3 frame = transform(pose);
+    const auto meets = [&](std::size_t i) { return overlap(box, boxes_[i]) && meet(piece, pose, frame, i); };
+    // Configurations that are checked one after the other often meet the same obstacle.
+    const std::size_t before = last_met_;
+    if (before < obstacles_.size() && meets(before)) return true;
+    bool met = false;
+    tree_.each([&](const Box3& other) { return !met && overlap(box, other); },
+               [&](std::uint32_t i) {
+                 if (met || i == before || !meets(i)) return;
+                 met = true;
+                 last_met_ = i;
+               });
+    return met;
+  }
+
+  /// Whether a piece of the robot at a pose meets the obstacle. FCL's meshes are surfaces: what lies wholly inside a
+  /// closed one meets no triangle.
+  [[nodiscard]] bool meet(const Piece& piece, const Pose3& pose, const Transform3& frame, std::size_t i) const {
+    const Piece& obstacle = obstacles_[i];
+    result_.clear();
+    if (fcl::collide(piece.geometry.get(), frame, obstacle.geometry.get(), frames_[i], request_, result_) > 0) {
+      return true;
+    }
+    if (world_.surface()) return false;
+    return (obstacle.has_inside() && lies_inside(piece, pose, obstacle, obstacle.solid.pose)) ||
+           (piece.has_inside() && lies_inside(obstacle, obstacle.solid.pose, piece, pose));
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  const World3& world_;
+  const Robot3& robot_;
+  Space space_;
+  double resolution_;
+  double slack_ = 0.0;
+  std::vector<Piece> obstacles_;  ///< with frames and boxes
+  std::vector<Transform3> frames_;
+  std::vector<Box3> boxes_;
+  BoxTree tree_;               ///< of the boxes
+  std::vector<Piece> pieces_;  ///< of the robot
+  std::optional<NearFilter> filter_;
+  fcl::CollisionRequestd request_;
+
+  // Scratch.
+  mutable fcl::CollisionResultd result_;
+  mutable std::size_t last_met_ = 0;  ///< an obstacle
+  mutable std::vector<char> free_;
+  mutable Configuration q_;
+};
+
+}  // namespace
+
+std::unique_ptr<Checker> make_spatial_checker(std::shared_ptr<const Scene> scene, const Space& space, double resolution,
+                                              bool filtered) {
+  return std::make_unique<SpatialFclChecker>(std::move(scene), space, resolution, filtered);
+}
+
+}  // namespace trellis

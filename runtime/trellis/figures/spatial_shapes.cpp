@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/figures/spatial_shapes.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+namespace trellis {
+
+namespace {
+
+using draw::Point3;
+using draw::Surface;
+
+/// Returns the surface of a solid of revolution about z: circles of radius r at height z from below to above, of which
+/// the first and the last are points or closed by a disc.
+Surface revolved(const std::vector<std::pair<double, double>>& circles, unsigned sides) {
+  Surface out;
+  std::vector<std::uint32_t> first;  // of each circle
+  std::vector<unsigned> count;
+  const auto add_circle = [&](double r, double z) {
+    first.push_back(static_cast<std::uint32_t>(out.vertices.size()));
+    count.push_back(r > 0.0 ? sides : 1U);
+    for (unsigned i = 0; i < count.back(); ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / sides;
+      out.vertices.push_back({r * std::cos(angle), r * std::sin(angle), z});
+    }
+  };
+  if (circles.front().first > 0.0) add_circle(0.0, circles.front().second);
+  for (const auto& [r, z] : circles) add_circle(r, z);
+  if (circles.back().first > 0.0) add_circle(0.0, circles.back().second);
+  for (std::size_t ring = 0; ring + 1 < first.size(); ++ring) {
+    const auto vertex = [&](std::size_t which, unsigned i) { return first[which] + i % count[which]; };
+    for (unsigned i = 0; i < sides; ++i) {
+      if (count[ring] > 1) out.triangles.push_back({vertex(ring, i), vertex(ring, i + 1), vertex(ring + 1, i + 1)});
+      if (count[ring + 1] > 1) out.triangles.push_back({vertex(ring, i), vertex(ring + 1, i + 1), vertex(ring + 1, i)});
+    }
+  }
+  return out;
+}
+
+/// Adds quarter circles from a pole: of a ball's lower half from -90 to 0 degrees, of the upper half from 0 to 90.
+void add_half_ball(std::vector<std::pair<double, double>>& circles, double radius, double z, bool upper,
+                   unsigned sides) {
+  const int steps = static_cast<int>(sides) / 4;
+  for (int i = 0; i <= steps; ++i) {
+    const int step = upper ? i : i - steps;
+    const double angle = 0.5 * std::numbers::pi * step / steps;
+    circles.emplace_back(std::abs(step) == steps ? 0.0 : radius * std::cos(angle), z + radius * std::sin(angle));
+  }
+}
+
+struct Tessellation {
+  unsigned sides;  ///< of a turn
+
+  Surface operator()(const Sphere& sphere) const {
+    if (!(sphere.radius > 0.0)) return {};
+    std::vector<std::pair<double, double>> circles;
+    add_half_ball(circles, sphere.radius, 0.0, false, sides);
+    circles.pop_back();
+    add_half_ball(circles, sphere.radius, 0.0, true, sides);
+    return revolved(circles, sides);
+  }
+  Surface operator()(const Cuboid& box) const {
+    Surface out;
+    for (unsigned i = 0; i < 8; ++i) {
+      const auto side = [i](unsigned bit, double length) { return (i & bit) != 0 ? 0.5 * length : -0.5 * length; };
+      out.vertices.push_back({side(1, box.size.x), side(2, box.size.y), side(4, box.size.z)});
+    }
+    out.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    return out;
+  }
+  Surface operator()(const Cylinder& cylinder) const {
+    return revolved({{cylinder.radius, -0.5 * cylinder.length}, {cylinder.radius, 0.5 * cylinder.length}}, sides);
+  }
+  Surface operator()(const Capsule& capsule) const {
+    std::vector<std::pair<double, double>> circles;
+    add_half_ball(circles, capsule.radius, -0.5 * capsule.length, false, sides);
+    add_half_ball(circles, capsule.radius, 0.5 * capsule.length, true, sides);
+    return revolved(circles, sides);
+  }
+  Surface operator()(const std::shared_ptr<const Mesh>& mesh) const {
+    Surface out{.closed = mesh->closed()};
+    out.vertices.reserve(mesh->vertices().size());
+    for (const Vec3& v : mesh->vertices()) out.vertices.push_back(drawn(v));
+    out.triangles = mesh->triangles();
+    return out;
+  }
+};
+
+bool is_mesh(const Solid& solid) { return std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape); }
+
+}  // namespace
+
+Point3 drawn(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+Surface moved(const Surface& surface, const Pose3& pose) {
+  Surface out = surface;
+  for (Point3& p : out.vertices) p = drawn(pose({p.x, p.y, p.z}));
+  return out;
+}
+
+Surface surface_of(const Solid& solid, unsigned sides) {
+  return moved(std::visit(Tessellation{sides}, solid.shape), solid.pose);
+}
+
+Surface surface_of(const Robot3& robot) {
+  Surface out;
+  for (const Solid& solid : robot.solids()) append(out, surface_of(solid));
+  return out;
+}
+
+std::string WorldSurfaces::note() const {
+  if (cell == 0.0) return "";
+  std::size_t drawn = 0;
+  for (const Surface& surface : obstacles) drawn += surface.triangles.size();
+  return fmt::format("Meshes are simplified: {} of {} triangles, vertices within {:.2g} m merged.", drawn, triangles,
+                     cell);
+}
+
+WorldSurfaces surfaces_of(const World3& world, std::size_t most) {
+  WorldSurfaces out;
+  std::size_t primitives = 0;
+  for (const unsigned sides : {24U, 16U, 8U}) {
+    out = {};
+    primitives = 0;
+    for (const Obstacle3& obstacle : world.obstacles()) {
+      out.obstacles.push_back(surface_of(obstacle.solid, sides));
+      const std::size_t count = out.obstacles.back().triangles.size();
+      out.triangles += count;
+      if (!is_mesh(obstacle.solid)) primitives += count;
+    }
+    if (primitives <= most) break;
+  }
+  if (out.triangles <= most || primitives == out.triangles) return out;
+  constexpr double finest = 1.0 / 512.0;  // of the world's diagonal
+  constexpr double growth = 1.25;
+  const double diagonal = norm(world.bounds().hi - world.bounds().lo);
+  // Primitives count in full, but leave room for the meshes.
+  const std::size_t room = std::max(most / 2, most - std::min(most, primitives));
+  for (double cell = finest * diagonal; cell < diagonal; cell *= growth) {
+    std::vector<Surface> coarse;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < out.obstacles.size(); ++i) {
+      if (!is_mesh(world.obstacles()[i].solid)) {
+        coarse.emplace_back();
+        continue;
+      }
+      coarse.push_back(clustered(out.obstacles[i], cell));
+      count += coarse.back().triangles.size();
+    }
+    if (count > room) continue;
+    for (std::size_t i = 0; i < coarse.size(); ++i) {
+      if (is_mesh(world.obstacles()[i].solid)) out.obstacles[i] = std::move(coarse[i]);
+    }
+    out.cell = cell;
+    break;
+  }
+  return out;
+}
+
+std::vector<Surface> placed(const Robot3& robot, View q, std::size_t most) {
+  constexpr double finest = 1.0 / 64.0;  // of the robot's radius
+  constexpr double growth = 1.3;
+  const Pose3 pose = robot.pose(q);
+  std::vector<Surface> out;
+  for (const Solid& solid : robot.solids()) {
+    const Surface whole = surface_of(solid);
+    Surface surface = whole;
+    for (double cell = finest * robot.bounding_radius();
+         surface.triangles.size() > most && is_mesh(solid) && cell < robot.bounding_radius(); cell *= growth) {
+      surface = clustered(whole, cell);
+    }
+    out.push_back(moved(surface, pose));
+  }
+  return out;
+}
+
+draw::SpatialFigure spatial_frame(const Problem& problem) {
+  constexpr std::size_t most_triangles = 5000;
+  const SpatialScene& scene = spatial(*problem.scene);
+  draw::SpatialFigure figure;
+  figure.lo = drawn(scene.world.bounds().lo);
+  figure.hi = drawn(scene.world.bounds().hi);
+  figure.camera = draw::camera_for(figure.lo, figure.hi);
+  WorldSurfaces surfaces = surfaces_of(scene.world, most_triangles);
+  figure.caption = surfaces.note();
+  figure.obstacles = std::move(surfaces.obstacles);
+  const auto add = [&](View q, std::vector<Surface>& to) {
+    const std::vector<Surface> robot = placed(scene.robot, q);
+    to.insert(to.end(), robot.begin(), robot.end());
+  };
+  if (!problem.start.empty()) {
+    add(problem.start, figure.start);
+    figure.start_at = drawn(scene.robot.pose(problem.start).position);
+  }
+  for (const Configuration& goal : problem.goals) add(goal, figure.goal);
+  if (!problem.goals.empty()) figure.goal_at = drawn(scene.robot.pose(problem.goal()).position);
+  return figure;
+}
+
+}  // namespace trellis

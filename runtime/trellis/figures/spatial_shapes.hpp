@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <trellis/draw/spatial.hpp>
+#include <trellis/draw/surface.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+
+namespace trellis {
+
+draw::Point3 drawn(const Vec3& p);
+
+/// Returns the surface of a solid. Curved ones are approximated from inside.
+/// \param sides  of a turn, a multiple of 4
+draw::Surface surface_of(const Solid& solid, unsigned sides = 24);
+
+/// Returns the surface of the robot about its reference point; without triangles for a point.
+draw::Surface surface_of(const Robot3& robot);
+
+/// Returns the surface at a pose.
+draw::Surface moved(const draw::Surface& surface, const Pose3& pose);
+
+/// The surfaces of a world's obstacles, for pictures.
+struct WorldSurfaces {
+  std::vector<draw::Surface> obstacles;  ///< in the world's order
+  std::size_t triangles = 0;             ///< before simplification
+  double cell = 0.0;                     ///< metres: vertices in one cube of this size were merged; 0: none
+
+  /// A sentence about the simplification, "" where there is none.
+  [[nodiscard]] std::string note() const;
+};
+
+/// Returns the surfaces with at most about `most` triangles: merges vertices of meshes in cubes, which grow until that
+/// suffices. Of primitives, curved ones have fewer sides where they are too many.
+WorldSurfaces surfaces_of(const World3& world, std::size_t most);
+
+/// Returns the robot's solids at a configuration, each with at most about `most` triangles.
+std::vector<draw::Surface> placed(const Robot3& robot, View q, std::size_t most = 600);
+
+/// Returns what all pictures of a problem in space share: the world, and the robot at start and goals where it has
+/// them. Its caption says what was simplified.
+draw::SpatialFigure spatial_frame(const Problem& problem);
+
+}  // namespace trellis

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/reader/mesh_file.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <trellis/reader/mesh_formats.hpp>
+#include <trellis/scene/spatial/ranges.hpp>
+
+namespace trellis {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Format {
+  std::string_view ending;
+  void (*read)(const MeshSource&, Polygons&);
+};
+
+constexpr std::array<Format, 6> formats{
+    {{"stl", read_stl}, {"obj", read_obj}, {"ply", read_ply}, {"off", read_off}, {"g", read_byu}, {"dae", read_dae}}};
+
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  for (char& c : ending) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return ending.empty() ? ending : ending.substr(1);
+}
+
+const Format* format_of(const std::string& path) {
+  const std::string ending = ending_of(path);
+  const auto* const format =
+      std::find_if(formats.begin(), formats.end(), [&](const Format& f) { return f.ending == ending; });
+  return format == formats.end() ? nullptr : format;
+}
+
+std::string load(const std::string& path) {
+  constexpr std::uintmax_t largest = std::uintmax_t{64} << 20U;
+  std::error_code fault;
+  const fs::file_status status = fs::status(path, fault);
+  if (!fs::exists(status)) throw Error(fmt::format("{}: the file does not exist", path));
+  if (!fs::is_regular_file(status)) throw Error(fmt::format("{}: it is not a file", path));
+  const std::uintmax_t size = fs::file_size(path, fault);
+  std::ifstream in(path, std::ios::binary);
+  if (fault || !in) throw Error(fmt::format("{}: the file cannot be read", path));
+  if (size > largest) {
+    throw Error(
+        fmt::format("{}: it has {} MiB; a file of a mesh may have {} MiB", path, (size >> 20U) + 1U, largest >> 20U));
+  }
+  std::string text(size, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(size));
+  if (in.gcount() != static_cast<std::streamsize>(size)) throw Error(fmt::format("{}: the file cannot be read", path));
+  return text;
+}
+
+/// Warns where the extents suggest another unit.
+void check_extent(const Mesh& mesh, const std::string& unit, const std::string& path, MeshFile& file) {
+  constexpr double huge = 500.0, tiny = 0.005;  // m
+  const Vec3 size = mesh.bounds().hi - mesh.bounds().lo;
+  const double extent = std::max({size.x, size.y, size.z});
+  const std::string sizes = fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z);
+  if (extent > huge && unit == "m") {
+    file.warnings.push_back(
+        fmt::format(R"({}: it extends {}; if its numbers are millimetres, give unit = "mm")", path, sizes));
+  }
+  if (extent < tiny) {
+    file.warnings.push_back(
+        fmt::format("{}: it extends only {}; its unit was given as \"{}\", {}", path, sizes, unit,
+                    unit == "m" ? "but its numbers may be a larger one" : "but they may be metres"));
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& mesh_endings() {
+  static const std::vector<std::string> endings = [] {
+    std::vector<std::string> all;
+    all.reserve(formats.size());
+    for (const Format& format : formats) all.emplace_back(format.ending);
+    return all;
+  }();
+  return endings;
+}
+
+bool has_mesh_ending(const std::string& path) { return format_of(path) != nullptr; }
+
+double metres_in(const std::string& unit) {
+  static const std::vector<std::pair<std::string, double>> units{
+      {"m", 1.0}, {"mm", 1e-3}, {"cm", 1e-2}, {"inch", 0.0254}};
+  std::vector<std::string> names;
+  names.reserve(units.size());
+  for (const auto& [name, metres] : units) {
+    if (name == unit) return metres;
+    names.push_back(name);
+  }
+  const auto value = number_in(unit);
+  if (value && *value > 0.0 && std::isfinite(*value)) return *value;
+  throw Error(fmt::format(R"(unit must be "m", "mm", "cm", "inch" or a number of metres greater than 0, got "{}"{})",
+                          unit, did_you_mean(unit, names)));
+}
+
+MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
+  const Format* format = format_of(path);
+  if (format == nullptr) {
+    throw Error(
+        fmt::format("{}: files of meshes end with .stl, .obj, .ply, .off, .g or .dae{}", path,
+                    ending_of(path) == "wrl" ? "; convert it, for example with `assimp export` or Blender" : ""));
+  }
+  const MeshSource source{path, load(path), metres_in(options.unit)};
+  Polygons polygons(source);
+  format->read(source, polygons);
+  MeshFile file;
+  std::vector<Triangle> triangles = polygons.triangles(file.without_area);
+  file.format = polygons.format;
+  file.polygons = polygons.count();
+  if (triangles.empty()) {
+    throw source.error(0, polygons.count() == 0 ? "it has no triangles"
+                                                : fmt::format("none of its {} polygons has an area", polygons.count()));
+  }
+  const auto count = static_cast<double>(polygons.vertices.size());
+  for (const Vec3& v : polygons.vertices) file.vertex_mean = file.vertex_mean + v;
+  file.vertex_mean = 1.0 / count * file.vertex_mean;
+  file.mesh = std::make_shared<const Mesh>(std::move(polygons.vertices), std::move(triangles), path);
+  if (file.without_area > 0) {
+    file.warnings.push_back(fmt::format("{}: {} triangles without area were left out", path, file.without_area));
+  }
+  check_extent(*file.mesh, options.unit, path, file);
+  return file;
+}
+
+}  // namespace trellis

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Grid maps of the Moving AI Lab and their queries.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include <trellis/reader/formats.hpp>
+#include <trellis/scene/planar/scene.hpp>
+
+namespace trellis {
+
+namespace {
+
+constexpr const char* map_format = "Moving AI grid map";
+constexpr const char* units = "1 cell = 1 m";
+constexpr const char* frame = "the origin is the map's lower left corner, y up; row 0 is the uppermost";
+constexpr std::size_t most_queries = 100'000;
+
+bool passable(char cell) { return cell == '.' || cell == 'G' || cell == 'S'; }
+bool known(char cell) { return passable(cell) || cell == '@' || cell == 'O' || cell == 'T' || cell == 'W'; }
+
+struct GridMap {
+  std::size_t width = 0;
+  std::size_t height = 0;
+  std::vector<std::string> rows;  // from the top
+  std::vector<std::string> warnings;
+
+  [[nodiscard]] bool free(std::size_t column, std::size_t row) const { return passable(rows[row][column]); }
+};
+
+/// Returns the line of the word 'map', counted from 1.
+std::size_t read_header(const SourceText& text, GridMap& map) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < text.lines.size(); ++i) {
+    const auto words = words_of(text.lines[i]);
+    if (words.empty()) continue;
+    const std::string& key = words[0];
+    if (key != "type" && key != "height" && key != "width" && key != "map") {
+      throw text.error(i + 1, fmt::format("'{}' in the header, expected type, height, width or map", key));
+    }
+    if (!seen.insert(key).second) throw text.error(i + 1, fmt::format("'{}' for the second time", key));
+    if (key == "map") {
+      for (const char* needed : {"type", "height", "width"}) {
+        if (!seen.contains(needed)) throw text.error(i + 1, fmt::format("'{}' is missing above 'map'", needed));
+      }
+      return i + 1;
+    }
+    if (words.size() != 2)
+      throw text.error(i + 1, fmt::format("'{}' has {} values, expected 1", key, words.size() - 1));
+    if (key == "type") {
+      if (words[1] != "octile") throw text.error(i + 1, fmt::format("the type is '{}', expected 'octile'", words[1]));
+      continue;
+    }
+    const std::size_t side = count_in(text, i + 1, words[1], key.c_str());
+    if (side == 0 || side > most_grid_side) {
+      throw text.error(i + 1, fmt::format("the {} is {}, expected 1 to {}", key, side, most_grid_side));
+    }
+    (key == "height" ? map.height : map.width) = side;
+  }
+  throw text.error(text.last(), "no 'map', expected it above the rows of the grid");
+}
+
+GridMap grid_map(const SourceText& text) {
+  GridMap map;
+  const std::size_t begin = read_header(text, map);
+  std::size_t end = text.lines.size();
+  while (end > begin && words_of(text.lines[end - 1]).empty()) --end;
+  if (end - begin != map.height) {
+    throw text.error(std::max(end, begin), fmt::format("the grid has {} rows, expected {}", end - begin, map.height));
+  }
+  RowErrors errors;
+  std::size_t water = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    errors.attempt([&] {
+      const std::string& row = text.lines[i];
+      if (row.size() != map.width) {
+        throw text.error(i + 1, fmt::format("a row of {} cells, expected {}", row.size(), map.width));
+      }
+      const auto strange = std::find_if_not(row.begin(), row.end(), known);
+      if (strange != row.end()) {
+        const auto code = static_cast<unsigned char>(*strange);
+        const bool printable = code > ' ' && code < 0x7F;
+        throw text.error(i + 1, fmt::format("column {} is {}, expected one of . G S (passable) or @ O T W (not)",
+                                            strange - row.begin() + 1,
+                                            printable ? fmt::format("'{}'", *strange) : fmt::format("byte {}", code)));
+      }
+      water += static_cast<std::size_t>(std::count(row.begin(), row.end(), 'W'));
+    });
+    map.rows.push_back(text.lines[i]);
+  }
+  errors.raise();
+  if (water > 0) map.warnings.push_back(fmt::format("{} cells of water (W) are obstacles", water));
+  return map;
+}
+
+std::shared_ptr<const Scene> scene_of(const std::string& path, const GridMap& map, const ReadOptions& options) {
+  auto boxes = boxes_of(
+      path, map.width, map.height, [&](std::size_t column, std::size_t row) { return !map.free(column, row); }, {},
+      1.0);
+  const Box2 bounds{{0.0, 0.0}, {static_cast<double>(map.width), static_cast<double>(map.height)}};
+  return std::make_shared<const PlanarScene>(World(bounds, std::move(boxes)), options.robot.value_or(Robot::point()));
+}
+
+struct Query {
+  std::array<std::size_t, 4> cells{};  // start column and row, goal column and row
+  double length = 0.0;
+};
+
+constexpr std::size_t query_words = 9;
+
+/// Reads a row: bucket, map, width, height, start x, start y, goal x, goal y, length.
+Query query_of(const SourceText& text, std::size_t line, const std::vector<std::string>& words, const GridMap& map,
+               const std::string& map_name) {
+  if (words.size() != query_words) {
+    throw text.error(line, fmt::format("a row of {} words, expected 9: bucket map width height start-x start-y goal-x "
+                                       "goal-y length",
+                                       words.size()));
+  }
+  if (words[1] != map_name) {
+    throw text.error(line, fmt::format("the map is '{}', expected '{}' as in the first row", words[1], map_name));
+  }
+  static_cast<void>(count_in(text, line, words[0], "the bucket"));
+  const std::size_t width = count_in(text, line, words[2], "the width");
+  const std::size_t height = count_in(text, line, words[3], "the height");
+  if (width != map.width || height != map.height) {
+    throw text.error(line, fmt::format("the map's size is {} x {}, expected {} x {} as in the map: scaled queries are "
+                                       "not read",
+                                       width, height, map.width, map.height));
+  }
+  Query query;
+  constexpr std::array<const char*, 4> names = {"start-x", "start-y", "goal-x", "goal-y"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    query.cells.at(k) = count_in(text, line, words[4 + k], names.at(k));
+    const std::size_t end = k % 2 == 0 ? width : height;
+    if (query.cells.at(k) >= end) {
+      throw text.error(line, fmt::format("{} is {}, expected less than {}", names.at(k), query.cells.at(k), end));
+    }
+  }
+  for (std::size_t k = 0; k < 4; k += 2) {
+    if (!map.free(query.cells.at(k), query.cells.at(k + 1))) {
+      throw text.error(line, fmt::format("the {} cell ({}, {}) is '{}' in the map, expected a passable one",
+                                         k == 0 ? "start" : "goal", query.cells.at(k), query.cells.at(k + 1),
+                                         map.rows[query.cells.at(k + 1)][query.cells.at(k)]));
+    }
+  }
+  query.length = number_in(text, line, words[query_words - 1], "the length");
+  if (query.length < 0.0) throw text.error(line, fmt::format("the length is {}, expected at least 0", query.length));
+  return query;
+}
+
+Configuration centre(const GridMap& map, std::size_t column, std::size_t row, std::size_t dimension) {
+  Configuration q(dimension, 0.0);
+  q[0] = static_cast<double>(column) + 0.5;
+  q[1] = static_cast<double>(map.height - row) - 0.5;
+  return q;
+}
+
+}  // namespace
+
+bool is_moving_ai_map(const SourceText& text) {
+  if (text.lines.empty()) return false;
+  const auto words = words_of(text.lines[0]);
+  return words.size() == 2 && words[0] == "type";
+}
+
+SceneFile read_moving_ai_map(const SourceText& text, const ReadOptions& options) {
+  GridMap map = grid_map(text);
+  SceneFile file{
+      map_format, units, frame, {problem_in(stem_of(text.path), scene_of(text.path, map, options), options)}};
+  file.warnings = std::move(map.warnings);
+  return file;
+}
+
+bool is_moving_ai_queries(const SourceText& text) {
+  if (text.lines.empty()) return false;
+  const auto words = words_of(text.lines[0]);
+  return words.size() == 2 && words[0] == "version";
+}
+
+SceneFile read_moving_ai_queries(const SourceText& text, const ReadOptions& options) {
+  const auto version = words_of(text.lines[0])[1];
+  if (version != "1" && version != "1.0") throw text.error(1, fmt::format("version {}, expected 1", version));
+  if (text.lines.size() > most_queries + 2) {
+    throw text.error(most_queries + 2, fmt::format("more than {} queries", most_queries));
+  }
+  SceneFile file{"Moving AI queries", units, frame, {}};
+  std::string map_name;
+  GridMap map;
+  std::shared_ptr<const Scene> scene;
+  RowErrors errors;
+  for (std::size_t i = 1; i < text.lines.size(); ++i) {
+    const auto words = words_of(text.lines[i]);
+    if (words.empty()) continue;
+    if (!scene) {
+      map_name = words.size() > 1 ? words[1] : "";
+      const auto path = std::filesystem::path(text.path).parent_path() / std::filesystem::path(map_name).filename();
+      if (map_name.empty()) throw text.error(i + 1, "a row without the name of a map");
+      try {
+        map = grid_map(SourceText::load(path.string()));
+      } catch (const Error& fault) {
+        throw text.error(i + 1, fmt::format("its map: {}", fault.what()));
+      }
+      scene = scene_of(path.string(), map, options);
+    }
+    errors.attempt([&] {
+      const Query query = query_of(text, i + 1, words, map, map_name);
+      Problem problem = problem_in(fmt::format("{}/{}", stem_of(map_name), i), scene, options);
+      const std::size_t dimension = problem.space.dimension();
+      problem.start = centre(map, query.cells[0], query.cells[1], dimension);
+      problem.goals = {centre(map, query.cells[2], query.cells[3], dimension)};
+      file.problems.push_back(std::move(problem));
+      file.lengths.push_back(query.length);
+    });
+  }
+  errors.raise();
+  if (file.problems.empty()) throw text.error(text.last(), "no queries, expected at least one");
+  file.warnings = std::move(map.warnings);
+  return file;
+}
+
+}  // namespace trellis

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <trellis/scene/planar/robot.hpp>
+#include <trellis/scene/scene.hpp>
+
+namespace trellis {
+
+struct ReadOptions {
+  double weight = 0.0;               ///< metres per radian of angular axes; 0: the default, 1/pi
+  double resolution = 0.05;          ///< see Problem
+  std::string collision = "planar";  ///< see Problem
+  bool motion = true;            ///< problems have the motion models that the files name, where there is such a model
+  double goal_tolerance = 0.25;  ///< of problems with a motion model: their files do not give one
+  std::optional<Robot> robot = {};  ///< moves in a world whose file has no robot; none: the format's default
+  Configuration start = {};         ///< replaces the start of the file's one problem; empty: as in the file
+  Configuration goal = {};          ///< replaces its goal
+};
+
+/// What a scene file of another project contains.
+struct SceneFile {
+  std::string format;             ///< "Moving AI grid map"
+  std::string units;              ///< how its numbers become metres: "1 cell = 1 m"
+  std::string frame;              ///< where the origin is, and where the axes lead
+  std::vector<Problem> problems;  ///< at least one; start and goal are empty where neither file nor options have them
+  std::vector<double> lengths = {};        ///< of the problems' shortest paths or reference paths, metres; or empty
+  std::vector<std::string> warnings = {};  ///< what the file contains and the problems do not
+};
+
+/// Reads a scene file of another project. Its content selects the reader:
+///  - `type octile`: a grid map of Moving AI (.map); `version 1`: its queries (.scen), with the map in their folder
+///  - `world,x,y,radius`: the cylinder fields of BARN (obstacles.csv), with reference_path.csv in their folder
+///  - SVG: the convex hull of each path is an obstacle; 1 mm of the drawing is 1 m
+///  - YAML with `image` and `resolution`: a map of ROS, with its image (PNG or PGM)
+///  - PNG and PGM: pixels of 0.05 m, dark pixels are obstacles. The robot is a point that moves from the lower left
+///    corner to the upper right one.
+///  - the circle world of ompl_tests (two header lines, then "index x y r"). Its queries are in the file of the same
+///    folder in whose name "queries" replaces "obstacles".
+///  - .env or .query: an environment of PPL with its queries; XML with the root `rlplan`: a plan of the Robotics
+///  Library;
+///    a section [problem]: a configuration of OMPL.app. Their robots are rigid bodies in space, see docs/meshes.md.
+///  - a planar arm of SBPL on a grid. Its goal is a cell for the end of the last link: `reach` is set and `goal` is
+///    empty, see resolve_goal.
+///  - dynobench YAML (boxes). The models are in ../shared/models beside the scene's folder.
+/// \throws Error with file and line for malformed or missing content.
+SceneFile read_scene(const std::string& path, const ReadOptions& options);
+
+/// Returns the problems of a scene file, as `read_scene` reads them.
+/// \throws Error also where a problem has no start or goal
+std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options);
+
+/// Reads a robot's outline from an SVG of one path: its convex hull, about the middle of its bounding box.
+Robot read_robot(const std::string& path);
+
+}  // namespace trellis

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <trellis/reader/formats.hpp>
+
+namespace trellis {
+
+void require_readable(const std::string& path) {
+  std::error_code fault;
+  const auto status = std::filesystem::status(path, fault);
+  if (!std::filesystem::exists(status)) throw Error(fmt::format("{}: the file cannot be opened", path));
+  if (!std::filesystem::is_regular_file(status)) throw Error(fmt::format("{}: the file cannot be read", path));
+  const auto size = std::filesystem::file_size(path, fault);
+  if (!fault && size > most_file_bytes) {
+    throw Error(fmt::format("{}: the file has {} bytes, at most {} are read", path, size, most_file_bytes));
+  }
+}
+
+SourceText SourceText::load(const std::string& path) {
+  require_readable(path);
+  std::ifstream in(path);
+  if (!in) throw Error(fmt::format("{}: the file cannot be opened", path));
+  SourceText text{path, {}};
+  std::string line;
+  while (std::getline(in, line)) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (text.lines.size() == most_file_lines) {
+      throw text.error(most_file_lines, fmt::format("more than {} lines", most_file_lines));
+    }
+    text.lines.push_back(line);
+  }
+  if (in.bad() || (text.lines.empty() && !in.eof())) throw Error(fmt::format("{}: the file cannot be read", path));
+  return text;
+}
+
+Error SourceText::error(std::size_t line, const std::string& fault) const {
+  return Error(fmt::format("{}:{}: {}", path, line, fault));
+}
+
+std::string SourceText::joined() const {
+  std::string all;
+  for (const auto& line : lines) all += line + '\n';
+  return all;
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream in(line);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::size_t begin = 0;
+  for (std::size_t comma = line.find(','); comma != std::string::npos; comma = line.find(',', begin)) {
+    cells.push_back(line.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  cells.push_back(line.substr(begin));
+  return cells;
+}
+
+double number_in(const SourceText& text, std::size_t line, const std::string& word, const char* what) {
+  double value = 0.0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
+    throw text.error(line, fmt::format("{} is '{}', expected a finite number", what, word));
+  }
+  return value;
+}
+
+std::size_t count_in(const SourceText& text, std::size_t line, const std::string& word, const char* what) {
+  constexpr long most = 1'000'000'000;
+  long value = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (fault != std::errc() || end != word.data() + word.size() || value < 0 || value > most) {
+    throw text.error(line, fmt::format("{} is '{}', expected a whole number of at least 0", what, word));
+  }
+  return static_cast<std::size_t>(value);
+}
+
+std::string stem_of(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
+}  // namespace trellis

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/base/configurations.hpp>
+#include <trellis/scene/planar/shapes.hpp>
+#include <trellis/space/space.hpp>
+
+namespace trellis {
+
+/// One rigid body of a robot. The frame's origin is the joint; the body's angle rotates the frame.
+struct Body {
+  std::vector<ConvexShape> parts;  ///< in the body's frame
+  int parent = -1;                 ///< index of an earlier body, -1: the robot's reference point
+  Vec2 joint;                      ///< the body's origin, in the parent's frame
+  int angle_axis = -1;             ///< the axis that turns it; -1: it has its parent's angle
+  bool absolute = false;           ///< the axis gives the angle in the world, not relative to the parent
+  std::string name = {};           ///< its name in messages: "link 2"; "": "body 2"
+};
+
+/// The parameters of `Robot::arm`. The joint of link i + 1 is at the far end of link i.
+struct Arm {
+  std::vector<double> links;   ///< lengths, from the base on
+  std::vector<double> widths;  ///< of each link
+  Vec2 base = {};              ///< position of the first joint
+  /// Of each joint the least and the greatest angle, relative to the previous link; none: full turns.
+  std::vector<std::optional<std::pair<double, double>>> limits = {};
+  bool self_collision = true;  ///< links that are not neighbours must not touch
+};
+
+/// A planar robot: a tree of rigid bodies moved by the configuration. A point, a disc and a polygon are one body.
+class Robot {
+ public:
+  Robot() = default;
+  /// \param translates  axes 0 and 1 move the reference point; otherwise it is fixed at `base`
+  /// \throws Error on an empty robot, a parent that does not come earlier, or a malformed part.
+  Robot(std::string name, std::vector<Body> bodies, bool translates = true, Vec2 base = {});
+
+  static Robot point();
+  static Robot disc(double radius);
+  /// Returns a robot of one rigid body; axis 2 turns it where `rotates`. Splits non-convex polygons into convex parts.
+  static Robot rigid(const std::vector<Shape>& shapes, bool rotates = true);
+  /// Returns a planar arm of rectangular links with revolute joints; the first joint's angle refers to the world.
+  static Robot arm(const Arm& arm);
+
+  /// Returns the robot with these self-collision pairs, the lower index first; bodies of no pair may overlap.
+  /// \throws Error for indices out of range.
+  [[nodiscard]] Robot apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const;
+  /// Returns the robot with joint limits on the axes that turn bodies, in their order; none or an empty list: full
+  /// turns.
+  /// \throws Error for bounds that are not finite and ascending, or that span more than a full turn.
+  [[nodiscard]] Robot limited(std::vector<std::optional<std::pair<double, double>>> limits) const;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
+  [[nodiscard]] bool translates() const { return translates_; }
+  [[nodiscard]] Vec2 base() const { return base_; }
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& pairs() const { return pairs_; }
+  [[nodiscard]] const std::vector<std::optional<std::pair<double, double>>>& limits() const { return limits_; }
+  /// Returns "link 2", or "body 2" where it has no name.
+  [[nodiscard]] std::string body_name(std::size_t body) const;
+  [[nodiscard]] bool is_point() const;
+  /// Returns the number of axes that a configuration of the robot has.
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+
+  /// Returns the robot scaled by `factor` > 0 about its reference point, shapes and joints alike.
+  [[nodiscard]] Robot scaled(double factor) const;
+  /// Returns the robot with each part of each body scaled by `factor` > 0 across the body's axis, and discs about their
+  /// centres. Joints do not move, so the kinematics are the same. The axis leads from the body's joint to the farthest
+  /// joint that it carries, or to the middle of its own parts. For a factor of at most 1 every part lies within that of
+  /// the original robot at the same configuration. Radii and displacement bounds stay those of the original robot, so
+  /// that a checker validates a motion at the same configurations; only `inscribed_radius` is 0.
+  [[nodiscard]] Robot thinned(double factor) const;
+  /// Returns a bound on the distance of the robot's points from its reference point at all configurations.
+  [[nodiscard]] double bounding_radius() const { return bounding_radius_; }
+  /// Returns the radius of the largest disc about the reference point inside the robot (0 for a point, or where the
+  /// reference point lies outside).
+  [[nodiscard]] double inscribed_radius() const { return inscribed_radius_; }
+
+  /// Computes the pose of each body at q; `out` has bodies().size() entries.
+  /// \param q  at least `dimension` numbers, of which the first are used; fewer are undefined behaviour
+  void place(View q, std::span<Pose2> out) const;
+  /// Returns a bound, in metres, on the displacement of all points of the robot on the straight motion from a to b in
+  /// the space: translation plus radius times turn, summed along the chain.
+  /// \param a, b  configurations of `space`
+  [[nodiscard]] double displacement_bound(const Space& space, View a, View b) const;
+
+ private:
+  std::string name_;
+  std::vector<Body> bodies_;
+  bool translates_ = true;
+  Vec2 base_;
+  std::size_t dimension_ = 0;
+  double bounding_radius_ = 0.0;
+  double inscribed_radius_ = 0.0;
+  std::vector<double> body_radius_;  ///< of each body's parts about its own origin
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  std::vector<std::optional<std::pair<double, double>>> limits_;
+};
+
+}  // namespace trellis

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/scene/planar/robot.hpp>
+#include <trellis/scene/planar/world.hpp>
+#include <trellis/scene/scene.hpp>
+
+namespace trellis {
+
+/// A planar world and a planar robot.
+class PlanarScene final : public Scene {
+ public:
+  PlanarScene(World w, Robot r) : world(std::move(w)), robot(std::move(r)) {}
+
+  World world;
+  Robot robot;
+
+  [[nodiscard]] const PlanarScene* planar() const override { return this; }
+  [[nodiscard]] std::size_t world_dimension() const override { return 2; }
+  [[nodiscard]] double diagonal() const override { return norm(world.bounds().hi - world.bounds().lo); }
+  [[nodiscard]] double magnitude() const override;
+  [[nodiscard]] std::size_t obstacle_count() const override { return world.obstacles().size(); }
+  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
+    return world.obstacles().at(obstacle).name;
+  }
+  [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
+  [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
+  [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }
+  [[nodiscard]] bool translates() const override { return robot.translates(); }
+  [[nodiscard]] bool is_point() const override { return robot.is_point(); }
+  [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
+  [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
+  [[nodiscard]] std::size_t body_count() const override { return robot.bodies().size(); }
+  [[nodiscard]] std::string body_name(std::size_t body) const override { return robot.body_name(body); }
+  [[nodiscard]] Space default_space(double weight) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> of_point() const override;
+  [[nodiscard]] std::shared_ptr<const Scene> reduced(const std::vector<std::size_t>& kept) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> eroded(double distance) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> aggregated(double error) const override;
+};
+
+/// Returns the scene as a planar one.
+/// \throws Fault where it is not planar: the caller works in the plane alone and did not refuse it
+const PlanarScene& planar(const Scene& scene);
+/// As `planar`, for a shared scene.
+std::shared_ptr<const PlanarScene> planar_scene(std::shared_ptr<const Scene> scene);
+
+/// Returns the default space of a robot in a world: R^2 without turning, SE(2) with one angle, R^2 x SO(2)^k otherwise
+/// (SO(2)^k for a fixed base); an angle with limits is a bounded axis, R. `weight` in metres per radian.
+Space default_space(const Robot& robot, const World& world, double weight);
+
+}  // namespace trellis

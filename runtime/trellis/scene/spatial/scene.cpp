@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/scene/spatial/scene.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <trellis/base/error.hpp>
+#include <trellis/scene/spatial/aggregate.hpp>
+#include <trellis/scene/spatial/erosion.hpp>
+
+namespace trellis {
+
+double SpatialScene::magnitude() const {
+  const auto& [lo, hi] = world.bounds();
+  return std::max({std::abs(lo.x), std::abs(lo.y), std::abs(lo.z), std::abs(hi.x), std::abs(hi.y), std::abs(hi.z),
+                   robot.bounding_radius()});
+}
+
+std::string SpatialScene::body_name(std::size_t body) const { return fmt::format("body {}", body + 1); }
+
+Space SpatialScene::default_space(double weight) const {
+  const auto& [lo, hi] = world.bounds();
+  if (robot.rotates()) return Space::se3({{{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}}}, weight);
+  return Space::euclidean({{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}});
+}
+
+std::shared_ptr<const Scene> SpatialScene::shrunken(double scale) const {
+  return std::make_shared<SpatialScene>(world, robot.scaled(scale));
+}
+
+std::shared_ptr<const Scene> SpatialScene::with_obstacles(const std::vector<std::size_t>& kept) const {
+  std::vector<Obstacle3> obstacles;
+  obstacles.reserve(kept.size());
+  for (const std::size_t i : kept) obstacles.push_back(world.obstacles().at(i));
+  return std::make_shared<SpatialScene>(world.with(std::move(obstacles)), robot);
+}
+
+std::shared_ptr<const Scene> SpatialScene::of_point() const {
+  return std::make_shared<SpatialScene>(world, Robot3::point());
+}
+
+std::shared_ptr<const Scene> SpatialScene::reduced(const std::vector<std::size_t>& kept) const {
+  const auto keeps = [&](std::size_t column) { return std::find(kept.begin(), kept.end(), column) != kept.end(); };
+  const auto all_of = [&](std::size_t count) {
+    for (std::size_t column = 0; column < count; ++column) {
+      if (!keeps(column)) return false;
+    }
+    return true;
+  };
+  if (all_of(robot.dimension())) return std::make_shared<SpatialScene>(world, robot);
+  constexpr std::size_t position = 3;
+  if (!all_of(position)) return nullptr;
+  if (robot.is_point()) return of_point();
+  const double radius = robot.inscribed_radius();
+  if (!(radius > 0.0)) return nullptr;
+  return std::make_shared<SpatialScene>(world, Robot3("ball", {Solid{Sphere{radius}, {}}}, false));
+}
+
+std::shared_ptr<const Scene> SpatialScene::eroded(double distance) const {
+  return std::make_shared<SpatialScene>(trellis::eroded(world, distance), robot);
+}
+
+std::shared_ptr<const Scene> SpatialScene::aggregated(double error) const {
+  return std::make_shared<SpatialScene>(trellis::aggregated(world, error), robot);
+}
+
+const SpatialScene& spatial(const Scene& scene) {
+  if (const SpatialScene* found = scene.spatial()) return *found;
+  throw Fault("code for space received a planar scene");
+}
+
+}  // namespace trellis

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/scene/scene.hpp>
+#include <trellis/scene/spatial/robot.hpp>
+#include <trellis/scene/spatial/world.hpp>
+
+namespace trellis {
+
+/// A world of space and a rigid body that moves freely in it.
+class SpatialScene final : public Scene {
+ public:
+  SpatialScene(World3 w, Robot3 r) : world(std::move(w)), robot(std::move(r)) {}
+
+  World3 world;
+  Robot3 robot;
+
+  [[nodiscard]] const SpatialScene* spatial() const override { return this; }
+  [[nodiscard]] std::size_t world_dimension() const override { return 3; }
+  [[nodiscard]] double diagonal() const override { return norm(world.bounds().hi - world.bounds().lo); }
+  [[nodiscard]] double magnitude() const override;
+  [[nodiscard]] std::size_t obstacle_count() const override { return world.obstacles().size(); }
+  [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
+    return world.obstacles().at(obstacle).name;
+  }
+  [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
+  [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
+  [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }
+  [[nodiscard]] bool translates() const override { return true; }
+  [[nodiscard]] bool is_point() const override { return robot.is_point(); }
+  [[nodiscard]] double bounding_radius() const override { return robot.bounding_radius(); }
+  [[nodiscard]] double inscribed_radius() const override { return robot.inscribed_radius(); }
+  [[nodiscard]] std::size_t body_count() const override { return 1; }
+  [[nodiscard]] std::string body_name(std::size_t body) const override;
+  /// R^3, or SE(3) where the robot rotates.
+  [[nodiscard]] Space default_space(double weight) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> shrunken(double scale) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> with_obstacles(const std::vector<std::size_t>& kept) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> of_point() const override;
+  [[nodiscard]] std::shared_ptr<const Scene> reduced(const std::vector<std::size_t>& kept) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> eroded(double distance) const override;
+  [[nodiscard]] std::shared_ptr<const Scene> aggregated(double error) const override;
+};
+
+/// Returns the scene as one of space.
+/// \throws Fault where it is planar: the caller works in space alone and did not refuse it
+const SpatialScene& spatial(const Scene& scene);
+
+}  // namespace trellis

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <variant>
+
+#include <trellis/scene/spatial/mesh.hpp>
+#include <trellis/space/rotation.hpp>
+
+namespace trellis {
+
+/// A closed ball about the origin of its frame; radius 0 is a point (allowed for robots only).
+struct Sphere {
+  double radius = 0.0;
+  friend bool operator==(const Sphere&, const Sphere&) = default;
+};
+
+/// A closed box centred at the origin of its frame, with these lengths along x, y and z.
+struct Cuboid {
+  Vec3 size;
+  friend bool operator==(const Cuboid&, const Cuboid&) = default;
+};
+
+/// A closed cylinder centred at the origin of its frame, with its axis along z.
+struct Cylinder {
+  double radius = 0.0;
+  double length = 0.0;
+  friend bool operator==(const Cylinder&, const Cylinder&) = default;
+};
+
+/// All points within `radius` of a segment of this length along z, centred at the origin of its frame.
+struct Capsule {
+  double radius = 0.0;
+  double length = 0.0;  ///< of the segment, so the whole is 2 radius longer
+  friend bool operator==(const Capsule&, const Capsule&) = default;
+};
+
+/// The shapes of obstacles and robot parts in space. A mesh is shared: copies of a scene have one.
+using Shape3 = std::variant<Sphere, Cuboid, Cylinder, Capsule, std::shared_ptr<const Mesh>>;
+
+/// A shape at a place.
+struct Solid {
+  Shape3 shape;
+  Pose3 pose;  ///< of the shape's frame
+};
+
+/// Validates numbers: finite, within `most_distant`, extents and radii greater than 0, a pose with a unit quaternion.
+/// \param what  the solid's name in messages
+/// \param point  whether a sphere may have radius 0
+/// \throws Error that names the solid
+void check_solid(const Solid& solid, const std::string& what, bool point = false);
+
+/// Returns the smallest box along the axes that contains the solid.
+Box3 bounding_box(const Solid& solid);
+/// Returns the largest distance of a point of the solid from the origin.
+double farthest_from_origin(const Solid& solid);
+/// Returns the distance of p from the solid in metres, 0 inside; of a mesh that is not closed the distance from its
+/// surface. Takes time proportional to the number of a mesh's triangles.
+double distance_to(const Solid& solid, const Vec3& p);
+/// Returns the solid scaled by `factor` > 0 about the origin.
+Solid scaled(const Solid& solid, double factor);
+
+}  // namespace trellis

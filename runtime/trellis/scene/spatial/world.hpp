@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/scene/spatial/shapes.hpp>
+
+namespace trellis {
+
+class DistanceFields;
+
+struct Obstacle3 {
+  std::string name;  ///< its name in messages: "obstacle 3 (maze.obj)"
+  Solid solid;
+};
+
+/// What the bounds of a world must contain.
+enum class Contain : std::uint8_t {
+  robot,      ///< every point of the robot
+  reference,  ///< the robot's reference point
+  none        ///< nothing: the bounds only limit where configurations are drawn
+};
+
+/// The space that a robot moves in: a box, and closed obstacles. Immutable: copies share their content and what is
+/// cached for it, so that robots of several sizes in one world share them.
+class World3 {
+ public:
+  World3() : World3(Box3{{0, 0, 0}, {1, 1, 1}}, {}) {}
+  /// Validates the bounds and the obstacles.
+  /// \param surface  whether a closed mesh is only its surface, so that a body inside it is not in collision, as in
+  ///     FCL and in planners that use it directly
+  /// \throws Error that names the obstacle
+  World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain = Contain::robot, bool surface = false);
+
+  [[nodiscard]] const Box3& bounds() const { return content_->bounds; }
+  [[nodiscard]] const std::vector<Obstacle3>& obstacles() const { return content_->obstacles; }
+  [[nodiscard]] Contain contain() const { return content_->contain; }
+  [[nodiscard]] bool surface() const { return content_->surface; }
+  /// Returns a world with these obstacles and otherwise the same.
+  [[nodiscard]] World3 with(std::vector<Obstacle3> obstacles) const {
+    return {bounds(), std::move(obstacles), contain(), surface()};
+  }
+  /// Returns a pointer that identifies the content: copies have the same pointer, and no other living world has it.
+  [[nodiscard]] std::shared_ptr<const void> identity() const { return content_; }
+  /// Returns the distance fields of the obstacles, which copies of this world share: made at the first call.
+  [[nodiscard]] std::shared_ptr<const DistanceFields> distances() const;
+
+ private:
+  struct Content {
+    Content(Box3 box, std::vector<Obstacle3> all, Contain inside, bool only_surface)
+        : bounds(box), obstacles(std::move(all)), contain(inside), surface(only_surface) {}
+
+    Box3 bounds;
+    std::vector<Obstacle3> obstacles;
+    Contain contain;
+    bool surface;
+    mutable std::once_flag distances_made;
+    mutable std::shared_ptr<const DistanceFields> distances;
+  };
+  std::shared_ptr<const Content> content_;
+};
+
+}  // namespace trellis

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// trellis scene: what is in a scene file.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "support/catch.hpp"
+#include "support/process.hpp"
+#include "support/scenes.hpp"
+
+using Catch::Matchers::Contains;
+using trellis::test::content;
+using trellis::test::Outcome;
+using trellis::test::Place;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::string map = "type octile\nheight 3\nwidth 4\nmap\n..@.\n.G@S\n....\n";
+const std::string queries = "version 1\n0 yard.map 4 3 0 0 0 2 2\n0 yard.map 4 3 0 0 3 0 6.41421356\n";
+
+void write(const Place& place, const std::string& name, const std::string& text) {
+  std::ofstream(place / name, std::ios::binary) << text;
+}
+
+}  // namespace
+
+TEST_CASE("scene prints a file's problems, and of one its ends and the nearest obstacles") {
+  const Place place;
+  write(place, "yard.map", map);
+  write(place, "yard.map.scen", queries);
+  const Outcome first = place.run({"scene", "yard.map.scen"});
+  CHECK(first.status == 0);
+  CHECK(first.err.empty());
+  CHECK_THAT(first.out, Contains("problems  2, start and goal valid in 2\n") &&
+                            Contains("bounds    x 0 to 4, y 0 to 3 m\n") && Contains("obstacles 1 box\n") &&
+                            Contains("goal      (0.5, 0.5): valid, 1.58 m from box 1\n") &&
+                            Contains("length    2.0000 m, by the file\n"));
+  const Outcome second = place.run({"scene", "yard.map.scen", "--problem", "yard/2"});
+  CHECK_THAT(second.out, Contains("problem   'yard/2'\n") && Contains("goal      (3.5, 2.5): valid, 0.5 m from box 1"));
+  const Outcome none = place.run({"scene", "yard.map.scen", "--problem", "yard/3"});
+  CHECK(none.status == 2);
+  CHECK(
+      none.err ==
+      "trellis: --problem: yard.map.scen has no problem 'yard/3' (did you mean 'yard/1'?); the first is 'yard/1', the "
+      "last 'yard/2'\n");
+  const Outcome alone = place.run({"scene", "yard.map"});
+  CHECK_THAT(alone.out, Contains("start     none in the file\n"));
+}
+
+TEST_CASE("scene prints JSON, with what an invalid start touches") {
+  const Place place;
+  write(place, "obstacles.csv", "world,x,y,radius\n4,0,1,0.5\n");
+  write(place, "reference_path.csv", "world,i,x,y\n4,0,0,0.5\n4,1,0,3\n");
+  const Outcome text = place.run({"scene", "obstacles.csv"});
+  CHECK_THAT(text.out, Contains("start     (0, 0.5): invalid, touches cylinder 1\n") &&
+                           Contains("goal      (0, 3): valid, 1.28 m from cylinder 1\n"));
+  const Outcome outcome = place.run({"scene", "obstacles.csv", "--json"});
+  REQUIRE(outcome.status == 0);
+  const Json json = Json::parse(outcome.out);
+  CHECK(json["format"] == "BARN cylinder fields");
+  CHECK(json["kinds"]["disc"] == 1);
+  const Json& problem = json["problems"].at(0);
+  CHECK(problem["name"] == "barn/4");
+  CHECK(problem["start"]["valid"] == false);
+  CHECK(problem["start"]["contact"] == "cylinder 1");
+  CHECK(problem["goal"]["nearest"]["obstacle"] == "cylinder 1");
+  CHECK(problem["goal"]["nearest"]["distance"].get<double>() == Approx(1.285));
+}
+
+TEST_CASE("scene draws a file, with the robot of a drawing") {
+  const Place place;
+  write(place, "lot.svg", "<svg viewBox='0 0 9 4'><path id='wall' d='M4,1h1v3h-1z'/></svg>");
+  write(place, "car.svg", "<svg viewBox='0 0 2 1'><path d='M0,0h2v1h-2z'/></svg>");
+  const Outcome outcome =
+      place.run({"scene", "lot.svg", "--robot", "car.svg", "--svg", "lot-drawn.svg", "--png", "lot.png"});
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.out, Contains("robot     rigid in SE(2), within 1.118 m of its reference point\n"));
+  CHECK_THAT(content(place / "lot-drawn.svg"), Contains("<svg"));
+  CHECK(content(place / "lot.png").starts_with("\x89PNG\r\n\x1a\n"));
+}
+
+TEST_CASE("scene prints a mesh") {
+  const Place place;
+  write(place, "tetra.obj", "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nv 0 0 1000\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const Outcome outcome = place.run({"scene", "tetra.obj", "--unit", "mm"});
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.out, Contains("units     1 unit = 0.001 m\n") &&
+                              Contains("bounds    x 0 to 1, y 0 to 1, z 0 to 1 m\n") &&
+                              Contains("triangles 4, of 4 polygons; 4 vertices\n") &&
+                              Contains("closed    yes, convex, volume 0.1667 m3\n"));
+  const Json json = Json::parse(place.run({"scene", "tetra.obj", "--unit", "mm", "--json"}).out);
+  CHECK(json["triangles"] == 4);
+  CHECK(json["closed"] == true);
+  CHECK(place.run({"scene", "tetra.obj", "--png", "x.png", "--azimuth", "20", "--elevation", "70"}).status == 0);
+  CHECK(content(place / "x.png").starts_with("\x89PNG\r\n\x1a\n"));
+  CHECK(place.run({"scene", "tetra.obj", "--svg", "x.svg", "--elevation", "91"}).err ==
+        "trellis: --elevation must be a number of at most 90, got 91\n");
+  CHECK(place.run({"scene", "tetra.obj", "--problem", "x"}).status == 2);
+}
+
+TEST_CASE("scene says in a line what is wrong with a file") {
+  const Place place;
+  const auto fault = [&](const std::vector<std::string>& arguments) {
+    const Outcome outcome = place.run(arguments);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out.empty());
+    return outcome.err;
+  };
+  CHECK_THAT(fault({"scene", "gone.map"}), Contains("trellis: no file 'gone.map' (looked for gone.map"));
+  write(place, "bad.map", "type octile\nheight 3\nwidth 4\nmap\n..@.\n.G?S\n....\n");
+  CHECK(fault({"scene", "bad.map"}) ==
+        "trellis: bad.map:6: column 3 is '?', expected one of . G S (passable) or @ O T W (not)\n");
+  write(place, "words.txt", "no scene\n");
+  CHECK_THAT(fault({"scene", "words.txt"}), Contains("trellis: words.txt:1: no scene that can be read"));
+  write(place, "yard.map", map);
+  CHECK_THAT(fault({"scene", "yard.map", "--unit", "mm"}), Contains("--unit: yard.map is no mesh"));
+  CHECK_THAT(fault({"scene", "yard.map", "--robot", "gone.svg"}), Contains("--robot: no file 'gone.svg'"));
+  CHECK(fault({"scene", "yard.map", "--gltf", "x.glb"}) == "trellis: --gltf: yard.map is planar\n");
+  CHECK_THAT(fault({"scene", "yard.map", "--svg", "no/such/folder/x.svg"}), Contains("no/such/folder"));
+}
+
+TEST_CASE("scene prints a scene of space: what the bounds contain, triangles, and whether meshes are closed") {
+  const Place place;
+  write(place, "body.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  write(place, "floor.obj", "v -9 -9 -2\nv 9 -9 -2\nv 9 9 -2\nv -9 9 -2\nf 1 2 3\nf 1 3 4\n");
+  write(place, "hall.cfg",
+        "[problem]\nrobot = body.obj\nworld = floor.obj\nstart.x = 0\nstart.y = 0\nstart.z = 3\nstart.theta = 0\n"
+        "start.axis.x = 1\nstart.axis.y = 0\nstart.axis.z = 0\ngoal.x = 4\ngoal.y = 0\ngoal.z = 3\ngoal.theta = 0\n"
+        "goal.axis.x = 1\ngoal.axis.y = 0\ngoal.axis.z = 0\n"
+        "volume.min.x = -9\nvolume.min.y = -9\nvolume.min.z = -3\n"
+        "volume.max.x = 9\nvolume.max.y = 9\nvolume.max.z = 9\n");
+  const Outcome outcome = place.run({"scene", "hall.cfg"});
+  CHECK(outcome.err.empty());
+  CHECK_THAT(outcome.out, Contains("obstacles 1 mesh, 2 triangles, not closed") && Contains("4 triangles, closed") &&
+                              Contains("in SE(3)") && Contains(": valid, ") && Contains("contain   "));
+  const Json json = Json::parse(place.run({"scene", "hall.cfg", "--json"}).out);
+  CHECK(json["obstacle_meshes"]["triangles"] == 2);
+  CHECK(json["obstacle_meshes"]["closed"] == 0);
+  CHECK(json["robot_meshes"]["closed"] == 1);
+  CHECK(json["bounds"].size() == 3);
+  const Outcome drawn = place.run({"scene", "hall.cfg", "--svg", "hall.svg", "--png", "hall.png"});
+  CHECK(drawn.status == 0);
+  CHECK_THAT(content(place / "hall.svg"), Contains("<svg"));
+  CHECK(content(place / "hall.png").starts_with("\x89PNG\r\n\x1a\n"));
+  REQUIRE(place.run({"scene", "hall.cfg", "--svg", "again.svg"}).status == 0);
+  CHECK(content(place / "again.svg") == content(place / "hall.svg"));
+  REQUIRE(place.run({"scene", "hall.cfg", "--svg", "turned.svg", "--azimuth", "30"}).status == 0);
+  CHECK(content(place / "turned.svg") != content(place / "hall.svg"));
+  CHECK_THAT(place.run({"scene", "hall.cfg", "--azimuth", "30"}).err, Contains("nothing is drawn without --svg"));
+
+  REQUIRE(place.run({"scene", "hall.cfg", "--gltf", "hall.gltf"}).status == 0);
+  const Json gltf = Json::parse(content(place / "hall.gltf"));
+  CHECK(gltf["asset"]["version"] == "2.0");
+  CHECK(gltf["meshes"].size() == 4);  // the floor, the bounds, the body at start and goal
+  REQUIRE(place.run({"scene", "body.obj", "--gltf", "body.glb"}).status == 0);
+  CHECK(content(place / "body.glb").starts_with("glTF"));
+  CHECK(place.run({"scene", "hall.cfg", "--gltf", "hall.obj"}).err ==
+        "trellis: glTF: a name ends with .gltf or .glb, got 'hall.obj'\n");
+}
+
+TEST_CASE("scene draws scenes of space by others, in files of bounded size") {
+  const Place place;
+  for (const char* name : {"open_ppl/hook/hook.env", "rl/rlplan/box-6d-300505_maze_rrtConCon.mdl.sixDof.xml",
+                           "fcl/env.obj", "fcl/rob.obj"}) {
+    const std::filesystem::path path = trellis::test::scene(name);
+    if (path.empty()) continue;
+    CAPTURE(name);
+    const Outcome outcome =
+        place.run({"scene", path.string(), "--svg", "scene.svg", "--png", "scene.png", "--gltf", "scene.glb"});
+    INFO(outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK(content(place / "scene.svg").size() < 1'000'000);
+    CHECK_THAT(content(place / "scene.svg"), !Contains("nan"));
+    CHECK(content(place / "scene.glb").starts_with("glTF"));
+  }
+}
+
+TEST_CASE("run writes the motions in space as glTF, and says that a planar problem has none") {
+  const Place place;
+  place.script(
+      "script.lua",
+      "local hall = problem { name = 'hall', world = world { bounds = {0, 0, 0, 10, 10, 4} }, "
+      "robot = robot.rigid { box {-0.8, -0.5, -0.1, 0.8, 0.5, 0.1} }, start = pose {1, 1, 1}, goal = pose {9, 9, 3} }\n"
+      "return experiment { problems = { hall, scenes.cup() }, strategies = { free = rrt_connect { step = 1 } }, "
+      "seeds = 1, measure = false }\n");
+  const Outcome outcome = place.run({"run", "script.lua", "--gltf", "motions"});
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.err, Contains("trellis: cup: no glTF, its world is planar\n"));
+  CHECK(content(place / "motions/hall/free.glb").starts_with("glTF"));
+  CHECK_FALSE(std::filesystem::exists(place / "motions/cup"));
+}

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Collisions in space: the filter before FCL changes no answer and no count, and FCL's answers are right.
+//
+// TRELLIS_POSES sets the number of poses in each of the real scenes (default 2000).
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+#include "unit/scene_spatial.hpp"
+#include "unit/scene_spatial_worlds.hpp"
+
+#include <trellis/collision/checker.hpp>
+#include <trellis/reader/mesh_file.hpp>
+#include <trellis/reader/readers.hpp>
+#include <trellis/scene/spatial/distance_field.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+
+using namespace trellis;
+using namespace trellis::spatial_tests;
+
+namespace {
+
+struct Pair {
+  explicit Pair(const std::shared_ptr<const Scene>& of, double resolution, double weight = 1.0)
+      : scene(of),
+        space(of->default_space(weight)),
+        plain(make_spatial_checker(of, space, resolution, false)),
+        filtered(make_spatial_checker(of, space, resolution, true)) {}
+
+  std::shared_ptr<const Scene> scene;
+  Space space;
+  std::unique_ptr<Checker> plain, filtered;
+
+  [[nodiscard]] Configuration sample(Stream& stream) const {
+    Configuration q(space.dimension());
+    space.sample_uniform(stream, q);
+    return q;
+  }
+  [[nodiscard]] bool agree(View q) const { return plain->valid(q) == filtered->valid(q); }
+  [[nodiscard]] bool agree(View a, View b) const {
+    const MotionReport first = plain->motion(a, b), second = filtered->motion(a, b);
+    return first.valid == second.valid && first.checks == second.checks &&
+           (first.valid || first.invalid_at == second.invalid_at);
+  }
+};
+
+std::shared_ptr<const Scene> random_scene(Stream& stream, int round) {
+  const auto contain = static_cast<Contain>(round % 3);
+  World3 world = random_world(stream, 1 + static_cast<std::size_t>(round) % 5, round % 4 == 0, contain);
+  std::vector<Solid> solids;
+  const int parts = 1 + round % 2;
+  const double size = round % 5 == 0 ? 4.0 : 1.0;
+  for (int i = 0; i < parts; ++i) {
+    Shape3 shape = random_shape(stream, size);
+    solids.push_back({std::move(shape), random_pose(stream, 0.5)});
+  }
+  return std::make_shared<SpatialScene>(std::move(world), Robot3("body", std::move(solids)));
+}
+
+/// Halves the motion between a valid and an invalid configuration: a pair of poses closer to contact each time.
+template <class Visit>
+void bisect(const Pair& pair, Configuration valid, Configuration invalid, int steps, const Visit& visit) {
+  Configuration middle(valid.size());
+  for (int i = 0; i < steps; ++i) {
+    pair.space.interpolate(valid, invalid, 0.5, middle);
+    visit(middle);
+    (pair.plain->valid(middle) ? valid : invalid) = middle;
+  }
+}
+
+/// The disagreements of poses: uniform ones, and as many again on the path to contact.
+std::size_t differences(const Pair& pair, std::size_t poses, Stream& stream) {
+  std::size_t found = 0;
+  Configuration valid, invalid;
+  for (std::size_t i = 0; i < poses; ++i) {
+    Configuration q = pair.sample(stream);
+    if (!pair.agree(q)) ++found;
+    (pair.plain->valid(q) ? valid : invalid) = std::move(q);
+    constexpr int steps = 40;
+    if (i % steps != 0 || valid.empty() || invalid.empty()) continue;
+    bisect(pair, valid, invalid, steps, [&](View near) {
+      if (!pair.agree(near)) ++found;
+    });
+  }
+  return found;
+}
+
+std::size_t differences_of_motions(const Pair& pair, std::size_t motions, double length, Stream& stream) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < motions; ++i) {
+    Configuration a = pair.sample(stream), b = pair.sample(stream);
+    // Motions of planners begin at valid configurations.
+    for (int tries = 0; tries < 20 && !pair.plain->valid(a); ++tries) a = pair.sample(stream);
+    const double whole = pair.space.distance(a, b);
+    Configuration end(b.size());
+    pair.space.interpolate(a, b, i % 8 == 0 ? 1.0 : std::min(1.0, length / whole), end);
+    if (!pair.agree(a, end)) ++found;
+  }
+  return found;
+}
+
+std::size_t poses() {
+  const char* set = std::getenv("TRELLIS_POSES");  // NOLINT(concurrency-mt-unsafe): nothing here sets it
+  return set != nullptr ? std::strtoull(set, nullptr, 10) : 2000;
+}
+
+/// The same scene, where closed meshes are surfaces or solids.
+std::shared_ptr<const Scene> with_surface(const SpatialScene& scene, bool surface) {
+  const World3& w = scene.world;
+  return std::make_shared<SpatialScene>(World3(w.bounds(), w.obstacles(), w.contain(), surface), scene.robot);
+}
+
+void require_none(const std::shared_ptr<const Scene>& scene, double resolution, double weight,
+                  const std::string& name) {
+  for (const bool surface : {false, true}) {
+    const Pair pair(with_surface(spatial(*scene), surface), resolution, weight);
+    Stream stream(5, name, surface ? "surfaces" : "solids");
+    INFO(name << ", surface " << surface);
+    CHECK(differences(pair, poses(), stream) == 0);
+    CHECK(differences_of_motions(pair, poses() / 20, 20.0 * resolution, stream) == 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the filter before FCL changes no answer about a pose") {
+  Stream stream(1, "spatial", "poses");
+  for (int round = 0; round < 120; ++round) {
+    const Pair pair(random_scene(stream, round), 0.05);
+    INFO(round);
+    CHECK(differences(pair, 400, stream) == 0);
+  }
+}
+
+TEST_CASE("the filter before FCL changes no answer about a motion, and no count") {
+  Stream stream(2, "spatial", "motions");
+  for (int round = 0; round < 120; ++round) {
+    const Pair pair(random_scene(stream, round), 0.05);
+    INFO(round);
+    CHECK(differences_of_motions(pair, 60, 1.0, stream) == 0);
+  }
+}
+
+TEST_CASE("a ball is valid where the obstacles are farther than its radius") {
+  Stream stream(3, "spatial", "balls");
+  for (int round = 0; round < 60; ++round) {
+    const World3 world = random_world(stream, 1 + static_cast<std::size_t>(round) % 5, round % 4 == 0, Contain::none);
+    const double radius = round % 3 == 0 ? 0.0 : stream.uniform(0.05, 1.0);
+    const auto distance = world.distances()->distance();
+    const Pair pair(std::make_shared<SpatialScene>(world, Robot3("ball", {Solid{Sphere{radius}, {}}}, false)), 0.05);
+    for (int i = 0; i < 300; ++i) {
+      const Configuration q = pair.sample(stream);
+      const double gap = (*distance)({q[0], q[1], q[2]}) - radius;
+      // A point on a surface is a matter of rounding.
+      if (std::abs(gap) < 1e-6) continue;
+      INFO(round << ": " << q[0] << " " << q[1] << " " << q[2] << ", gap " << gap);
+      CHECK(pair.plain->valid(q) == (gap > 0.0));
+      CHECK(pair.filtered->valid(q) == (gap > 0.0));
+    }
+  }
+}
+
+TEST_CASE("a robot with a point inside an obstacle is in collision") {
+  Stream stream(4, "spatial", "points");
+  for (int round = 0; round < 120; ++round) {
+    const auto scene = random_scene(stream, round);
+    const World3& world = spatial(*scene).world;
+    const Robot3& robot = spatial(*scene).robot;
+    // Two surfaces may lie inside each other.
+    if (world.surface()) continue;
+    const Pair pair(scene, 0.05);
+    const auto of_world = world.distances()->distance();
+    const ObstacleDistance of_robot(robot.solids(), false);
+    for (int i = 0; i < 100; ++i) {
+      const Configuration q = pair.sample(stream);
+      const Pose3 pose = robot.pose(q);
+      bool meets = false;
+      for (int k = 0; k < 50 && !meets; ++k) {
+        const Vec3 p = random_point(stream, robot.bounding_radius());
+        meets = of_robot(p) < -1e-6 && (*of_world)(pose(p)) < -1e-6;
+      }
+      if (!meets) continue;
+      INFO(round << ": " << q[0] << " " << q[1] << " " << q[2]);
+      CHECK(!pair.plain->valid(q));
+      CHECK(!pair.filtered->valid(q));
+      REQUIRE(pair.filtered->contact(q));
+    }
+  }
+}
+
+TEST_CASE("a closed mesh with a part inside a body is in collision, whichever part it is") {
+  const auto two = shared(apart({0.2, 0.2, 0.2}));
+  const Robot3 room("room", {Solid{shared(box({-1, -1, -1}, {1, 1, 1})), {}}});
+  for (const double side : {-1.1, 1.1}) {
+    // The obstacle's one part is inside the robot, the other far outside; then the roles change.
+    const World3 world(bounds, {{"two", {two, {}}}}, Contain::none);
+    const Pair pair(std::make_shared<SpatialScene>(world, room), 0.05);
+    CHECK(!pair.plain->valid(Configuration{side, 0, 0, 0, 0, 0, 1}));
+    CHECK(!pair.filtered->valid(Configuration{side, 0, 0, 0, 0, 0, 1}));
+    const World3 inverse(bounds, {{"room", room.solids().front()}}, Contain::none);
+    const Pair other(std::make_shared<SpatialScene>(inverse, Robot3("two", {Solid{two, {}}})), 0.05);
+    CHECK(!other.plain->valid(Configuration{side, 0, 0, 0, 0, 0, 1}));
+    CHECK(!other.filtered->valid(Configuration{side, 0, 0, 0, 0, 0, 1}));
+  }
+}
+
+TEST_CASE("the filter changes no answer in the hook's environment", "[poses]") {
+  const auto path = test::scene("open_ppl/hook/hook.env");
+  if (path.empty()) return;
+  require_none(read_problems(path.string(), {}).front().scene, 1.0, 40.0, "hook");
+}
+
+TEST_CASE("the filter changes no answer in the maze of the Robotics Library", "[poses]") {
+  const auto path = test::scene("rl/rlplan/box-6d-300505_maze_rrtConCon.mdl.sixDof.xml");
+  const auto mesh = test::scene("rl/obj/maze.obj");
+  if (path.empty() || mesh.empty()) return;
+  const Problem problem = read_problems(path.string(), {}).front();
+  require_none(problem.scene, 0.05, 1.5, "maze of boxes");
+  const SpatialScene& scene = spatial(*problem.scene);
+  const World3 world = scene.world.with({{"maze", {read_mesh(mesh.string()).mesh, {}}}});
+  require_none(std::make_shared<SpatialScene>(world, scene.robot), 0.05, 1.5, "maze as a mesh");
+}
+
+TEST_CASE("the filter changes no answer among the large meshes of FCL's tests", "[poses]") {
+  const auto environment = test::scene("fcl/env.obj");
+  const auto robot = test::scene("fcl/rob.obj");
+  if (environment.empty() || robot.empty()) return;
+  const auto mesh = read_mesh(environment.string()).mesh;
+  const World3 world(mesh->bounds(), {{"environment", {mesh, {}}}}, Contain::reference);
+  const auto body = read_mesh(robot.string()).mesh;
+  require_none(std::make_shared<SpatialScene>(world, Robot3("robot", {Solid{body, {}}})), 20.0, 500.0, "fcl");
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Worlds, bodies and poses of space in the language.
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <variant>
+
+#include <trellis/collision/checker.hpp>
+#include <trellis/scene/spatial/scene.hpp>
+
+#include "support/catch.hpp"
+#include "support/folder.hpp"
+#include "support/script.hpp"
+
+using namespace trellis;
+using Catch::Matchers::Contains;
+using test::failure;
+using test::values;
+
+namespace {
+
+const std::string head =
+    "local w = world { bounds = {0, 0, 0, 10, 10, 4}, box {4, 0, 0, 6, 10, 1.5, name = 'sill'} } "
+    "local bar = robot.rigid { box {-1, -.1, -.1, 1, .1, .1} } ";
+
+Problem problem(const std::string& ends) {
+  const std::string script = head + "return rrt_connect {}, problem { world = w, robot = bar, " + ends + " }";
+  return dsl::Session("").load(script, "test.lua").experiment.problems.front();
+}
+
+}  // namespace
+
+TEST_CASE("a problem in space has poses as its ends, and the body's radius as the weight of turns") {
+  const Problem p = problem("start = pose {1.5, 5, 3}, goal = pose {8, 5, 3, axis = {0, 0, 1}, angle = math.pi / 2}");
+  CHECK(p.space.name() == "SE(3)");
+  CHECK(p.space.dimension() == 7);
+  CHECK(p.space.degrees() == 6);
+  CHECK(p.collision == "fcl");
+  CHECK(p.start == Configuration{1.5, 5, 3, 0, 0, 0, 1});
+  const double half = std::sqrt(0.5);
+  CHECK(p.goal()[5] == Approx(half));
+  CHECK(p.goal()[6] == Approx(half));
+  CHECK(p.scene->bounding_radius() == Approx(std::sqrt(1.02)));
+  CHECK(p.space.factors().back().axis.weight == p.scene->bounding_radius());
+  CHECK(problem("weight = 0.5, start = pose {1.5, 5, 3}, goal = pose {8, 5, 3}").space.factors().back().axis.weight ==
+        0.5);
+}
+
+TEST_CASE("ends in space may be written as numbers, with a quaternion of few decimals") {
+  const Problem p = problem("start = {1.5, 5, 3, 0, 0, 0, 1}, goal = {8, 5, 3, 0, 0, .70711, .70711}");
+  CHECK(p.goal()[5] == Approx(std::sqrt(0.5)));
+  CHECK(p.space.contains(p.goal()));
+  CHECK_THAT(
+      failure(head + "problem { world = w, robot = bar, start = {1.5, 5, 3, 1, 1, 0, 0}, goal = pose {8, 5, 3} }"),
+      Contains("norm 1.41421") && Contains("pose { 1.5, 5, 3, axis"));
+  CHECK_THAT(failure(head + "problem { world = w, robot = bar, start = {1.5, 5, 3}, goal = pose {8, 5, 3} }"),
+             Contains("must have 7 coordinates"));
+}
+
+TEST_CASE("several goals in space, as poses") {
+  const Problem p = problem("start = pose {1.5, 5, 3}, goal = { pose {8, 5, 3}, pose {8, 6, 3} }");
+  REQUIRE(p.goals.size() == 2);
+  CHECK(p.goals[1][1] == 6);
+}
+
+TEST_CASE("a start in collision in space names the obstacle, and a place beside it") {
+  CHECK_THAT(failure(head + "problem { world = w, robot = bar, start = pose {5, 5, 1}, goal = pose {8, 5, 3} }"),
+             Contains("start (5, 5, 1, 0, 0, 0, 1) is in collision with obstacle 1 (sill)"));
+  CHECK_THAT(failure(head + "problem { world = w, robot = bar, start = pose {0.5, 5, 3}, goal = pose {8, 5, 3} }"),
+             Contains("in collision with the world's boundary"));
+  CHECK_THAT(failure(head + "problem { world = w, robot = bar, start = pose {1.5, 5, 5}, goal = pose {8, 5, 3} }"),
+             Contains("start is out of bounds: z = 5, expected it in [0, 4]"));
+}
+
+TEST_CASE("what the bounds contain: the robot, its reference point, or nothing") {
+  const auto at = [](const std::string& contain) {
+    return "local w = world { bounds = {0, 0, 0, 9, 9, 9}, contain = '" + contain +
+           "' } return problem { world = w, robot = robot.rigid { box {-1, -1, -1, 1, 1, 1} }, "
+           "start = pose {0.5, 5, 5}, goal = pose {5, 5, 5} }";
+  };
+  CHECK_THAT(failure(at("robot")), Contains("the world's boundary"));
+  CHECK_NOTHROW(values(at("reference")));
+  CHECK_NOTHROW(values(at("none")));
+}
+
+TEST_CASE("poses turn by axis and angle, by roll, pitch and yaw, or by a quaternion") {
+  const auto turned = [](const std::string& how) {
+    return values("local q = pose {0, 0, 0, " + how +
+                  "}.quaternion return string.format('%.3f %.3f %.3f %.3f', q[1], q[2], q[3], q[4])")
+        .front();
+  };
+  CHECK(turned("axis = {0, 0, 2}, angle = math.pi / 2") == "0.000 0.000 0.707 0.707");
+  CHECK(turned("rpy = {0, 0, math.pi / 2}") == "0.000 0.000 0.707 0.707");
+  CHECK(turned("quaternion = {0, 0, .7071, .7071}") == "0.000 0.000 0.707 0.707");
+  // About x first, then about the fixed z axis.
+  CHECK(turned("rpy = {math.pi / 2, 0, math.pi / 2}") == "0.500 0.500 0.500 0.500");
+  CHECK(values("return tostring(pose {1, 2, 3, axis = {0, 0, 1}, angle = 1})").front() ==
+        "pose (1, 2, 3) turned by 1 rad about (0, 0, 1)");
+}
+
+TEST_CASE("shapes of space lie where their poses say") {
+  // A box that is turned by an eighth about z reaches sqrt(2) along x; a point beside it is free.
+  const std::string script =
+      "local w = world { bounds = {-5, -5, -5, 5, 5, 5}, SHAPE } return problem { world = w, robot = "
+      "robot.point { dimension = 3 }, start = {AT}, goal = {4, 4, 4} }";
+  const auto collides = [&](const std::string& shape, const std::string& at) {
+    std::string text = script;
+    text.replace(text.find("SHAPE"), 5, shape);
+    text.replace(text.find("AT"), 2, at);
+    try {
+      static_cast<void>(values(text));
+      return false;
+    } catch (const Error&) {
+      return true;
+    }
+  };
+  const std::string box = "box {-1, -1, -1, 1, 1, 1, pose = pose {0, 0, 0, axis = {0, 0, 1}, angle = math.pi / 4}}";
+  CHECK(collides(box, "1.4, 0, 0"));
+  CHECK_FALSE(collides(box, "1, 1, 0"));
+  const std::string cylinder =
+      "cylinder { radius = 0.5, length = 2, pose = pose {0, 0, 1, axis = {1, 0, 0}, angle = math.pi / 2} }";
+  CHECK(collides(cylinder, "0, 0.9, 1"));
+  CHECK_FALSE(collides(cylinder, "0, 0, 1.9"));
+  const std::string capsule = "capsule { radius = 0.5, length = 2 }";
+  CHECK(collides(capsule, "0, 0, 1.4"));
+  CHECK_FALSE(collides(capsule, "0.4, 0, 1.4"));
+  const std::string hull = "convex { {0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2} }";
+  CHECK(collides(hull, "0.5, 0.5, 0.5"));
+  CHECK_FALSE(collides(hull, "1, 1, 1"));
+  CHECK(collides("sphere {1, 1, 1, 0.5}", "1, 1, 1.4"));
+}
+
+TEST_CASE("a mesh is read from the script's folder, in its unit, and its inside is solid") {
+  const test::Folder folder;
+  // A cube with sides of 2000.
+  static_cast<void>(folder.write(
+      "cube.off",
+      "OFF\n8 6 0\n0 0 0\n2000 0 0\n2000 2000 0\n0 2000 0\n0 0 2000\n2000 0 2000\n2000 2000 2000\n0 2000 2000\n"
+      "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"));
+  const auto load = [&](const std::string& surface, const std::string& start) {
+    const std::string script = "local w = world { bounds = {-5, -5, -5, 5, 5, 5}, surface = " + surface +
+                               ", mesh { 'cube.off', unit = 'mm', pose = pose {1, 0, 0}, name = 'cube' } } return rrt "
+                               "{}, problem { world = w, "
+                               "robot = robot.rigid { sphere {0, 0, 0, 0.1} }, start = pose {" +
+                               start + "}, goal = pose {-4, -4, -4} }";
+    return dsl::Session(folder.path()).load(script, "test.lua").experiment.problems.front();
+  };
+  CHECK_THROWS_WITH(load("false", "2, 1, 1"), Contains("in collision with obstacle 1 (cube)"));
+  CHECK_NOTHROW(load("true", "2, 1, 1"));
+  CHECK_THROWS_WITH(load("true", "1, 1, 1"), Contains("in collision with obstacle 1 (cube)"));
+  CHECK(dsl::Session(folder.path()).evaluate("return mesh 'cube.off'", "test.lua").front() == "mesh cube.off");
+}
