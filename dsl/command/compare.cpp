@@ -24,6 +24,7 @@ struct Options {
   std::vector<std::string> files;      ///< documents of trellis run --json
   std::string baseline;                ///< a strategy, "" for the one that the documents name
   std::string out;                     ///< a folder, "" if not given
+  bool by_name = false;                ///< strategies of one name may have other options in each file
   std::optional<std::uint64_t> width;  ///< of what is printed, in columns
   FigureOptions style;
 };
@@ -35,6 +36,7 @@ int compare(const Options& options) {
   const FigureStyle style = figure_style(options.style, !options.out.empty());
   OutputFolder out(options.out);
   CostData data;
+  data.by_name = options.by_name;
   for (const std::string& file : options.files) data.add(dsl::read_file(file, largest), file);
   const std::string baseline = options.baseline.empty() ? data.reference() : options.baseline;
   if (baseline.empty()) throw Error("compare: the files have one strategy, so there is nothing to compare it with");
@@ -59,6 +61,9 @@ void add_compare(CommandLine& line) {
   verb.arguments("RESULTS", "FILE", options->files, "documents that trellis run --json wrote");
   verb.text("--baseline", "NAME", options->baseline,
             "the strategy that the others are compared with, instead of the experiment's");
+  verb.flag(
+      "--by-name", options->by_name,
+      "compare strategies by name, where their options differ between files (as steps that follow a world's size)");
   verb.text("--out", "FOLDER", options->out, "write tables and figures into a folder");
   verb.integer("--width", "N", 60, 1000, options->width,
                "the tables' width in columns (default the terminal's, else COLUMNS of the environment, else 160)");

@@ -148,10 +148,31 @@ TEST_CASE("documents that do not fit are refused by name", "[report][costs]") {
   const std::string one = document("cup", "", false, {{"connect", "rrt_connect()", {1}}});
   data.add(one, "one.json");
   CHECK_THROWS_WITH(data.add(one, "again.json"), "again.json: seed 1 of 'connect' on 'cup' is there twice");
-  CHECK_THROWS_WITH(data.add(document("trap", "", false, {{"connect", "rrt()", {1}}}), "two.json"),
-                    "two.json: 'connect' is rrt() here and rrt_connect() in another file");
+  CHECK_THROWS_WITH(
+      data.add(document("trap", "", false, {{"connect", "rrt()", {1}}}), "two.json"),
+      "two.json: 'connect' is rrt() here and rrt_connect() in another file; --by-name compares strategies "
+      "by their names alone");
   CHECK_THROWS_WITH(compare_costs(data, CostReference::baseline, "conect"),
                     "there is no strategy 'conect' (did you mean 'connect'?); there are: connect");
+}
+
+TEST_CASE("strategies whose options differ between documents are compared by name where that is asked for",
+          "[report][costs]") {
+  CostData data;
+  data.by_name = true;
+  data.add(
+      document("small", "", false, {{"connect", "rrt_connect { step = 1 }", {4}}, {"rrt", "rrt { step = 1 }", {8}}}),
+      "small.json");
+  data.add(
+      document("large", "", false, {{"connect", "rrt_connect { step = 9 }", {2}}, {"rrt", "rrt { step = 9 }", {1}}}),
+      "large.json");
+  REQUIRE(data.strategies.size() == 2);
+  CHECK(data.strategies[0].text == "rrt_connect { step = 1 }");
+  CHECK(data.runs.size() == 4);
+  const auto beside = compare_costs(data, CostReference::baseline, "connect");
+  const CostSummary summary = summarise_costs(data, beside, 1, &CostComparison::checks);
+  CHECK(summary.problems == 2);
+  CHECK(summary.worst == 2.0);
 }
 
 TEST_CASE("a document without CPU times has ratios of checks only", "[report][costs]") {

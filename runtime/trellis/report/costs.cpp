@@ -157,8 +157,9 @@ void CostData::add(const std::string& document, const std::string& file) {
       const auto name = entry.at("name").get<std::string>();
       const auto text = entry.at("text").get<std::string>();
       const auto known = index_of(strategies, name);
-      if (known && strategies[*known].text != text) {
-        fail(fmt::format("'{}' is {} here and {} in another file", name, text, strategies[*known].text));
+      if (known && !by_name && strategies[*known].text != text) {
+        fail(fmt::format("'{}' is {} here and {} in another file; --by-name compares strategies by their names alone",
+                         name, text, strategies[*known].text));
       }
       if (!known) strategies.push_back({name, text, ablations.contains(name)});
     }

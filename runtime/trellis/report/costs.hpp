@@ -41,8 +41,11 @@ struct CostData {
   std::vector<Strategy> strategies;
   std::vector<Run> runs;
   std::string baseline;  ///< that the first document names, "" for none
+  /// Whether a strategy may have other options in each document, as steps that follow the size of the world. It then
+  /// has the text of the first document.
+  bool by_name = false;
 
-  /// Adds the runs of a document. Strategies of one name must be equal.
+  /// Adds the runs of a document. Strategies of one name must be equal unless `by_name` is set.
   /// \throws Error that names the file, for another kind of document and for a run that was added before.
   void add(const std::string& document, const std::string& file);
   /// Returns the baseline, by default the first strategy without a guide, else the first; "" for a single strategy.
