@@ -99,7 +99,7 @@ DistanceFields::DistanceFields(const World3& world) {
   const Vec3 extent = region.hi - region.lo;
   const double longest = std::max(longest_side(extent), std::numeric_limits<double>::min());
 
-  constexpr double most_at_finest = 4'000'000;
+  constexpr double most_at_finest = 250'000;
   constexpr double most_along_a_side = 1024;
   constexpr double least_along_a_side = 8;
   double spacing = longest / most_along_a_side;
