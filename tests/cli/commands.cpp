@@ -417,7 +417,9 @@ TEST_CASE("the manual page and the completions have every verb and option of --h
       const std::string name =
           option.substr(2, option.find(',') == std::string::npos ? option.npos : option.find(',') - 2);
       INFO(option);
-      CHECK(page.find("\\fB\\-\\-" + name + "\\fR") != std::string::npos);
+      std::string escaped;
+      for (const char c : "--" + name) escaped += c == '-' ? "\\-" : std::string(1, c);
+      CHECK(page.find("\\fB" + escaped + "\\fR") != std::string::npos);
       CHECK(bash.find("--" + name) != std::string::npos);
       CHECK(fish.find(" -l " + name + " ") != std::string::npos);
       CHECK(zsh.find("'--" + name + "[") != std::string::npos);
