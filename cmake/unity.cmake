@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A unity build: sources of a target are compiled in groups, since most of the time goes to what they include. A clean
-# build takes half the processor time; a change of one source compiles its group again. docs/decisions/0066 has figures.
+# build takes a fifth less processor time; a change of one source compiles its group again. docs/decisions/0066 has figures.
 #
 # cmake/source-groups.awk chooses the groups such that no name of one source hides one of another. It does so when CMake
 # configures: where a new name clashes later ("redefinition"), configure again.
