@@ -87,7 +87,7 @@ TEST_CASE("what a script can make large is limited, and the message names the li
   }
 }
 
-TEST_CASE("where the system gives no memory, one line says so") {
+TEST_CASE("where the system gives no memory, one line says so", "[slow]") {
 #ifndef __SANITIZE_ADDRESS__  // the sanitizer reserves more than the limit
   const Place place;
   place.script("long.lua",

@@ -30,7 +30,7 @@ std::string script(const std::string& measure) {
 
 }  // namespace
 
-TEST_CASE("samples of a body in space have a bound as their headline, and the report says so") {
+TEST_CASE("samples of a body in space have a bound as their headline, and the report says so", "[slow]") {
   const Place place;
   for (const std::string distance : {"planar", "full"}) {
     CAPTURE(distance);

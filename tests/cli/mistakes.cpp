@@ -67,7 +67,7 @@ TEST_CASE("check and run report all mistakes of a script in one pass, by line") 
   CHECK(run.err == checked.err);
 }
 
-TEST_CASE("what follows a mistake gives no message of its own") {
+TEST_CASE("what follows a mistake gives no message of its own", "[slow]") {
   const Place place;
   const std::string end = "return experiment { problems = p, strategies = { a = s } }\n";
   const std::vector<std::string> scripts = {

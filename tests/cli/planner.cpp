@@ -22,7 +22,7 @@ Outcome run(const Place& place, const std::string& command) {
 
 }  // namespace
 
-SCENARIO("a planner of one's own runs under guides", "[cli][planner]") {
+SCENARIO("a planner of one's own runs under guides", "[cli][planner][slow]") {
   const std::string script = "'" TRELLIS_SOURCE "/examples/planner/nested.lua'";
   GIVEN("the program of examples/planner") {
     const Place place;

@@ -62,7 +62,7 @@ TEST_CASE("plot draws one figure, and says what it cannot draw") {
   CHECK(other.err.find("there is no strategy 'rtr'") != std::string::npos);
 }
 
-TEST_CASE("plot draws the figures of the measure as the run did") {
+TEST_CASE("plot draws the figures of the measure as the run did", "[slow]") {
   const Place place;
   place.script("it.lua", R"(
 return experiment {

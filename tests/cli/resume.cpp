@@ -109,7 +109,7 @@ TEST_CASE("a run that is killed at random ends with the bytes of one that is not
   }
 }
 
-TEST_CASE("a run takes stored scores and figures, and only what is missing is made again") {
+TEST_CASE("a run takes stored scores and figures, and only what is missing is made again", "[slow]") {
   const Runs it;
   REQUIRE(it.run("made").status == 0);
   const std::string before = it.text("made/results.json");
@@ -140,7 +140,7 @@ TEST_CASE("a run takes stored scores and figures, and only what is missing is ma
   CHECK(it.text("made/results.json").find("\"free_share\":0.125") == std::string::npos);
 }
 
-TEST_CASE("a folder of other runs is refused, and the difference is named") {
+TEST_CASE("a folder of other runs is refused, and the difference is named", "[slow]") {
   const Runs it;
   REQUIRE(it.run("made").status == 0);
   const std::string end = "; name another folder, or start again with --restart, which deletes their records\n";
@@ -166,7 +166,7 @@ TEST_CASE("a folder of other runs is refused, and the difference is named") {
         "--restart\n");
 }
 
-TEST_CASE("a run continues after a full disk") {
+TEST_CASE("a run continues after a full disk", "[slow]") {
   const Runs it;
   const Outcome full = it.place.shell("ulimit -f 64; exec \"$T\" run it.lua --quiet --out made");
   CHECK(full.status == 2);

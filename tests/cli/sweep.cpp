@@ -235,7 +235,7 @@ TEST_CASE("one database has every run of the shards, and the tables of Planner A
   CHECK_FALSE(std::getline(lines, more));
 }
 
-TEST_CASE("a merge replaces its own database only, and has the scores of a run") {
+TEST_CASE("a merge replaces its own database only, and has the scores of a run", "[slow]") {
   const Sweeps it;
   REQUIRE(it.place.run({"run", "it.lua", "--seeds", "1", "--quiet", "--out", "scored"}).status == 0);
   REQUIRE(it.place.run({"merge", "scored", "--sqlite", "all.db"}).status == 0);

@@ -21,7 +21,7 @@ return tune(function(p) return p.guide >> rrt { step = p.step } end, scenes.cup(
 
 }  // namespace
 
-SCENARIO("trellis tune prints the best strategy to paste", "[cli][tune]") {
+SCENARIO("trellis tune prints the best strategy to paste", "[cli][tune][slow]") {
   GIVEN("a script that returns a tuning") {
     const Place place;
     place.script("own.lua", script);

@@ -67,7 +67,7 @@ TEST_CASE("a ball's density integrates to one and is that of its samples, with r
   }
 }
 
-TEST_CASE("a tube's density integrates to one and is that of its samples, with rotations", "[guide][kernels]") {
+TEST_CASE("a tube's density integrates to one and is that of its samples, with rotations", "[guide][kernels][slow]") {
   for (const Space& space : spaces()) {
     Stream stream(2, "tube", space.name());
     Configurations path(space.dimension());

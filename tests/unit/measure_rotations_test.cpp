@@ -183,7 +183,7 @@ TEST_CASE("membership, distance and arc length of a tube are those of its path, 
   }
 }
 
-TEST_CASE("tubes with rotations have the volumes of their closed forms", "[measure]") {
+TEST_CASE("tubes with rotations have the volumes of their closed forms", "[measure][slow]") {
   const double w = 0.7;
   SECTION("about a turn: a cylinder and a ball of rotations") {
     const Space space = Space::so3(w);
@@ -240,7 +240,7 @@ TEST_CASE("tubes with rotations have the volumes of their closed forms", "[measu
   }
 }
 
-TEST_CASE("a tube with rotations depends on its seed alone", "[measure]") {
+TEST_CASE("a tube with rotations depends on its seed alone", "[measure][slow]") {
   const Space space = se3();
   const Configurations path = bent_path(space);
   CHECK(equal(tube(space, path, 0.5, 3).pool(), tube(space, path, 0.5, 3).pool()));
@@ -297,7 +297,7 @@ TEST_CASE("trees and balls of every space agree with brute force", "[measure][la
   }
 }
 
-TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][chain]") {
+TEST_CASE("estimates in spaces with rotations are near the truth", "[measure][chain][slow]") {
   const auto defended = [](const Target& target, double density) {
     return verify::constant_defended(target.log_volume(), target.space().log_volume(), density);
   };

@@ -94,7 +94,7 @@ TEST_CASE("what is not twice as thick vanishes, and a mesh that is not closed is
 
 TEST_CASE(
     "a closed mesh that is not convex is eroded on a grid: what is left is deep enough, and all that is deeper is",
-    "[scene][spatial]") {
+    "[scene][spatial][slow]") {
   // A cube with a corner pushed in.
   const auto dent = std::make_shared<const Mesh>(
       std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0.4, 0.4, 0.4}, {0, 1, 1}},
