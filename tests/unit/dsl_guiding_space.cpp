@@ -295,7 +295,7 @@ TEST_CASE("a distribution that a script returns hears of everything that it woul
 
 TEST_CASE("where the planner lost nodes a script is notified, receives the others, and recomputes h") {
   // `drop` removes the blocking obstacle, which returns: the tree in that space loses branches.
-  const std::string strategy = "g >> drop { planner = rrt { step = 0.5, bound = 1 } } >> rrt { step = 0.5, bound = 1 }";
+  const std::string strategy = "g >> drop { planner = rrt { step = 0.5, bound = 0 } } >> rrt { step = 0.5, bound = 0 }";
   const auto guide = [](const std::string& restart, const std::string& more) {
     return "(function() local lost = false\n"
            "return guiding_space { name = 'mine', space = {}, restart = function() " +

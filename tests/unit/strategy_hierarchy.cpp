@@ -15,6 +15,7 @@
 
 #include "support/catch.hpp"
 #include "support/refuses.hpp"
+#include "support/space.hpp"
 #include "support/worlds.hpp"
 
 using namespace trellis;
@@ -277,6 +278,31 @@ TEST_CASE("whatever a guide does, its strategy spends about twice what the plann
   }
 }
 
+TEST_CASE("two nested searches cost little where the planner alone needs few checks", "[strategy][bound]") {
+  // Nothing is in the way, so the first proposal of RRT-Connect nearly always finds a path.
+  Problem problem = test::slot_problem();
+  const Robot3& plank = spatial(*problem.scene).robot;
+  problem.name = "open";
+  problem.scene = std::make_shared<const SpatialScene>(World3({{0, 0, 0}, {10, 10, 10}}, {}), plank);
+  problem.start = {1, 1, 1, 0, std::sqrt(0.5), 0, std::sqrt(0.5)};
+  problem.goals = {{9, 9, 9, std::sqrt(0.5), 0, 0, std::sqrt(0.5)}};
+  const GuideSpec shrink = GuideSpec::make("shrink", {{"scale", 0.5}});
+  const PlannerSpec connect = PlannerSpec::make("rrt_connect", {{"step", 0.5}});
+  const auto spent = [&](const StrategySpec& strategy) {
+    std::vector<double> checks;
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+      const RunRecord run = execute(strategy, problem, seed);
+      CHECK(run.solved);
+      checks.push_back(static_cast<double>(run.validity_checks));
+    }
+    return median(checks);
+  };
+  const double alone = spent(connect);
+  const double nested = spent(GuideSpec::make("workspace", {}) >> shrink >> connect);
+  CAPTURE(alone, nested);
+  CHECK(nested <= 3.0 * alone);
+}
+
 TEST_CASE("without a bound a guide may spend what it likes", "[strategy][bound]") {
   const auto problem = test::cup_problem();
   const StrategySpec bounded = over(adversary<Garbage>("garbage"), "rrt");
@@ -338,8 +364,9 @@ TEST_CASE("what comes back into the world of a level comes back into the worlds 
     CAPTURE(below);
     std::uint64_t solves = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      const RunRecord run =
-          execute(over(GuideSpec::make(below, {}) >> GuideSpec::make("drop", {}), "rrt"), problem, seed);
+      const StrategySpec strategy = {PlannerSpec::make("rrt", {{"step", 0.5}, {"bound", 0.0}}),
+                                     GuideSpec::make(below, {}) >> GuideSpec::make("drop", {})};
+      const RunRecord run = execute(strategy, problem, seed);
       REQUIRE(run.levels.size() == 3);
       const auto obstacles = [&](std::size_t i) { return run.levels[i].scene->obstacle_count(); };
       CHECK(obstacles(1) > 0);

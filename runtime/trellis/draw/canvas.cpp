@@ -21,6 +21,8 @@
 // Cairo caches fontconfig's results behind pointers that the leak check cannot follow: five patterns, whatever the
 // number of drawings.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
+// The list of what was suppressed would be in the output that tests compare.
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
 #endif
 
 namespace trellis::draw {

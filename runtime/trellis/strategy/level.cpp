@@ -54,7 +54,7 @@ Level::Level(Run& run, Level* parent, std::string key, std::string name, std::un
 double Level::work() const {
   const double below = guidance_.guide() != nullptr ? guidance_.guide()->work() : 0.0;
   return static_cast<double>(instance_->checks.validity) + static_cast<double>(record_.search.proposals.size()) +
-         below - guidance_.earned();
+         below - guidance_.deducted();
 }
 
 void Level::replace_instance(std::unique_ptr<Instance> instance) {

@@ -58,8 +58,9 @@ struct Run {
 ///
 /// Interleaves guided and unguided work, so that a guide costs little more than it saves (bounded loss). Work is the
 /// number of validity checks and proposals. The work of guided proposals and of all levels below is at most `bound`
-/// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. If
-/// this limit is reached, or if the guide's space is still being searched, the planner draws unguided proposals.
+/// times the work of unguided proposals, beyond a grant and beyond the work earned by progress along guiding paths. Of
+/// the work below, a part of the checks that progress there required is deducted. If this limit is reached, or if the
+/// guide's space is still being searched, the planner draws unguided proposals.
 class LevelGuidance final : public Guidance {
  public:
   /// \param search  record of the level's planner; outlives this object
@@ -182,7 +183,9 @@ class LevelGuidance final : public Guidance {
   /// Work that the guide may spend initially.
   [[nodiscard]] double grant() const { return grant_rate * direct_ * instance_.checks_per_metre(); }
   /// Work that progress along guiding paths has earned.
-  [[nodiscard]] double earned() const { return progress_rate * instance_.checks_per_metre() * progress(); }
+  [[nodiscard]] double earned() const { return progress_rate * progress_checks(); }
+  /// Work of this level that the level above does not count, because its search made progress.
+  [[nodiscard]] double deducted() const { return deduction_rate * progress_checks(); }
   /// Work of one kind of proposals.
   struct Spent {
     double checks = 0.0;
@@ -207,8 +210,15 @@ class LevelGuidance final : public Guidance {
   static constexpr double grant_rate = 1.5;
   /// Earned by a metre of progress, as a multiple of the checks per metre.
   static constexpr double progress_rate = 3.0;
+  /// Deducted for a metre of progress from the work that the level above counts, as a multiple of the checks per metre.
+  /// Measured: above 0.5, nested searches cost more where the planner alone needs few checks; below, they cost more at
+  /// narrow passages, where they save most.
+  static constexpr double deduction_rate = 0.5;
   /// Minimum work of a level below before it pauses.
   static constexpr double least_slice = 32.0;
+
+  /// Checks of as many metres as connected nodes have advanced along guiding paths.
+  [[nodiscard]] double progress_checks() const { return instance_.checks_per_metre() * progress(); }
 
   Source draw(Stream& stream, MutableView out) {
     prepare();
@@ -339,7 +349,7 @@ class Level {
   }
   /// As `solve`, but within a slice. A search that the slice ends is unfinished; the next call continues it.
   Advance advance(double proposals, const Slice& slice);
-  /// Validity checks and proposals of this level and all below it, less the work earned by progress.
+  /// Validity checks and proposals of this level and all below it, less what is deducted for progress.
   [[nodiscard]] double work() const;
   /// Replaces the instance by a new projection of the parent's. The search keeps its valid part.
   void replace_instance(std::unique_ptr<Instance> instance);

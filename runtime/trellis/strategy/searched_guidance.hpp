@@ -49,7 +49,7 @@ class SearchedGuidance : public Guidance {
     static_cast<void>(slice);
     return Advance::found;
   }
-  /// Work of all levels below, less the work earned by their progress.
+  /// Work of all levels below, less what is deducted for their progress.
   [[nodiscard]] virtual double work() const { return 0.0; }
   /// How often h was refuted; with several searching parts, the minimum over them.
   [[nodiscard]] virtual std::uint64_t refuted() const { return 0; }

@@ -13,7 +13,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -21,6 +20,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/segment_voronoi.hpp>
 
@@ -705,28 +705,8 @@ Skeleton medial_axis(const World& world, double spacing, int disc_vertices) {
 }
 
 std::shared_ptr<const Skeleton> cached_medial_axis(const World& world) {
-  struct Entry {
-    std::once_flag once;
-    std::shared_ptr<const Skeleton> skeleton;
-  };
-  struct Slot {
-    std::weak_ptr<const void> world;  // expired: another world now has this address
-    std::shared_ptr<Entry> entry;
-  };
-  static std::mutex mutex;
-  static std::map<const void*, Slot> cache;
-
-  std::shared_ptr<Entry> entry;
-  {
-    const std::scoped_lock lock(mutex);
-    std::erase_if(cache, [](const auto& item) { return item.second.world.expired(); });
-    Slot& slot = cache[world.identity().get()];
-    if (!slot.entry) slot = {world.identity(), std::make_shared<Entry>()};
-    entry = slot.entry;
-  }
-  // Outside the lock, so that worlds do not wait for each other; callers with the same world wait for its result.
-  std::call_once(entry->once, [&] { entry->skeleton = std::make_shared<const Skeleton>(medial_axis(world)); });
-  return entry->skeleton;
+  static CacheByWorld<Skeleton> cache;
+  return cache.get(world, [](const World& of) { return medial_axis(of); });
 }
 
 }  // namespace trellis

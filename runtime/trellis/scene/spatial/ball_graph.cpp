@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <mutex>
 #include <numeric>
 #include <queue>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/spatial/free_distance.hpp>
 
 namespace trellis {
@@ -401,28 +400,8 @@ BallGraph ball_graph(const World3& world, double resolution, double spacing) {
 }
 
 std::shared_ptr<const BallGraph> cached_ball_graph(const World3& world) {
-  struct Entry {
-    std::once_flag once;
-    std::shared_ptr<const BallGraph> graph;
-  };
-  struct Slot {
-    std::weak_ptr<const void> world;  // expired: another world now has this address
-    std::shared_ptr<Entry> entry;
-  };
-  static std::mutex mutex;
-  static std::map<const void*, Slot> cache;
-
-  std::shared_ptr<Entry> entry;
-  {
-    const std::scoped_lock lock(mutex);
-    std::erase_if(cache, [](const auto& item) { return item.second.world.expired(); });
-    Slot& slot = cache[world.identity().get()];
-    if (!slot.entry) slot = {world.identity(), std::make_shared<Entry>()};
-    entry = slot.entry;
-  }
-  // Outside the lock, so that worlds do not wait for each other; callers with the same world wait for its result.
-  std::call_once(entry->once, [&] { entry->graph = std::make_shared<const BallGraph>(ball_graph(world)); });
-  return entry->graph;
+  static CacheByWorld<BallGraph> cache;
+  return cache.get(world, [](const World3& of) { return ball_graph(of); });
 }
 
 }  // namespace trellis
