@@ -264,6 +264,12 @@ RecordFile::RecordFile(const std::string& folder, const char* name, bool restart
 
 RecordFile::~RecordFile() { ::close(file_); }
 
+std::optional<std::string> RecordFile::find(const RunKey& key) const {
+  const std::scoped_lock lock(mutex_);
+  const auto stored = records_.find(key);
+  return stored != records_.end() ? std::optional(stored->second) : std::nullopt;
+}
+
 void RecordFile::append(const RunKey& key, const std::string& line) {
   const std::scoped_lock lock(mutex_);
   int reason = write_all(file_, line + '\n');

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -109,7 +110,10 @@ class RecordFile {
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
+  /// Not while another thread may append.
   [[nodiscard]] const Records& records() const { return records_; }
+  /// Returns the record of a key, if there is one. Thread-safe.
+  [[nodiscard]] std::optional<std::string> find(const RunKey& key) const;
   /// Appends a record, or one that replaces the key's, and syncs it. A failure leaves the records before it.
   /// Thread-safe. \throws Error
   void append(const RunKey& key, const std::string& line);
@@ -119,7 +123,7 @@ class RecordFile {
   int file_ = -1;
   std::size_t size_ = 0;
   Records records_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
 };
 
 }  // namespace trellis::command

@@ -52,13 +52,13 @@ Resume::Resume(std::string folder, const Manifest& manifest, bool restart)
 
 void Resume::planned(RunResult& run) {
   const RunKey key = key_of(run);
-  const auto stored = runs_.records().find(key);
-  if (stored == runs_.records().end()) {
+  const auto stored = runs_.find(key);
+  if (!stored) {
     runs_.append(key, run_line(run));
     return;
   }
-  restore_times(run, stored->second);
-  if (equal_but_for_scores(stored->second, run_line(run))) return;
+  restore_times(run, *stored);
+  if (equal_but_for_scores(*stored, run_line(run))) return;
   throw Error(fmt::format(
       "{}: {} differs from its record when it is planned again; the program, the machine or a file that the script "
       "reads has changed: name another folder, or start again with --restart",
@@ -66,9 +66,9 @@ void Resume::planned(RunResult& run) {
 }
 
 bool Resume::restore_scores(RunResult& run) {
-  const auto stored = scores_.records().find(key_of(run));
-  if (stored == scores_.records().end()) return false;
-  trellis::restore_scores(run, stored->second);
+  const auto stored = scores_.find(key_of(run));
+  if (!stored) return false;
+  trellis::restore_scores(run, *stored);
   restored_ = true;
   return true;
 }
@@ -76,9 +76,9 @@ bool Resume::restore_scores(RunResult& run) {
 void Resume::scored(const RunResult& run) { scores_.append(key_of(run), scores_line(run)); }
 
 bool Resume::restore_pooled(const std::string& problem, std::vector<PooledScores>& pooled) {
-  const auto stored = scores_.records().find(pooled_key(problem));
-  if (stored == scores_.records().end()) return false;
-  trellis::restore_pooled(pooled, stored->second);
+  const auto stored = scores_.find(pooled_key(problem));
+  if (!stored) return false;
+  trellis::restore_pooled(pooled, *stored);
   return true;
 }
 
@@ -89,9 +89,9 @@ void Resume::pooled(const std::string& problem, const std::vector<PooledScores>&
 void Resume::draw(const std::string& problem, const std::string& style, const std::string& folder,
                   const std::function<void()>& draw) {
   const RunKey key = figures_key(problem);
-  const auto stored = scores_.records().find(key);
-  if (stored != scores_.records().end()) {
-    const Json json = Json::parse(stored->second);
+  const auto stored = scores_.find(key);
+  if (stored) {
+    const Json json = Json::parse(*stored);
     const auto needed = json.at("files").get<std::set<std::string>>();
     const Files present = files_in(folder);
     const bool complete =
@@ -113,8 +113,8 @@ void Resume::finish(const ExperimentResult& result) {
   std::string runs;
   std::string scores;
   const auto add_scores = [&](const RunKey& key) {
-    const auto stored = scores_.records().find(key);
-    if (stored != scores_.records().end()) scores += stored->second + '\n';
+    const auto stored = scores_.find(key);
+    if (stored) scores += *stored + '\n';
   };
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     const RunResult& run = result.runs[i];
