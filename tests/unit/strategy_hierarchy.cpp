@@ -279,7 +279,7 @@ TEST_CASE("whatever a guide does, its strategy spends about twice what the plann
 }
 
 TEST_CASE("two nested searches cost little where the planner alone needs few checks", "[strategy][bound]") {
-  // Nothing is in the way, so the first proposal of RRT-Connect nearly always finds a path.
+  // There is no obstacle, so the first proposal of RRT-Connect nearly always finds a path.
   Problem problem = test::slot_problem();
   const Robot3& plank = spatial(*problem.scene).robot;
   problem.name = "open";
