@@ -550,7 +550,8 @@ class Verbs {
     std::vector<CensoredCost> milliseconds;
     std::vector<CensoredCost> checks;
     for (std::uint64_t seed = 1; seed <= count && !bench_.interrupted(); ++seed) {
-      const RunRecord run = run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted}).run;
+      const RunRecord run =
+          run_cell(name, strategy, problem, seed, {.interrupted = bench_.interrupted, .lift = false}).run;
       if (run.status == Status::interrupted) break;
       milliseconds.push_back({1000.0 * run.cpu_seconds, run.solved});
       checks.push_back({static_cast<double>(run.validity_checks), run.solved});

@@ -74,8 +74,9 @@ void run_missing(const Experiment& experiment, const std::vector<std::size_t>& m
     try {
       if (interrupted()) throw Interrupted();
       const auto& [name, spec] = experiment.strategies[cell / seeds % strategies];
-      RunResult run = run_cell(name, spec, experiment.problems[cell / seeds / strategies],
-                               experiment.seeds[cell % seeds], {experiment.shortcut, interrupted, {}});
+      RunResult run =
+          run_cell(name, spec, experiment.problems[cell / seeds / strategies], experiment.seeds[cell % seeds],
+                   {.shortcut = experiment.shortcut, .interrupted = interrupted, .lift = false});
       if (run.run.status == Status::interrupted) throw Interrupted();
       release(run);
       file.append(keys[cell], run_line(run));

@@ -19,6 +19,7 @@
 #include <trellis/guide/axis_projection.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/pieces.hpp>
+#include <trellis/guide/reached_nodes.hpp>
 
 namespace trellis::dsl {
 
@@ -535,43 +536,6 @@ class OwnedHeuristic final : public Heuristic {
   std::unique_ptr<Heuristic> h_;
 };
 
-/// The nodes that a planner has added, as distributions along a path require them.
-class Reached {
- public:
-  /// Resets to the start as the only node. A returned index keeps its address.
-  void begin(const Space& space, View start) {
-    space_ = space;
-    nodes_ = Configurations(space.dimension());
-    if (index_) {
-      index_.emplace(space_);
-      index_->add(start);
-    } else {
-      nodes_.push(start);
-    }
-  }
-  void add(View q) {
-    if (index_) {
-      index_->add(q);
-    } else {
-      nodes_.push(q);
-    }
-  }
-  /// Built on the first use: a function that draws needs none.
-  const NearestIndex& index() {
-    if (!index_) {
-      index_.emplace(space_);
-      for (std::size_t i = 0; i < nodes_.size(); ++i) index_->add(std::as_const(nodes_)[i]);
-      nodes_.clear();
-    }
-    return *index_;
-  }
-
- private:
-  Space space_;
-  Configurations nodes_;
-  std::optional<NearestIndex> index_;
-};
-
 class ScriptGuide final : public Guide {
  public:
   ScriptGuide(std::shared_ptr<const Calls> calls, const GuideSite& site)
@@ -620,10 +584,10 @@ class ScriptGuide final : public Guide {
   Instance* sub_ = nullptr;
   std::shared_ptr<Asked> asked_ = std::make_shared<Asked>();  ///< by the argument of 'heuristic'
   Asked::Over over_{*asked_};
-  Reached reached_;
-  Configurations learnt_{0};  ///< the nodes of C, if there is an S
-  Reached reached_in_s_;
-  bool follows_in_s_ = false;  ///< reached_in_s_ is up to date
+  std::optional<ReachedIndex> reached_;       ///< the nodes of the planner in C
+  Configurations learnt_{0};                  ///< the nodes of C, if there is an S
+  std::optional<ReachedIndex> reached_in_s_;  ///< the same in S
+  bool follows_in_s_ = false;                 ///< reached_in_s_ is up to date
 };
 
 void ScriptHeuristic::observe(const Outcome& outcome, bool mine) {
@@ -814,7 +778,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
   if (c_start_.empty()) {
     c_ = parent.space;
     c_start_ = parent.start;
-    reached_.begin(c_, c_start_);
+    reached_.emplace(c_, c_start_);
     learnt_ = Configurations(c_.dimension());
   }
   if (calls_->definition().spaceless) return nullptr;
@@ -858,7 +822,7 @@ std::unique_ptr<Instance> ScriptGuide::project(const Instance& parent) {
 }
 
 void ScriptGuide::begin_in_s() {
-  reached_in_s_.begin(*s_, sub_->start);
+  reached_in_s_.emplace(*s_, sub_->start);
   if (!follows_in_s_) return;
   for (std::size_t i = 0; i < learnt_.size(); ++i) add_in_s(std::as_const(learnt_)[i]);
 }
@@ -866,19 +830,19 @@ void ScriptGuide::begin_in_s() {
 void ScriptGuide::add_in_s(View q) {
   Configuration s(s_->dimension());
   projection_->project(q, s);
-  reached_in_s_.add(s);
+  reached_in_s_->add(s);
 }
 
 void ScriptGuide::learn(const Outcome& outcome) {
   if (outcome.added.empty() || !outcome.connected) return;
-  reached_.add(outcome.added);
+  reached_->add(outcome.added);
   if (!projection_) return;
   learnt_.push(outcome.added);
   if (follows_in_s_) add_in_s(outcome.added);
 }
 
 void ScriptGuide::restart() {
-  reached_.begin(c_, c_start_);
+  if (reached_) reached_->clear();
   learnt_.clear();
   // Before the first h there was no progress to record.
   if (parent_ == nullptr) return;
@@ -949,9 +913,9 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
     return std::make_unique<OwnedHeuristic>(kind.make(spec.options()), over);
   }
   if (const auto* piece = dynamic_cast<const Piece*>(spec.custom().get())) {
-    if (!in_s) return piece->over(over, reached_.index());
+    if (!in_s) return piece->over(over, *reached_);
     if (!std::exchange(follows_in_s_, true)) begin_in_s();
-    return piece->over(over, reached_in_s_.index());
+    return piece->over(over, *reached_in_s_);
   }
   const auto* lift = dynamic_cast<const Lifted*>(spec.custom().get());
   if (lift == nullptr) {

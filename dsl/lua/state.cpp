@@ -179,12 +179,18 @@ void State::count(lua_State* state, lua_Debug* frame) {
   }
   const auto before = self.work_.looked;
   self.look_around(state);
-  // If instructions are slow, check sooner.
+  // If instructions are slow, check sooner. Once may be another process that had the processor.
   constexpr auto slow = std::chrono::milliseconds(10), quick = std::chrono::milliseconds(1);
   const auto took = self.work_.looked - before;
+  const bool again = std::exchange(self.work_.was_slow, took > slow);
   const bool whole = self.work_.partial == 0;
-  const int next = took > slow ? std::max(1, interval / 10) : took < quick && whole ? hook_interval : interval;
-  if (next != interval) lua_sethook(state, &State::count, LUA_MASKCOUNT, next);
+  int next = interval;
+  if (took > slow && again) next = std::max(1, interval / 10);
+  if (took < quick && whole) next = hook_interval;
+  if (next == interval) return;
+  lua_sethook(state, &State::count, LUA_MASKCOUNT, next);
+  // It visits all active calls, which takes milliseconds in a deep recursion. That is not the script's slowness.
+  self.work_.looked = Clock::now();
 }
 
 void State::spend(lua_State* state, std::uint64_t instructions) {

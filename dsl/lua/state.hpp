@@ -95,6 +95,7 @@ class State : public std::enable_shared_from_this<State> {
     int partial = 0;  ///< instructions of the interval that is not whole yet
     Clock::time_point begin;
     Clock::time_point looked;  ///< time of the last clock check
+    bool was_slow = false;     ///< the interval before it took long
     bool ended = false;        ///< the script is being ended and cannot prevent it
     std::string ended_by;      ///< the message of that
     double begin_cpu = -1.0;   ///< processor time when the watchdog first saw this run; negative before

@@ -10,7 +10,7 @@
 namespace {
 
 constexpr long mebibyte = 1024;  // in KiB
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr long most_memory = 8192 * mebibyte;  // the sanitizer's own is most of it
 #else
 constexpr long most_memory = 512 * mebibyte;

@@ -11,7 +11,7 @@ using trellis::test::Place;
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr long most_memory = 8L << 20U;  // KiB; the sanitizer's own is most of it
 #else
 constexpr long most_memory = 1024L << 10U;  // KiB
@@ -88,7 +88,7 @@ TEST_CASE("what a script can make large is limited, and the message names the li
 }
 
 TEST_CASE("where the system gives no memory, one line says so", "[slow]") {
-#ifndef __SANITIZE_ADDRESS__  // the sanitizer reserves more than the limit
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizer reserves more than the limit
   const Place place;
   place.script("long.lua",
                "return experiment { measure = false, seeds = 100000, strategies = { rrt { step = 0.01 } }, problems = "

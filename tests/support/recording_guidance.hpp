@@ -81,7 +81,7 @@ class ChangingValidity final : public Validity {
     invalid_motions += report.valid ? 0 : 1;
     return report;
   }
-  [[nodiscard]] MotionReport motion_still_valid(View a, View b) override {
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t) override {
     ++asked_again;
     if (!free_repair) return motion(a, b);
     return {!enters(a, b), 0, 1.0};

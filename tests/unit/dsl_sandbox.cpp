@@ -145,13 +145,30 @@ TEST_CASE("what a script works is counted, and has an end") {
   dsl::SessionOptions slow = little;
   int polls = 0;
   slow.interrupted = [&polls] {
-    if (++polls % 97 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(15));
+    if (++polls % 97 < 2) std::this_thread::sleep_for(std::chrono::milliseconds(15));
     return false;
   };
   dsl::Session third("", slow);
   CHECK_THROWS_AS(third.evaluate(counts, "test.lua"), Error);
   CHECK(polls > 1050);  // 1000 intervals, and shorter ones
   CHECK(first.evaluate("return n", "test.lua") == third.evaluate("return n", "test.lua"));
+}
+
+TEST_CASE("a deep recursion is not checked more often because other processes had the processor at times") {
+  const auto polls_of = [](bool busy) {
+    int polls = 0;
+    dsl::SessionOptions options;
+    options.interrupted = [&] {
+      if (++polls % 2000 == 0 && busy) std::this_thread::sleep_for(std::chrono::milliseconds(15));
+      return false;
+    };
+    dsl::Session session("", options);
+    CHECK_THROWS_WITH(session.evaluate("local function f() return 1 + f() end f()", "test.lua"),
+                      Catch::Matchers::Contains("stack overflow"));
+    return polls;
+  };
+  // Without the few intervals that really are slow.
+  CHECK(polls_of(true) < polls_of(false) + 45);
 }
 
 TEST_CASE("names that nothing has are found in functions that are never called") {

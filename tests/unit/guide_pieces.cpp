@@ -97,8 +97,7 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
   const auto parent = make_instance(problem);
   Instance sub = *parent;
   sub.space = Space("S", {parent->space.axes()[0], parent->space.axes()[1]});
-  NearestIndex reached(sub.space);
-  reached.add(Configuration{1, 1});
+  const ReachedIndex reached(sub.space, Configuration{1, 1});
   const auto f = std::make_shared<const AxisProjection>(parent->space, sub.space);
   std::vector<SumHeuristic::Part> parts;
   parts.push_back({3.0, along(path_of({{1, 1}, {1, 9}}), plain())->over(sub, reached)});
@@ -129,8 +128,7 @@ TEST_CASE("h over S is lifted with its density, as it changes", "[guide][density
 TEST_CASE("a sum of distributions draws by its weights and has their density", "[guide][density]") {
   auto problem = test::simple_passage_problem();
   const auto parent = make_instance(problem);
-  NearestIndex reached(parent->space);
-  reached.add(parent->start);
+  const ReachedIndex reached(parent->space, parent->start);
   std::vector<SumHeuristic::Part> parts;
   parts.push_back({1.0, ball({2, 2, 0}, 0.5)->over(*parent, reached)});
   parts.push_back({3.0, ball({8, 8, 0}, 0.5)->over(*parent, reached)});
@@ -157,7 +155,7 @@ TEST_CASE("pieces are distinct, and lie in the space", "[guide]") {
         along(path_of({{1, 1, 0}, {2, 3, 0}}), plain())->description().identity);
   CHECK(ball({1, 1}, 0.5)->description().identity != ball({1, 1}, 0.6)->description().identity);
   const auto parent = make_instance(test::simple_passage_problem());
-  NearestIndex reached(parent->space);
+  const ReachedIndex reached(parent->space, parent->start);
   CHECK_THROWS_WITH(along(path_of({{1, 1, 0}, {2, 20, 0}}), plain())->over(*parent, reached),
                     "along: point 2 of the path, (2, 20, 0), is outside of the space SE(2)");
   CHECK_THROWS_WITH(ball({1, 1}, 0.5)->over(*parent, reached), Contains("ball: its centre has 2 coordinates"));

@@ -132,8 +132,7 @@ TEST_CASE("what is connected along a path is where its nodes are", "[guide][step
   h.observe(reached(Configuration{8.5, 5, 0}, 2, true), false);
   CHECK(h.connected() == Approx(1.0).margin(0.2));
   // What is made for the nodes that are there already has made no progress with them.
-  NearestIndex nodes(space);
-  nodes.add(Configuration{1, 5, 0});
+  ReachedIndex nodes(space, Configuration{1, 5, 0});
   nodes.add(Configuration{3, 5, 0});
   const StepHeuristic later("path", space, straight(), {.radius = 0.16, .step = 0.5}, {&nodes, nullptr});
   CHECK(later.connected() == Approx(2.0).margin(0.2));
@@ -224,7 +223,7 @@ TEST_CASE("excluded places hold every configuration with a position near them, u
   }
   CHECK_FALSE(validity.motion(Configuration{1, 5, 0}, Configuration{3, 5, 0}).valid);
   // What was valid before and does not enter the place needs no check to be valid still.
-  const MotionReport still = validity.motion_still_valid(Configuration{1, 6, 0}, Configuration{2, 6, 0});
+  const MotionReport still = validity.motion_still_valid(Configuration{1, 6, 0}, Configuration{2, 6, 0}, 0);
   CHECK(still.valid);
   CHECK(still.checks == 0);
 }
@@ -243,8 +242,8 @@ TEST_CASE("after a projection of another world motions that were valid are check
   REQUIRE(sub->motion(a, b).valid);
   const auto changed_parent = make_instance(changed);
   const auto sub_of_changed = guide->project(*changed_parent);
-  CHECK_FALSE(sub_of_changed->motion_still_valid(a, b));
-  CHECK(sub_of_changed->motion_still_valid(Configuration{4, 3, 0}, Configuration{6, 3, 0}));
+  CHECK_FALSE(sub_of_changed->motion_still_valid(a, b, 0));
+  CHECK(sub_of_changed->motion_still_valid(Configuration{4, 3, 0}, Configuration{6, 3, 0}, 0));
 }
 
 TEST_CASE("a verified motion is known in both directions, a part of it is another motion", "[instance][verified]") {

@@ -67,6 +67,56 @@ TEST_CASE("nearest neighbours agree with brute force in every space", "[nearest]
   }
 }
 
+TEST_CASE("after points were removed, an index answers as one of the points that were kept", "[nearest]") {
+  for (const auto& space : spaces()) {
+    CAPTURE(space.name());
+    Stream stream(11, space.name(), "nearest");
+    NearestIndex index(space);
+    Configurations points(space.dimension());
+    Configuration q(space.dimension());
+    std::vector<NearestIndex::Neighbour> found, expected;
+    // One round removes all points, and the index starts again.
+    for (const double share : {0.5, 0.02, 0.9, 0.0, 0.3, 1.0, 0.5}) {
+      CAPTURE(share);
+      for (int i = 0; i < 700; ++i) {
+        space.sample_uniform(stream, q);
+        if (i % 10 == 0 && !points.empty()) {  // duplicates
+          const View old = std::as_const(points)[stream.below(points.size())];
+          q.assign(old.begin(), old.end());
+        }
+        points.push(q);
+        REQUIRE(index.add(q) + 1 == points.size());
+      }
+      std::vector<std::uint8_t> keep;
+      Configurations kept(space.dimension());
+      NearestIndex fresh(space);
+      for (std::uint32_t id = 0; id < points.size(); ++id) {
+        keep.push_back(stream.uniform() < share ? 0 : 1);
+        if (keep.back() == 0) continue;
+        kept.push(std::as_const(points)[id]);
+        fresh.add(std::as_const(points)[id]);
+      }
+      index.retain(keep);
+      points = kept;
+      REQUIRE(index.size() == points.size());
+      for (int i = 0; i < 50 && !points.empty(); ++i) {
+        space.sample_uniform(stream, q);
+        CHECK(index.nearest(q).id == fresh.nearest(q).id);
+        index.k_nearest(q, 9, found);
+        fresh.k_nearest(q, 9, expected);
+        REQUIRE(found.size() == expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k].id == expected[k].id);
+        index.within(q, 0.1 * space.diameter(), found);
+        fresh.within(q, 0.1 * space.diameter(), expected);
+        REQUIRE(found.size() == expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) CHECK(found[k].id == expected[k].id);
+      }
+      index.within(q, 2.0 * space.diameter(), found);
+      CHECK(found.size() == points.size());
+    }
+  }
+}
+
 TEST_CASE("of equally near points the first added is returned", "[nearest]") {
   const Space space = Space::euclidean({{0, 1}, {0, 1}});
   NearestIndex index(space);

@@ -231,7 +231,9 @@ class Runner {
         // Each cell writes to its own element: threads share no data, and their speed does not affect the order.
         const Cell cell(experiment_, index);
         RunResult run = run_cell(cell.strategy.first, cell.strategy.second, cell.problem, cell.seed,
-                                 {experiment_.shortcut, [this] { return interrupted(); }, {}});
+                                 {.shortcut = experiment_.shortcut,
+                                  .interrupted = [this] { return interrupted(); },
+                                  .lift = experiment_.measure.has_value()});
         if (run.run.status == Status::interrupted) throw Interrupted();
         if (store_ != nullptr) store_->planned(run);
         if (!experiment_.measure) release(run);

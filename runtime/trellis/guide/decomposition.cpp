@@ -547,7 +547,7 @@ class DecompositionGuide final : public Guide {
   }
 
   void before_resolve() override {
-    exploration_->costs(crossings_, [&](std::size_t e, double cost) { graph_->edges[e].cost = cost; });
+    exploration_->costs(crossings_, [&](std::size_t e, double cost) { graph_->set_cost(e, cost); });
   }
 
  private:

@@ -180,12 +180,12 @@ Configurations ExcludingValidity::points_along(const Configurations& path,
 
 void ExcludingValidity::exclude_points(const Configurations& points) {
   for (std::size_t i = 0; i < points.size(); ++i) balls_.add(points[i]);
-  ++epoch_;
+  changed();
 }
 
 void ExcludingValidity::include_paths() {
   balls_.clear();
-  ++epoch_;
+  changed();
 }
 
 bool ExcludingValidity::exclude_place(View q, const std::vector<Configuration>& keep) {
@@ -193,7 +193,7 @@ bool ExcludingValidity::exclude_place(View q, const std::vector<Configuration>& 
     return false;
   }
   places_.add(q);
-  ++epoch_;
+  changed();
   return true;
 }
 
@@ -201,6 +201,8 @@ void ExcludingValidity::replace(const ExcludingValidity& other) {
   replaces_ = true;
   for (std::size_t i = 0; i < other.excluded_places().size(); ++i) exclude_place(other.excluded_places()[i], {});
 }
+
+void ExcludingValidity::changed() { changed_.push_back(epoch() + 1); }
 
 std::optional<double> ExcludingValidity::entered(View a, View b) {
   if (const auto t = balls_.entered(a, b)) return t;
@@ -212,9 +214,13 @@ MotionReport ExcludingValidity::motion(View a, View b) {
   return inner_->motion(a, b);
 }
 
-MotionReport ExcludingValidity::motion_still_valid(View a, View b) {
+MotionReport ExcludingValidity::motion_still_valid(View a, View b, std::uint64_t since) {
   if (const auto t = entered(a, b)) return {false, 0, *t};
-  if (replaces_ || inner_->epoch() != inner_epoch_) return inner_->motion_still_valid(a, b);
+  if (replaces_ || inner_->epoch() != inner_epoch_) {
+    // An epoch is the sum of the changes here and those of the inner validity.
+    const auto here = std::upper_bound(changed_.begin(), changed_.end(), since) - changed_.begin();
+    return inner_->motion_still_valid(a, b, since - static_cast<std::uint64_t>(here));
+  }
   return {true, 0, std::numeric_limits<double>::quiet_NaN()};
 }
 

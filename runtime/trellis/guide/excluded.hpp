@@ -114,13 +114,13 @@ class ExcludingValidity final : public EvaluatedValidity {
   [[nodiscard]] bool needed(View q) override { return !balls_.contains(q) && !in_place(q) && inner_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
   /// Only exclusions can have made the motion invalid, unless the inner validity changed too.
-  [[nodiscard]] MotionReport motion_still_valid(View a, View b) override;
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override;
   [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
   [[nodiscard]] double effort_factor(View a, View b) const override { return inner_->effort_factor(a, b); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
   [[nodiscard]] double invalid_radius(View q) override { return std::max(balls_.depth(q), inner_->invalid_radius(q)); }
-  [[nodiscard]] std::uint64_t epoch() const override { return epoch_ + inner_->epoch(); }
+  [[nodiscard]] std::uint64_t epoch() const override { return changed_.size() + inner_->epoch(); }
   [[nodiscard]] std::optional<double> excluded(View a, View b) override {
     const auto at = entered(a, b);
     return at ? at : inner_->excluded(a, b);
@@ -133,14 +133,16 @@ class ExcludingValidity final : public EvaluatedValidity {
 
  private:
   [[nodiscard]] std::optional<double> entered(View a, View b);
+  /// Notes a change of the exclusions.
+  void changed();
 
   std::shared_ptr<Validity> inner_;
   Space space_;
   ExcludedBalls balls_;
   Places places_;
-  std::uint64_t inner_epoch_;  ///< at construction
-  bool replaces_ = false;      ///< motions may have been valid in another world
-  std::uint64_t epoch_ = 0;
+  std::uint64_t inner_epoch_;           ///< at construction
+  bool replaces_ = false;               ///< motions may have been valid in another world
+  std::vector<std::uint64_t> changed_;  ///< epochs with the inner validity's, after each change of the exclusions
 };
 
 }  // namespace trellis

@@ -81,7 +81,7 @@ class RepairedPath final : public PathFollower {
   /// \param reach  distance within which a node counts as at an end of a gap, in metres in the metric
   /// \param evidence  number of blocked proposals at one gap that refutes the path
   RepairedPath(const Instance& instance, std::unique_ptr<PathFollower> path, const std::vector<std::size_t>& gaps,
-               double ends, double reach, std::int64_t evidence, const std::array<const NearestIndex*, 2>& reached)
+               double ends, double reach, std::int64_t evidence, const std::array<const ReachedIndex*, 2>& reached)
       : space_(instance.space), path_(std::move(path)), ends_(ends), reach_(reach), evidence_(evidence) {
     const Configurations points = path_->lifted_path();
     for (const std::size_t i : gaps) {
@@ -95,7 +95,7 @@ class RepairedPath final : public PathFollower {
       }
       for (std::size_t side = 0; side < 2; ++side) {
         for (std::size_t end = 0; end < 2; ++end) {
-          gap.has[side][end] = reached[side]->nearest(std::as_const(motion)[end]).squared_distance <= reach_ * reach_;
+          gap.has[side][end] = reached[side]->squared_distance(std::as_const(motion)[end]) <= reach_ * reach_;
         }
       }
     }
@@ -340,7 +340,7 @@ class Experience final : public PathGuide {
         paths_.push_back(kept(edge_path));
         edge_paths_.push_back(std::move(edge_path));
         if (!refuted && static_cast<std::int64_t>(edge_paths_.size()) < settings_.paths) {
-          for (const std::uint32_t e : edge_paths_.back()) graph_->edges[e].cost *= avoided;
+          for (const std::uint32_t e : edge_paths_.back()) graph_->multiply_cost(e, avoided);
           return again;
         }
       }
@@ -490,7 +490,7 @@ class Experience final : public PathGuide {
         if (valid) valid_[next] = Seen::valid;
         edges_[e].seen = valid ? Seen::valid : Seen::invalid;
         if (!valid) {
-          graph_->edges[e].cost *= settings_.repair;
+          graph_->multiply_cost(e, settings_.repair);
           as_thought = false;
         }
       }
@@ -514,7 +514,7 @@ class Experience final : public PathGuide {
 
   void set_cost(std::uint32_t e) {
     const EdgeState& state = edges_[e];
-    graph_->edges[e].cost = state.length * state.stuck * (state.seen == Seen::invalid ? settings_.repair : 1.0);
+    graph_->set_cost(e, state.length * state.stuck * (state.seen == Seen::invalid ? settings_.repair : 1.0));
   }
 
   ExperienceSettings settings_;

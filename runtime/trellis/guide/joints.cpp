@@ -140,8 +140,7 @@ class Joints final : public Guide {
       if (place != axes.end()) instance->position_axes.push_back(static_cast<std::size_t>(place - axes.begin()));
     }
     if (instance->position_axes.size() != parent.position_axes.size()) instance->position_axes.clear();
-    start_ = instance->start;
-    restart();
+    reached_.emplace(projection_->space(), instance->start);
     added_.resize(axes.size());
     return instance;
   }
@@ -158,10 +157,7 @@ class Joints final : public Guide {
     projection_->project(outcome.added, added_);
     reached_->add(added_);
   }
-  void restart() override {
-    reached_.emplace(projection_->space());
-    reached_->add(start_);
-  }
+  void restart() override { reached_->clear(); }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance* sub, const Solution* found) override {
     if (found->path.size() < 2) return std::make_unique<UniformHeuristic>("joints (found nothing)", parent.space);
@@ -181,8 +177,7 @@ class Joints final : public Guide {
   std::shared_ptr<JointRanges> ranges_;            ///< set if the option requests them
   std::shared_ptr<RangedProjection> ranged_lift_;  ///< `lifting_`, if there are ranges
   std::shared_ptr<RangedValidity> ranged_;         ///< of S, if there are ranges
-  std::optional<NearestIndex> reached_;            ///< the planner's nodes, in S
-  Configuration start_;                            ///< f of the start
+  std::optional<ReachedIndex> reached_;            ///< the planner's nodes, in S
   Configuration added_;
 };
 

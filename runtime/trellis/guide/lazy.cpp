@@ -84,7 +84,7 @@ class PresumedValidity final : public EvaluatedValidity {
  public:
   /// \param verified  edges of this space that were found valid in C
   PresumedValidity(const Space& space, double margin, double effort, std::shared_ptr<const VerifiedMotions> verified)
-      : remembers_(!space.flat()), unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
+      : unverified_(1.0 / (1.0 - effort)), verified_(std::move(verified)) {
     for (double radius = margin; sizes_.size() < sizes; radius *= 2.0) sizes_.emplace_back(space, radius);
   }
 
@@ -96,25 +96,20 @@ class PresumedValidity final : public EvaluatedValidity {
     for (std::size_t k = size; k < sizes; ++k) {
       if (sizes_[k].contains(q)) return;
     }
+    Counts counts{};
+    for (std::size_t k = 0; k < sizes; ++k) counts[k] = static_cast<std::uint32_t>(sizes_[k].size());
+    counts_.push_back(counts);
     sizes_[size].add(q);
-    ++epoch_;
   }
 
   [[nodiscard]] bool state(View q) override {
     return std::none_of(sizes_.begin(), sizes_.end(), [&](const auto& balls) { return balls.contains(q); });
   }
-  [[nodiscard]] MotionReport motion(View a, View b) override {
-    // Balls are only added, so a motion that entered none of the first ones needs the others alone. A search that is
-    // repaired asks for the motions of its tree again and again.
-    auto* seen = remembers_ ? &seen_[motion_digest(a, b)] : nullptr;
-    for (std::size_t k = 0; k < sizes; ++k) {
-      if (const auto t = sizes_[k].entered(a, b, seen != nullptr ? (*seen)[k] : 0)) {
-        if (seen != nullptr) seen_.erase(motion_digest(a, b));
-        return {false, 0, *t};
-      }
-    }
-    for (std::size_t k = 0; seen != nullptr && k < sizes; ++k)
-      (*seen)[k] = static_cast<std::uint32_t>(sizes_[k].size());
+  [[nodiscard]] MotionReport motion(View a, View b) override { return outside(a, b, {}); }
+  /// Balls are only added, so a motion that entered none of the earlier ones is compared with the later ones alone: a
+  /// search that is repaired asks for the motions of its tree again and again.
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override {
+    if (since < counts_.size()) return outside(a, b, counts_[since]);
     return {true, 0, std::numeric_limits<double>::quiet_NaN()};
   }
   [[nodiscard]] double clearance(View) override { return std::numeric_limits<double>::infinity(); }
@@ -129,19 +124,27 @@ class PresumedValidity final : public EvaluatedValidity {
     for (const auto& balls : sizes_) radius = std::max(radius, balls.depth(q));
     return radius;
   }
-  [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
+  [[nodiscard]] std::uint64_t epoch() const override { return counts_.size(); }
   [[nodiscard]] EdgeEvaluator* evaluator() override { return evaluator_; }
   /// \param evaluator  outlives every search
   void evaluate_by(EdgeEvaluator& evaluator) { evaluator_ = &evaluator; }
 
  private:
   static constexpr std::size_t sizes = 6;
-  bool remembers_;
-  std::unordered_map<std::uint64_t, std::array<std::uint32_t, sizes>> seen_;  ///< of valid motions: balls compared
+  using Counts = std::array<std::uint32_t, sizes>;
+
+  /// Compares the motion with the balls of each size from these numbers on.
+  [[nodiscard]] MotionReport outside(View a, View b, const Counts& first) {
+    for (std::size_t k = 0; k < sizes; ++k) {
+      if (const auto t = sizes_[k].entered(a, b, first[k])) return {false, 0, *t};
+    }
+    return {true, 0, std::numeric_limits<double>::quiet_NaN()};
+  }
+
   double unverified_;
   std::shared_ptr<const VerifiedMotions> verified_;
   std::vector<ExcludedBalls> sizes_;  ///< in order of radius, each twice the radius before it
-  std::uint64_t epoch_ = 0;
+  std::vector<Counts> counts_;        ///< for each ball in the order added: the number of balls of each size before it
   EdgeEvaluator* evaluator_ = nullptr;
 };
 

@@ -54,7 +54,7 @@ double tube_radius(const PathGuideSettings& settings, const Instance& instance) 
 }
 
 PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
-                             std::int64_t evidence, const NearestIndex* reached)
+                             std::int64_t evidence, const ReachedIndex* reached)
     : source_(std::move(source)),
       space_(space),
       tube_(space, std::move(path), radius),
@@ -72,7 +72,7 @@ PathHeuristic::PathHeuristic(std::string source, const Space& space, Configurati
     centres_.push(centre);
     if (reached != nullptr && reached->size() > 0) {
       const double reach = tube_.radius() + 0.5 * bin_;
-      if (reached->nearest(centre).squared_distance <= reach * reach) covered_[i] = 1;
+      if (reached->squared_distance(centre) <= reach * reach) covered_[i] = 1;
     }
   }
   uncovered_ = static_cast<std::size_t>(std::count(covered_.begin(), covered_.end(), 0));
@@ -139,7 +139,7 @@ void PathHeuristic::choose_stretches() {
 }
 
 WaypointHeuristic::WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius,
-                                     std::int64_t evidence, const NearestIndex& reached)
+                                     std::int64_t evidence, const ReachedIndex& reached)
     : source_(std::move(source)),
       parent_(parent),
       tube_(parent.space, std::move(path), radius),
@@ -221,7 +221,7 @@ void WaypointHeuristic::go_on() {
   const auto& path = tube_.path();
   const auto is_reached = [&](std::size_t i) {
     const double reach = exact_ || i + 1 == path.size() ? parent_.goal_tolerance : tube_.radius();
-    return reached_.nearest(path[i]).squared_distance <= reach * reach;
+    return reached_.squared_distance(path[i]) <= reach * reach;
   };
   while (at_ < path.size() && is_reached(at_)) ++at_;
   ++epoch_;
@@ -297,7 +297,7 @@ std::optional<Configuration> SeveralPaths::refuted_place() const {
 
 std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
                                           Instance& parent, const Configurations& path,
-                                          const std::array<const NearestIndex*, 2>& reached) {
+                                          const std::array<const ReachedIndex*, 2>& reached) {
   const double radius = tube_radius(settings, parent);
   if (settings.follow == Follow::waypoints) {
     return std::make_unique<WaypointHeuristic>(source, parent, path, radius, settings.evidence, *reached[0]);
@@ -308,20 +308,6 @@ std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathG
   }
   const StepHeuristic::Settings steps = {.radius = radius, .step = step_length(parent), .evidence = settings.evidence};
   return std::make_unique<StepHeuristic>(source, parent.space, path, steps, reached);
-}
-
-void ReachedNodes::begin(const Space& space, View start, View goal) {
-  // The arguments may be views of the members assigned here.
-  Configuration from(start.begin(), start.end());
-  Configuration to(goal.begin(), goal.end());
-  space_ = space;
-  start_ = std::move(from);
-  goal_ = std::move(to);
-  trees_.clear();
-  trees_.emplace_back(space_);
-  trees_.emplace_back(space_);
-  trees_[0].add(start_);
-  trees_[1].add(goal_);
 }
 
 std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
@@ -346,7 +332,7 @@ void PathGuide::learn(const Outcome& outcome) {
 }
 
 void PathGuide::restart() {
-  if (reached_.begun()) reached_.clear();
+  reached_.clear();
   if (tree_) tree_->clear();
 }
 

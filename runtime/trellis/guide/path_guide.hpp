@@ -14,8 +14,8 @@
 #include <trellis/guide/excluded.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/kernels.hpp>
+#include <trellis/guide/reached_nodes.hpp>
 #include <trellis/guide/relaxed.hpp>
-#include <trellis/planner/nearest.hpp>
 
 namespace trellis {
 
@@ -152,7 +152,7 @@ class PathHeuristic final : public PathFollower {
   /// \param window  metres in the metric
   /// \param evidence  number of blocked proposals that refutes the path
   PathHeuristic(std::string source, const Space& space, Configurations path, double radius, double window,
-                std::int64_t evidence, const NearestIndex* reached);
+                std::int64_t evidence, const ReachedIndex* reached);
 
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
@@ -190,7 +190,7 @@ class WaypointHeuristic final : public PathFollower {
  public:
   /// \param reached  the planner's nodes, with at least the start; outlives this object and is kept current
   WaypointHeuristic(std::string source, Instance& parent, Configurations path, double radius, std::int64_t evidence,
-                    const NearestIndex& reached);
+                    const ReachedIndex& reached);
 
   Source sample(Stream& stream, MutableView out) override;
   [[nodiscard]] std::uint64_t epoch() const override { return epoch_; }
@@ -230,7 +230,7 @@ class WaypointHeuristic final : public PathFollower {
   TubeKernel tube_;
   std::vector<double> lengths_;  ///< arc length up to each waypoint
   std::int64_t evidence_;
-  const NearestIndex& reached_;
+  const ReachedIndex& reached_;
   std::size_t at_ = 0;
   Draw draw_ = Draw::near;
   bool drew_itself_ = false;
@@ -288,7 +288,7 @@ class SeveralPaths final : public PathFollower {
 ///     current
 std::unique_ptr<PathFollower> follow_path(const std::string& source, const PathGuideSettings& settings,
                                           Instance& parent, const Configurations& path,
-                                          const std::array<const NearestIndex*, 2>& reached);
+                                          const std::array<const ReachedIndex*, 2>& reached);
 
 /// A uniform h, for a space whose search found no path.
 class UniformHeuristic final : public Heuristic {
@@ -301,31 +301,6 @@ class UniformHeuristic final : public Heuristic {
  private:
   std::string source_;
   UniformGuidance uniform_;
-};
-
-/// The nodes of a planner's trees, or of its roadmap.
-class ReachedNodes {
- public:
-  /// \param space  of the nodes
-  void begin(const Space& space, View start, View goal);
-  /// Adds a node that is connected to its tree's root.
-  void add(View q, bool from_goal) {
-    if (!trees_.empty()) trees_[from_goal ? 1 : 0].add(q);
-  }
-  /// Removes all nodes except the roots.
-  void clear() {
-    const auto grown = [](const NearestIndex& tree) { return tree.size() > 1; };
-    if (std::any_of(trees_.begin(), trees_.end(), grown)) begin(space_, start_, goal_);
-  }
-  [[nodiscard]] bool begun() const { return !trees_.empty(); }
-  [[nodiscard]] const NearestIndex& from_start() const { return trees_[0]; }
-  [[nodiscard]] std::array<const NearestIndex*, 2> both() const { return {&trees_.front(), &trees_.back()}; }
-
- private:
-  Space space_;
-  Configuration start_;
-  Configuration goal_;
-  std::vector<NearestIndex> trees_;  ///< from the start, and from the goal
 };
 
 /// A guide with S = C as metric spaces: f is the identity on configurations.
@@ -376,7 +351,7 @@ class PathGuide : public Guide {
   [[nodiscard]] std::optional<Configuration> take_refuted();
   /// Whether a node of the planner lies within a distance of q, in metres in the metric.
   [[nodiscard]] bool reached(View q, double within) const {
-    return reached_.begun() && reached_.from_start().nearest(q).squared_distance <= within * within;
+    return reached_.begun() && reached_.from_start().squared_distance(q) <= within * within;
   }
   /// The planner's nodes that are connected to the start, and those connected to the goal.
   [[nodiscard]] const ReachedNodes& reached_nodes() const { return reached_; }

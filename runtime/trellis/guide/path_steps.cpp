@@ -108,7 +108,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
     if (known_.size() > 0 && known.squared_distance <= reuse * reuse) {
       const View waypoint = std::as_const(waypoints_)[known.id];
       if (usable_[known.id] != 0 && checked_at_[known.id] != parent.epoch()) {
-        usable_[known.id] = parent.motion_still_valid(waypoint, waypoint) ? 1 : 0;
+        usable_[known.id] = parent.motion_still_valid(waypoint, waypoint, checked_at_[known.id]) ? 1 : 0;
         checked_at_[known.id] = parent.epoch();
       }
       valid = usable_[known.id] != 0;
@@ -223,7 +223,7 @@ double StepHeuristic::edge_factor(View a, View b) const {
 }
 
 StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurations path, const Settings& settings,
-                             const std::array<const NearestIndex*, 2>& reached, std::vector<char> verified)
+                             const std::array<const ReachedIndex*, 2>& reached, std::vector<char> verified)
     : source_(std::move(source)),
       space_(space),
       path_(std::move(path)),
@@ -241,11 +241,11 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
     Front& front = fronts_[side];
     front.ahead = settings_.step;
     front.exact = true;
-    const NearestIndex* nodes = reached[side];
+    const ReachedIndex* nodes = reached[side];
     for (std::size_t i = last; nodes != nullptr && nodes->size() > 1 && i >= 1;) {
       const std::size_t bin = side == 0 ? i : last - i;
       const double near = very_near();
-      const double distance = std::sqrt(nodes->nearest(centres()[bin]).squared_distance);
+      const double distance = std::sqrt(nodes->squared_distance(centres()[bin]));
       if (distance > near) {
         i -= std::min(i, bins_to(distance, near));
         continue;

@@ -99,7 +99,7 @@ class StepHeuristic final : public PathFollower {
   /// \param reached  the existing nodes of the tree from the start, and of the tree from the goal
   /// \param verified  for each edge of the path, whether it is known to be valid; empty: none is
   StepHeuristic(std::string source, const Space& space, Configurations path, const Settings& settings,
-                const std::array<const NearestIndex*, 2>& reached, std::vector<char> verified = {});
+                const std::array<const ReachedIndex*, 2>& reached, std::vector<char> verified = {});
 
   void select_tree(TreeSide side) override {
     if (std::exchange(side_, static_cast<std::size_t>(side)) != side_) ++epoch_;

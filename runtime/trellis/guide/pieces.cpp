@@ -38,30 +38,19 @@ class PieceGuide final : public Guide {
   void lift(View, Stream&, MutableView) const override { throw Fault("S = {0} has no fibres"); }
   [[nodiscard]] double log_fibre_density(View) const override { throw Fault("S = {0} has no fibres"); }
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution*) override {
-    if (!reached_) {
-      space_ = parent.space;
-      start_ = parent.start;
-      forget_nodes();
-    }
+    if (!reached_) reached_.emplace(parent.space, parent.start);
     return piece_.over(parent, *reached_);
   }
   void learn(const Outcome& outcome) override {
     if (reached_ && !outcome.added.empty() && outcome.connected) reached_->add(outcome.added);
   }
   void restart() override {
-    if (reached_) forget_nodes();
+    if (reached_) reached_->clear();
   }
 
  private:
-  void forget_nodes() {
-    reached_.emplace(space_);
-    reached_->add(start_);
-  }
-
-  const Piece& piece_;  // the spec owns it and outlives this object
-  Space space_;
-  Configuration start_;
-  std::optional<NearestIndex> reached_;  ///< the planner's nodes
+  const Piece& piece_;                   // the spec owns it and outlives this object
+  std::optional<ReachedIndex> reached_;  ///< the planner's nodes
 };
 
 class Along final : public Piece {
@@ -73,7 +62,7 @@ class Along final : public Piece {
         path_(std::move(path)),
         settings_(along_settings().read(options)) {}
 
-  [[nodiscard]] std::unique_ptr<Heuristic> over(Instance& instance, const NearestIndex& reached) const override {
+  [[nodiscard]] std::unique_ptr<Heuristic> over(Instance& instance, const ReachedIndex& reached) const override {
     for (std::size_t i = 0; i < path_.size(); ++i) {
       require_in(instance.space, path_[i], fmt::format("along: point {} of the path", i + 1));
     }
@@ -115,7 +104,7 @@ class Ball final : public Piece {
         centre_(std::move(centre)),
         radius_(radius) {}
 
-  [[nodiscard]] std::unique_ptr<Heuristic> over(Instance& instance, const NearestIndex&) const override {
+  [[nodiscard]] std::unique_ptr<Heuristic> over(Instance& instance, const ReachedIndex&) const override {
     require_in(instance.space, centre_, "ball: its centre");
     Configurations alone(centre_.size());
     alone.push(centre_);

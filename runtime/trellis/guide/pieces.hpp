@@ -22,7 +22,7 @@ class Piece : public CustomGuide {
   /// Makes the heuristic over the space of an instance.
   /// \param reached  the nodes of the planner that draws from it, with at least the start; outlives the result
   /// \throws Error if the distribution does not lie in the space
-  [[nodiscard]] virtual std::unique_ptr<Heuristic> over(Instance& instance, const NearestIndex& reached) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<Heuristic> over(Instance& instance, const ReachedIndex& reached) const = 0;
 };
 
 /// The options of `along`.

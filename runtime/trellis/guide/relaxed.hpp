@@ -27,9 +27,9 @@ class RelaxedValidity final : public Validity {
   [[nodiscard]] bool needed(View q) override { return c_->needed(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override;
   /// The report counts the checks in both spaces.
-  [[nodiscard]] MotionReport motion_still_valid(View a, View b) override {
+  [[nodiscard]] MotionReport motion_still_valid(View a, View b, std::uint64_t since) override {
     return valid_in_c(a, b) ? MotionReport{true, 0, std::numeric_limits<double>::quiet_NaN()}
-                            : own_->motion_still_valid(a, b);
+                            : own_->motion_still_valid(a, b, since);
   }
   [[nodiscard]] double clearance(View q) override { return own_->clearance(q); }
   [[nodiscard]] bool spends_checks() const override { return own_->spends_checks(); }

@@ -437,7 +437,7 @@ class DynamicRegions final : public Heuristic {
  public:
   DynamicRegions(std::shared_ptr<const PositionProjection> projection, const Instance& parent,
                  std::shared_ptr<const Graph> graph, const Configurations& path, Configurations lifted,
-                 const SkeletonSettings& settings, double radius, double robot, const NearestIndex& reached)
+                 const SkeletonSettings& settings, double radius, double robot, const ReachedIndex& reached)
       : projection_(std::move(projection)),
         parent_(parent.space),
         model_(settings.alignment > -1.0 && AlignedLift::applies(parent) ? parent.motion_model : nullptr),
@@ -457,7 +457,7 @@ class DynamicRegions final : public Heuristic {
     }
     spawn(graph_->start);
     // Regions skip the parts that the planner reached before this search of the graph.
-    const auto squared_distance = [&](View at) { return reached.nearest(at).squared_distance; };
+    const auto squared_distance = [&](View at) { return reached.squared_distance(at); };
     spawn_near(squared_distance);
     advance([&](View centre) { return squared_distance(centre) <= reach_ * reach_; });
   }
@@ -707,8 +707,7 @@ class SkeletonGuide final : public Guide {
     instance->graph = graph_;
     along_path_ = !settings_.follow_regions && !parent.motion_model;
     if (!reached_) {
-      reached_.emplace(projection_->space());
-      reached_->add(instance->start);
+      reached_.emplace(projection_->space(), instance->start);
       nodes_.begin(parent.space, parent.start, parent.goal());
       start_ = parent.start;
       position_axes_ = parent.position_axes;
@@ -738,10 +737,7 @@ class SkeletonGuide final : public Guide {
 
   void restart() override {
     nodes_.clear();
-    reached_.emplace(projection_->space());
-    Configuration s(projection_->space().dimension());
-    projection_->project(start_, s);
-    reached_->add(s);
+    reached_->clear();
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
@@ -764,7 +760,7 @@ class SkeletonGuide final : public Guide {
   void before_resolve() override {
     if (found_invalid_) found_invalid_->clear();
     if (regions_ != nullptr) {
-      for (const std::uint32_t e : regions_->stuck_edges()) graph_->edges[e].cost *= stuck_penalty;
+      for (const std::uint32_t e : regions_->stuck_edges()) graph_->multiply_cost(e, stuck_penalty);
       return;
     }
     if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
@@ -852,7 +848,7 @@ class SkeletonGuide final : public Guide {
   }
 
   void refute(std::uint32_t edge) {
-    graph_->edges[edge].cost *= refuted_penalty;
+    graph_->multiply_cost(edge, refuted_penalty);
     refuted_edges_[edge] = 1;
   }
 
@@ -895,7 +891,7 @@ class SkeletonGuide final : public Guide {
   Configuration start_;
   std::vector<std::size_t> position_axes_;
   std::optional<Places> found_invalid_;  ///< configurations of C found invalid since the path was found
-  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes, if h uses regions
+  std::optional<ReachedIndex> reached_;  ///< positions of the planner's nodes, if h uses regions
   ReachedNodes nodes_;                   ///< the planner's nodes, if h follows a path
   std::optional<SparseValidation> sparse_;
   double spacing_ = 0.0;                  ///< distance between validated points

@@ -130,9 +130,7 @@ class Workspace final : public Guide {
     cell_ = settings_.cell > 0.0 ? settings_.cell : longest / cells;
     graph_ = grid(*instance, cell_);
     instance->graph = graph_;
-    start_ = instance->start;
-    reached_.emplace(projection_->space());
-    reached_->add(start_);
+    reached_.emplace(projection_->space(), instance->start);
     refuted_ = Configurations(projection_->space().dimension());
     if (along_path_) {
       if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal());
@@ -160,9 +158,8 @@ class Workspace final : public Guide {
     reached_->add(position);
   }
   void restart() override {
-    reached_.emplace(projection_->space());
-    reached_->add(start_);
-    if (nodes_.begun()) nodes_.clear();
+    reached_->clear();
+    nodes_.clear();
   }
 
   std::unique_ptr<Heuristic> heuristic(Instance& parent, const Instance*, const Solution* found) override {
@@ -204,14 +201,15 @@ class Workspace final : public Guide {
     } else {
       for (std::size_t i = 0; i < path_.size(); ++i) {
         const View point = std::as_const(path_)[i];
-        if (reached_->nearest(point).squared_distance > radius_ * radius_) stuck.add(point);
+        if (reached_->squared_distance(point) > radius_ * radius_) stuck.add(point);
       }
     }
     if (stuck.size() == 0) return;
     Configuration middle(projection_->space().dimension());
-    for (auto& edge : graph_->edges) {
+    for (std::size_t e = 0; e < graph_->edges.size(); ++e) {
+      const auto& edge = graph_->edges[e];
       space.interpolate(graph_->vertices[edge.from], graph_->vertices[edge.to], 0.5, middle);
-      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) edge.cost *= penalty;
+      if (stuck.nearest(middle).squared_distance <= cell_ * cell_) graph_->multiply_cost(e, penalty);
     }
   }
 
@@ -254,8 +252,7 @@ class Workspace final : public Guide {
   std::shared_ptr<const HandleLift> handles_;  ///< set if the option requests handles
   Instance* point_ = nullptr;                  ///< S, outlives this object
   std::shared_ptr<Graph> graph_;
-  std::optional<NearestIndex> reached_;  ///< positions of the planner's nodes
-  Configuration start_;                  ///< position of the start
+  std::optional<ReachedIndex> reached_;  ///< positions of the planner's nodes
   bool along_path_ = false;              ///< h follows configurations of C
   ReachedNodes nodes_;                   ///< the planner's nodes, if `along_path_`
   std::optional<SparseValidation> sparse_;

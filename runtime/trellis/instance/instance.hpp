@@ -42,7 +42,11 @@ class Validity {
   [[nodiscard]] virtual std::uint64_t epoch() const { return 0; }
   /// Whether a motion that was valid at an earlier epoch still is. Costs no validity check where the implementation
   /// stores the newly invalid regions; by default calls `motion`.
-  [[nodiscard]] virtual MotionReport motion_still_valid(View a, View b) { return motion(a, b); }
+  /// \param since  an epoch at which the motion was valid; 0: not known
+  [[nodiscard]] virtual MotionReport motion_still_valid(View a, View b, std::uint64_t since) {
+    static_cast<void>(since);
+    return motion(a, b);
+  }
   /// Factor on the cost of an edge for searches of roadmaps, >= 1; above 1 where validating the edge would still cost
   /// checks.
   [[nodiscard]] virtual double effort_factor(View a, View b) const {
@@ -94,7 +98,15 @@ struct Graph {
   std::vector<Edge> edges;  ///< undirected
   std::uint32_t start = 0;  ///< vertices
   std::uint32_t goal = 0;
-  bool verified = true;  ///< all edges are valid; else the search validates the edges of its candidate paths
+  bool verified = true;        ///< all edges are valid; else the search validates the edges of its candidate paths
+  std::uint64_t revision = 0;  ///< number of changes of costs since the graph was made
+
+  /// Changes the cost of an edge between two searches.
+  void set_cost(std::size_t edge, double cost) {
+    edges[edge].cost = cost;
+    ++revision;
+  }
+  void multiply_cost(std::size_t edge, double factor) { set_cost(edge, edges[edge].cost * factor); }
 };
 
 /// Spent checks, in total or of one level.
@@ -163,15 +175,19 @@ class Instance {
     return report;
   }
   /// Checks whether a motion that was valid at an earlier epoch still is, and counts the checks.
-  [[nodiscard]] MotionReport recheck_motion(View a, View b) {
-    const MotionReport report = validity->motion_still_valid(a, b);
+  /// \param since  an epoch at which the motion was valid, if known: only later changes are considered
+  [[nodiscard]] MotionReport recheck_motion(View a, View b, std::uint64_t since = 0) {
+    // Epochs before the present projection say nothing of its validity.
+    const MotionReport report = validity->motion_still_valid(a, b, since > revision ? since - revision : 0);
     if (validity->spends_checks() && report.checks > 0) {
       checks.validity += report.checks;
       ++checks.motion;
     }
     return report;
   }
-  [[nodiscard]] bool motion_still_valid(View a, View b) { return recheck_motion(a, b).valid; }
+  [[nodiscard]] bool motion_still_valid(View a, View b, std::uint64_t since = 0) {
+    return recheck_motion(a, b, since).valid;
+  }
   /// Propagates from a valid state under a constant control for at most `steps` steps, up to the first invalid state.
   /// Appends the state after each valid step. Each step counts as a motion. Requires a motion model.
   /// \param blocked  if not null: receives the first invalid state

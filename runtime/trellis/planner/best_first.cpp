@@ -69,6 +69,7 @@ class BestFirst final : public Planner {
                       context_.instance.space.name(), graph.vertices.dimension()));
     }
     if (evaluated_.begin()) {
+      paused_.reset();
       costs_.clear();
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
     }
@@ -76,21 +77,8 @@ class BestFirst final : public Planner {
       if (auto found = remove_invalid_goals(context_.instance)) return *found;
       evaluated_.renew();
     }
-    BudgetMonitor drawing(context_, budget);
-    const std::vector<double> factors = priority_factors(drawing);
-    const auto priority = [&](const SearchState& state, std::uint32_t v) {
-      const double ahead = model_ ? model_->cost_to_go(state, v)
-                                  : context_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
-      return factors.empty() ? ahead : factors[v] * ahead;
-    };
-    const auto evaluate = [&](std::uint32_t e, std::uint32_t to) -> View {
-      if (graph.verified) {
-        evaluated_.record(e);
-        return {};
-      }
-      return evaluated_.valid(e, to) ? View{} : evaluated_.invalid_at(e);
-    };
-    BestFirstSearch search(graph, evaluate, priority, {.evaluation = settings_.evaluate, .penalties = penalties()});
+    if (!paused_ || context_.guided || version_ != evaluated_.version()) begin(budget);
+    BestFirstSearch& search = *paused_;
     // The search draws no more proposals, so the limit of proposals must not end it.
     Budget searching = budget;
     searching.proposals = Budget::unlimited;
@@ -111,10 +99,31 @@ class BestFirst final : public Planner {
       reached.push_back(vertex.expanded || (v == graph.goal && search.reached_goal()) ? 1 : 0);
     }
     if (search.reached_goal() && !graph.verified) evaluated_.add_node(graph.goal, parent[graph.goal]);
+    if (!ended) paused_.reset();
     return evaluated_.solution(parent, reached, ended.value_or(Status::no_path));
   }
 
  private:
+  void begin(const Budget& budget) {
+    version_ = evaluated_.version();
+    BudgetMonitor drawing(context_, budget);
+    const auto priority = [this, factors = priority_factors(drawing)](const SearchState& state, std::uint32_t v) {
+      const Graph& graph = *context_.instance.graph;
+      const double ahead = model_ ? model_->cost_to_go(state, v)
+                                  : context_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
+      return factors.empty() ? ahead : factors[v] * ahead;
+    };
+    const auto evaluate = [this](std::uint32_t e, std::uint32_t to) -> View {
+      if (context_.instance.graph->verified) {
+        evaluated_.record(e);
+        return {};
+      }
+      return evaluated_.valid(e, to) ? View{} : evaluated_.invalid_at(e);
+    };
+    paused_.emplace(*context_.instance.graph, evaluate, priority,
+                    BestFirstSearch::Rules{.evaluation = settings_.evaluate, .penalties = penalties()});
+  }
+
   /// The increase of each edge's cost since the graph was made. Greedy search ignores costs: without these penalties a
   /// continued search would find the same path again.
   [[nodiscard]] std::vector<double> penalties() const {
@@ -146,6 +155,8 @@ class BestFirst final : public Planner {
   EvaluatedGraph evaluated_;
   std::shared_ptr<const SearchModel> model_;
   std::vector<double> costs_;  ///< initial costs of the edges
+  EvaluatedGraph::Version version_;
+  std::optional<BestFirstSearch> paused_;  ///< of `version_`; a search that its budget ended
 };
 
 }  // namespace

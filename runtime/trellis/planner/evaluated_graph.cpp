@@ -11,6 +11,19 @@ namespace trellis {
 bool EvaluatedGraph::begin() {
   if (graph_ == context_.instance.graph) return false;
   graph_ = context_.instance.graph;
+  first_.assign(graph_->vertices.size() + 1, 0);
+  for (const auto& edge : graph_->edges) {
+    ++first_[edge.from + 1];
+    ++first_[edge.to + 1];
+  }
+  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+  incident_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t e = 0; e < graph_->edges.size(); ++e) {
+    const auto& edge = graph_->edges[e];
+    incident_[next[edge.from]++] = {e, edge.to};
+    incident_[next[edge.to]++] = {e, edge.from};
+  }
   seen_.assign(graph_->edges.size(), 0);
   blocked_.clear();
   rows_.assign(graph_->vertices.size(), no_node);
@@ -136,20 +149,14 @@ Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, cons
 
 std::vector<char> EvaluatedGraph::reachable() const {
   const Graph& graph = *context_.instance.graph;
-  std::vector<std::vector<std::uint32_t>> neighbours(graph.vertices.size());
-  for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
-    if (!graph.verified && e < seen_.size() && seen_[e] == found_invalid) continue;
-    neighbours[graph.edges[e].from].push_back(graph.edges[e].to);
-    neighbours[graph.edges[e].to].push_back(graph.edges[e].from);
-  }
   std::vector<char> reached(graph.vertices.size(), 0);
   std::vector<std::uint32_t> open = {graph.start};
   reached[graph.start] = 1;
   while (!open.empty()) {
     const std::uint32_t at = open.back();
     open.pop_back();
-    for (const std::uint32_t next : neighbours[at]) {
-      if (reached[next] != 0) continue;
+    for (const auto& [edge, next] : incident(at)) {
+      if (reached[next] != 0 || (!graph.verified && seen_[edge] == found_invalid)) continue;
       reached[next] = 1;
       open.push_back(next);
     }

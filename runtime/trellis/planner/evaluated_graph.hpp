@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <trellis/planner/loop.hpp>
@@ -22,8 +23,30 @@ class EvaluatedGraph {
   /// Begins a search of the instance's graph. If the graph is another one than before, discards the results and returns
   /// true.
   bool begin();
+  /// What a search of the graph depends on, apart from proposals: a search that was paused continues where this is the
+  /// same.
+  struct Version {
+    std::uint64_t epoch = 0;
+    std::uint64_t costs = 0;
+    Configuration goal;
+    bool operator==(const Version&) const = default;
+  };
+  [[nodiscard]] Version version() const {
+    const Instance& instance = context_.instance;
+    return {instance.epoch(), instance.graph->revision, instance.goal()};
+  }
   /// Marks edges found invalid at an earlier epoch for evaluation, and valid edges for a recheck.
   void renew();
+
+  /// An edge of a vertex.
+  struct Incident {
+    std::uint32_t edge = 0;
+    std::uint32_t to = 0;  ///< its other end
+  };
+  /// The edges of a vertex, in their order.
+  [[nodiscard]] std::span<const Incident> incident(std::uint32_t vertex) const {
+    return std::span(incident_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  }
 
   /// Whether an edge is valid. Evaluates each edge once per epoch and reports an invalid one to the guidance.
   /// \param to  the vertex that the edge leads to
@@ -63,8 +86,10 @@ class EvaluatedGraph {
   [[nodiscard]] std::vector<char> reachable() const;
 
   PlannerContext& context_;
-  std::shared_ptr<Graph> graph_;  ///< the graph that the other members refer to
-  std::vector<char> seen_;        ///< per edge: whether it was recorded, or the result of its evaluation
+  std::shared_ptr<Graph> graph_;      ///< the graph that the other members refer to
+  std::vector<std::uint32_t> first_;  ///< per vertex: its first edge in `incident_`; then the size of that
+  std::vector<Incident> incident_;
+  std::vector<char> seen_;  ///< per edge: whether it was recorded, or the result of its evaluation
   std::map<std::uint32_t, Configuration> blocked_;  ///< first invalid configuration of each invalid edge
   std::vector<std::uint32_t> rows_;                 ///< per vertex of an unverified graph: its node
   std::uint64_t epoch_ = 0;                         ///< epoch of the validity that `seen_` refers to

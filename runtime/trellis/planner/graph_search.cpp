@@ -40,36 +40,42 @@ class GraphSearch final : public Planner {
 
   Solution solve(const Budget& budget) override {
     const Graph& graph = *context_.instance.graph;
+    if (evaluated_.begin()) paused_.reset();
     BudgetMonitor monitor(context_, budget);
-    const std::vector<double> cost = weighed(monitor);
-    const auto n = graph.vertices.size();
-    std::vector<std::vector<std::uint32_t>> adjacency(n);
-    for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
-      adjacency[graph.edges[e].from].push_back(e);
-      adjacency[graph.edges[e].to].push_back(e);
-    }
-    std::vector<std::uint32_t> parent(n, EvaluatedGraph::none);
-    std::vector<char> done(n, 0);
-    evaluated_.begin();
-    std::optional<Status> ended;
     if (graph.verified) {
-      dijkstra(graph, cost, adjacency, parent, done);
-    } else {
-      if (auto found = remove_invalid_goals(context_.instance)) return *found;
-      // The search draws no more proposals, so the limit of proposals must not end it.
-      Budget looks = budget;
-      looks.proposals = Budget::unlimited;
-      BudgetMonitor looking(context_, looks);
-      ended = verify(graph, cost, adjacency, parent, done, looking);
+      Tree tree(graph);
+      dijkstra(graph, weighed(monitor), tree);
+      return evaluated_.solution(tree.parent, tree.done, Status::no_path);
     }
-    return evaluated_.solution(parent, done, ended.value_or(Status::no_path));
+    std::vector<double> cost;
+    if (context_.guided) cost = weighed(monitor);
+    if (auto found = remove_invalid_goals(context_.instance)) return *found;
+    evaluated_.renew();
+    if (!continues()) {
+      if (!context_.guided) cost = weighed(monitor);
+      paused_.emplace(context_.instance, evaluated_.version(), std::move(cost), context_.guided);
+    }
+    // The search draws no more proposals, so the limit of proposals must not end it.
+    Budget looks = budget;
+    looks.proposals = Budget::unlimited;
+    BudgetMonitor looking(context_, looks);
+    const std::optional<Status> ended = verify(graph, *paused_, looking);
+    Solution solution = evaluated_.solution(paused_->tree.parent, paused_->tree.done, ended.value_or(Status::no_path));
+    if (!ended) paused_.reset();
+    return solution;
   }
 
  private:
-  using Adjacency = std::vector<std::vector<std::uint32_t>>;  ///< edges of each vertex
+  /// The vertices that a search has reached.
+  struct Tree {
+    explicit Tree(const Graph& graph)
+        : parent(graph.vertices.size(), EvaluatedGraph::none), done(graph.vertices.size(), 0) {}
+    std::vector<std::uint32_t> parent;  ///< the edge that leads to a vertex
+    std::vector<char> done;
+  };
 
-  void dijkstra(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
-                std::vector<std::uint32_t>& parent, std::vector<char>& done) {
+  void dijkstra(const Graph& graph, const std::vector<double>& cost, Tree& tree) {
+    auto& [parent, done] = tree;
     std::vector<double> distance(graph.vertices.size(), std::numeric_limits<double>::infinity());
     using Entry = std::pair<double, std::uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -80,9 +86,8 @@ class GraphSearch final : public Planner {
       queue.pop();
       if (done[v] != 0) continue;
       done[v] = 1;
-      for (const std::uint32_t e : adjacency[v]) {
+      for (const auto& [e, next] : evaluated_.incident(v)) {
         evaluated_.record(e);
-        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
         if (d + cost[e] < distance[next]) {
           distance[next] = d + cost[e];
           parent[next] = e;
@@ -93,47 +98,75 @@ class GraphSearch final : public Planner {
     }
   }
 
-  /// A* over edges that may be invalid. Evaluates the edge to a vertex when the vertex is next in the queue; if the
-  /// edge is invalid, the search continues with the vertex's other edges. Evaluates each edge once per epoch of
-  /// validity.
-  /// \return the reason if it stops early, else none
-  std::optional<Status> verify(const Graph& graph, const std::vector<double>& cost, const Adjacency& adjacency,
-                               std::vector<std::uint32_t>& parent, std::vector<char>& done, BudgetMonitor& monitor) {
-    const Instance& instance = context_.instance;
-    evaluated_.renew();
-    // The remaining path costs at least its length times the lowest rate.
-    double rate = 1.0;
-    for (std::size_t e = 0; e < cost.size(); ++e) {
-      if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
-    }
-    const auto ahead = [&](std::uint32_t v) {
-      return rate * instance.space.distance(std::as_const(graph.vertices)[v], instance.goal());
-    };
+  /// An A* search over edges that may be invalid. A pause between two steps does not change what it finds.
+  struct Verifying {
     struct Entry {
       double estimate = 0.0;
       double cost = 0.0;
       std::uint32_t vertex = 0;
       std::uint32_t edge = 0;  ///< the edge that leads to it
     };
-    const auto later = [](const Entry& a, const Entry& b) {
-      return std::tie(a.estimate, b.cost, a.vertex, a.edge) > std::tie(b.estimate, a.cost, b.vertex, b.edge);
+    struct Later {
+      bool operator()(const Entry& a, const Entry& b) const {
+        return std::tie(a.estimate, b.cost, a.vertex, a.edge) > std::tie(b.estimate, a.cost, b.vertex, b.edge);
+      }
     };
-    std::priority_queue<Entry, std::vector<Entry>, decltype(later)> queue(later);
-    queue.push({ahead(graph.start), 0.0, graph.start, EvaluatedGraph::none});
-    while (!queue.empty()) {
-      const Entry entry = queue.top();
-      queue.pop();
+
+    /// \param reduced  whether costs may be less than those of the graph
+    Verifying(const Instance& instance, EvaluatedGraph::Version of, std::vector<double> costs, bool reduced)
+        : version(std::move(of)), cost(std::move(costs)), tree(*instance.graph), to_goal(tree.done.size(), unknown) {
+      const Graph& graph = *instance.graph;
+      // The remaining path costs at least its length times the lowest rate.
+      for (std::size_t e = 0; reduced && e < cost.size(); ++e) {
+        if (graph.edges[e].cost > 0.0) rate = std::min(rate, cost[e] / graph.edges[e].cost);
+      }
+      queue.push({ahead(instance, graph.start), 0.0, graph.start, EvaluatedGraph::none});
+    }
+
+    /// The least cost of a path from the vertex to the goal.
+    [[nodiscard]] double ahead(const Instance& instance, std::uint32_t v) {
+      double& distance = to_goal[v];
+      if (distance == unknown)
+        distance = instance.space.distance(std::as_const(instance.graph->vertices)[v], version.goal);
+      return rate * distance;
+    }
+
+    static constexpr double unknown = -1.0;
+    EvaluatedGraph::Version version;
+    std::vector<double> cost;
+    Tree tree;
+    std::vector<double> to_goal;  ///< distances
+    double rate = 1.0;
+    std::priority_queue<Entry, std::vector<Entry>, Later> queue;
+  };
+
+  /// Whether a search was paused that has not become another one since.
+  [[nodiscard]] bool continues() const {
+    return paused_ && !context_.guided && paused_->version == evaluated_.version();
+  }
+
+  /// Evaluates the edge to a vertex when the vertex is next in the queue; if the edge is invalid, the search continues
+  /// with the vertex's other edges. Evaluates each edge once per epoch of validity.
+  /// \return the reason if it stops early, else none
+  std::optional<Status> verify(const Graph& graph, Verifying& search, BudgetMonitor& monitor) {
+    auto& [parent, done] = search.tree;
+    while (!search.queue.empty()) {
+      const auto entry = search.queue.top();
       const std::uint32_t v = entry.vertex;
+      if (done[v] == 0) {
+        if (const auto status = monitor.spent()) return status;
+      }
+      search.queue.pop();
       if (done[v] != 0) continue;
-      if (const auto status = monitor.spent()) return status;
       if (entry.edge != EvaluatedGraph::none && !evaluated_.valid(entry.edge, v)) continue;
       done[v] = 1;
       parent[v] = entry.edge;
       evaluated_.add_node(v, entry.edge);
       if (v == graph.goal) break;
-      for (const std::uint32_t e : adjacency[v]) {
-        const std::uint32_t next = graph.edges[e].from == v ? graph.edges[e].to : graph.edges[e].from;
-        if (done[next] == 0) queue.push({entry.cost + cost[e] + ahead(next), entry.cost + cost[e], next, e});
+      for (const auto& [e, next] : evaluated_.incident(v)) {
+        if (done[next] != 0) continue;
+        const double cost = entry.cost + search.cost[e];
+        search.queue.push({cost + search.ahead(context_.instance, next), cost, next, e});
       }
     }
     return std::nullopt;
@@ -144,6 +177,7 @@ class GraphSearch final : public Planner {
   std::vector<double> weighed(BudgetMonitor& monitor) {
     const Graph& graph = *context_.instance.graph;
     std::vector<double> cost;
+    cost.reserve(graph.edges.size());
     for (const auto& edge : graph.edges) cost.push_back(edge.cost);
     if (!context_.guided) return cost;
     const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, monitor);
@@ -160,6 +194,7 @@ class GraphSearch final : public Planner {
   GraphSearchSettings settings_;
   PlannerContext context_;
   EvaluatedGraph evaluated_;
+  std::optional<Verifying> paused_;  ///< a search that its budget ended
 };
 
 }  // namespace

@@ -82,7 +82,7 @@ class KinodynamicRrt final : public StartTreePlanner {
     Configuration next(dimension());
     for (std::uint32_t k = 0; k < edge.steps; ++k) {
       model_.step(context_.instance.space, state_, std::as_const(controls_)[edge.control], next);
-      if (!motion_still_valid(context_, state_, next)) return false;
+      if (!motion_still_valid(context_, state_, next, repair_->since())) return false;
       std::swap(state_, next);
     }
     return true;

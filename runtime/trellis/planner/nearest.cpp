@@ -60,6 +60,26 @@ class Tree final : public NearestIndex::Implementation {
     return id;
   }
 
+  void renumber(const std::vector<std::uint32_t>& ids, std::size_t kept) override {
+    for (std::size_t leaf = 0; leaf < count_.size(); ++leaf) {
+      std::size_t to = 0;
+      for (std::size_t from = 0; from < count_[leaf]; ++from) {
+        const std::uint32_t id = ids[ids_[leaf * bucket + from]];
+        if (id == removed) continue;
+        ids_[leaf * bucket + to] = id;
+        for (std::size_t j = 0; j < dim(); ++j) {
+          double* column = &coordinates_[(leaf * dim() + j) * bucket];
+          column[to] = column[from];
+        }
+        ++to;
+      }
+      count_[leaf] = to;
+    }
+    size_ = kept;
+    // Children come after their parents.
+    for (std::size_t at = nodes_.size(); at-- > 0;) fit_box(at);
+  }
+
   [[nodiscard]] std::size_t size() const override { return size_; }
 
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const override {
@@ -143,6 +163,31 @@ class Tree final : public NearestIndex::Implementation {
     for (std::size_t j = 0; j < dim(); ++j) {
       box[j] = std::min(box[j], point[j]);
       box[dim() + j] = std::max(box[dim() + j], point[j]);
+    }
+  }
+
+  /// Computes the box of a node anew: from the points of a leaf, or from the boxes of the children.
+  void fit_box(std::size_t at) {
+    const Node& node = nodes_[at];
+    double* box = &boxes_[at * 2 * dim()];
+    for (std::size_t j = 0; j < dim(); ++j) {
+      double lo = infinity;
+      double hi = -infinity;
+      if (node.leaf >= 0) {
+        const auto leaf = static_cast<std::size_t>(node.leaf);
+        const double* column = &coordinates_[(leaf * dim() + j) * bucket];
+        for (std::size_t i = 0; i < count_[leaf]; ++i) {
+          lo = std::min(lo, column[i]);
+          hi = std::max(hi, column[i]);
+        }
+      } else {
+        const double* left = &boxes_[node.left * 2 * dim()];
+        const double* right = &boxes_[node.right * 2 * dim()];
+        lo = std::min(left[j], right[j]);
+        hi = std::max(left[dim() + j], right[dim() + j]);
+      }
+      box[j] = lo;
+      box[dim() + j] = hi;
     }
   }
 
@@ -325,6 +370,14 @@ NearestIndex::NearestIndex(NearestIndex&&) noexcept = default;
 NearestIndex& NearestIndex::operator=(NearestIndex&&) noexcept = default;
 
 std::uint32_t NearestIndex::add(View q) { return implementation_->add(q); }
+void NearestIndex::retain(const std::vector<std::uint8_t>& keep) {
+  std::vector<std::uint32_t> ids(keep.size(), Implementation::removed);
+  std::uint32_t kept = 0;
+  for (std::size_t id = 0; id < keep.size(); ++id) {
+    if (keep[id] != 0) ids[id] = kept++;
+  }
+  if (kept < keep.size()) implementation_->renumber(ids, kept);
+}
 std::size_t NearestIndex::size() const { return implementation_->size(); }
 NearestIndex::Neighbour NearestIndex::nearest(View q) const { return implementation_->nearest(q); }
 void NearestIndex::k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const {

@@ -11,9 +11,8 @@
 
 namespace trellis {
 
-/// Exact nearest neighbours in a space's metric, with circles and rotations. Points can be added but not
-/// removed. Ties go to the point that was added first, so results do not depend on the internal structure. An
-/// incremental kd-tree of buckets with tight bounding boxes.
+/// Exact nearest neighbours in a space's metric, with circles and rotations. Ties go to the point that was added first,
+/// so results do not depend on the internal structure. An incremental kd-tree of buckets with tight bounding boxes.
 class NearestIndex {
  public:
   struct Neighbour {
@@ -28,6 +27,10 @@ class NearestIndex {
 
   /// Adds a point. Its id is the number of points before it.
   std::uint32_t add(View q);
+  /// Removes points, in time linear in the number of all points. The others keep their order: the id of a point is then
+  /// the number of points before it that were kept.
+  /// \param keep  for each point, whether it stays
+  void retain(const std::vector<std::uint8_t>& keep);
   [[nodiscard]] std::size_t size() const;
   /// The nearest point. Requires size() > 0.
   [[nodiscard]] Neighbour nearest(View q) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,10 @@ class NearestIndex::Implementation {
   Implementation& operator=(const Implementation&) = delete;
   virtual ~Implementation() = default;
   virtual std::uint32_t add(View q) = 0;
+  /// \param ids  for each point its new id, in ascending order, or `removed`
+  /// \param kept  number of points that stay
+  virtual void renumber(const std::vector<std::uint32_t>& ids, std::size_t kept) = 0;
+  static constexpr std::uint32_t removed = std::numeric_limits<std::uint32_t>::max();
   [[nodiscard]] virtual std::size_t size() const = 0;
   [[nodiscard]] virtual Neighbour nearest(View q) const = 0;
   virtual void k_nearest(View q, std::size_t k, std::vector<Neighbour>& out) const = 0;

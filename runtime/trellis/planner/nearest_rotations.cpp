@@ -5,6 +5,7 @@
 // are one rotation, so a box is as near as the nearer of the two. Distances of single points are the metric's own,
 // which takes an arc tangent: it is computed where a bound without one does not show that the point is too far.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -51,6 +52,18 @@ class RotationIndex final : public NearestIndex::Implementation {
     return id;
   }
 
+  void renumber(const std::vector<std::uint32_t>& ids, std::size_t kept) override {
+    Configurations rows(rows_.dimension());
+    rows.reserve(kept);
+    for (std::size_t id = 0; id < ids.size(); ++id) {
+      if (ids[id] != removed) rows.push(std::as_const(rows_)[id]);
+    }
+    rows_ = std::move(rows);
+    for (Node& node : nodes_) node.renumber(ids, width_);
+    // Children come after their parents.
+    for (std::size_t at = nodes_.size(); at-- > 0;) fit_box(at);
+  }
+
   [[nodiscard]] std::size_t size() const override { return rows_.size(); }
 
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const override {
@@ -90,11 +103,32 @@ class RotationIndex final : public NearestIndex::Implementation {
     std::size_t column = 0;
     double split = 0.0;
     std::vector<std::uint32_t> ids;  ///< of a leaf
-    std::vector<double> points;      ///< of a leaf: embedded, one after the other
+    std::size_t room = 0;            ///< points that fit in `columns`, a multiple of `bucket`
+    std::vector<double> columns;     ///< of a leaf: its embedded points, one column after the other
 
+    [[nodiscard]] double at(std::size_t point, std::size_t j) const { return columns[j * room + point]; }
     void push(std::uint32_t id, const double* point, std::size_t width) {
+      if (ids.size() == room) {
+        const std::size_t more = std::max(bucket, 2 * room);
+        std::vector<double> wider(width * more, 0.0);
+        for (std::size_t j = 0; j < width; ++j) std::copy_n(columns.data() + j * room, room, wider.data() + j * more);
+        columns = std::move(wider);
+        room = more;
+      }
+      for (std::size_t j = 0; j < width; ++j) columns[j * room + ids.size()] = point[j];
       ids.push_back(id);
-      points.insert(points.end(), point, point + width);
+    }
+    /// See Implementation::renumber.
+    void renumber(const std::vector<std::uint32_t>& new_ids, std::size_t width) {
+      std::size_t to = 0;
+      for (std::size_t from = 0; from < ids.size(); ++from) {
+        const std::uint32_t id = new_ids[ids[from]];
+        if (id == removed) continue;
+        ids[to] = id;
+        for (std::size_t j = 0; j < width; ++j) columns[j * room + to] = at(from, j);
+        ++to;
+      }
+      ids.resize(to);
     }
   };
 
@@ -130,12 +164,35 @@ class RotationIndex final : public NearestIndex::Implementation {
   /// The lowest coordinates of a node's embedded points; the highest follow.
   [[nodiscard]] const double* box(std::uint32_t at) const { return boxes_.data() + 2 * width_ * at; }
 
-  void widen(std::uint32_t at, const double* point) {
+  void widen(std::size_t at, const double* point) {
     double* lo = boxes_.data() + 2 * width_ * at;
     double* hi = lo + width_;
     for (std::size_t j = 0; j < width_; ++j) {
       lo[j] = std::min(lo[j], point[j]);
       hi[j] = std::max(hi[j], point[j]);
+    }
+  }
+
+  /// Computes the box of a node anew: from the points of a leaf, or from the boxes of the children.
+  void fit_box(std::size_t at) {
+    double* lo = boxes_.data() + 2 * width_ * at;
+    std::fill_n(lo, width_, infinity);
+    std::fill_n(lo + width_, width_, -infinity);
+    const Node& node = nodes_[at];
+    if (node.left == 0) {
+      for (std::size_t j = 0; j < width_; ++j) {
+        for (std::size_t i = 0; i < node.ids.size(); ++i) {
+          lo[j] = std::min(lo[j], node.at(i, j));
+          lo[width_ + j] = std::max(lo[width_ + j], node.at(i, j));
+        }
+      }
+      return;
+    }
+    for (const std::uint32_t child : {node.left, node.right}) {
+      for (std::size_t j = 0; j < width_; ++j) {
+        lo[j] = std::min(lo[j], box(child)[j]);
+        lo[width_ + j] = std::max(lo[width_ + j], box(child)[width_ + j]);
+      }
     }
   }
 
@@ -152,15 +209,16 @@ class RotationIndex final : public NearestIndex::Implementation {
     if (!(lo < middle && middle <= hi)) return;
     const std::uint32_t left = new_leaf();
     const std::uint32_t right = new_leaf();
+    Configuration point(width_);
     for (std::size_t i = 0; i < nodes_[at].ids.size(); ++i) {
-      const double* point = nodes_[at].points.data() + i * width_;
+      for (std::size_t j = 0; j < width_; ++j) point[j] = nodes_[at].at(i, j);
       const std::uint32_t child = point[column] < middle ? left : right;
-      nodes_[child].push(nodes_[at].ids[i], point, width_);
-      widen(child, point);
+      nodes_[child].push(nodes_[at].ids[i], point.data(), width_);
+      widen(child, point.data());
     }
     Node& node = nodes_[at];
     node.ids = {};
-    node.points = {};
+    node.columns = {};
     node.left = left;
     node.right = right;
     node.column = column;
@@ -197,36 +255,47 @@ class RotationIndex final : public NearestIndex::Implementation {
     return sum;
   }
 
-  /// At most the squared distance between two embedded rows, and as a rule within some percent of it.
+  /// At most the squared distances between y, embedded, and `bucket` points of a leaf, and as a rule within some
+  /// percent of them. \param points  the first column, from the first of these points on \param room  distance between
+  /// the columns
   template <class Lines, class Rotations>
-  [[nodiscard]] double point_distance(const double* p, const double* y, Lines lines, Rotations rotations) const {
-    double sum = 0.0;
-    std::size_t j = 0;
-    for (; j < lines; ++j) {
-      const double d = y[j] - p[j];
-      sum += d * d;
+  void bound_distances(const double* points, std::size_t room, const double* y, Lines lines, Rotations rotations,
+                       std::array<double, bucket>& out) const {
+    out.fill(0.0);
+    for (std::size_t j = 0; j < lines; ++j, points += room) {
+      for (std::size_t i = 0; i < bucket; ++i) {
+        const double d = y[j] - points[i];
+        out[i] += d * d;
+      }
     }
+    y += lines;
     for (const Part& circle : circles_) {
-      const double d = std::abs(y[j] - p[j]);
-      const double shorter = std::min(d, std::abs(circle.length - d));
-      sum += shorter * shorter;
-      ++j;
+      for (std::size_t i = 0; i < bucket; ++i) {
+        const double d = std::abs(*y - points[i]);
+        const double shorter = std::min(d, std::abs(circle.length - d));
+        out[i] += shorter * shorter;
+      }
+      points += room;
+      ++y;
     }
     for (std::size_t r = 0; r < rotations; ++r) {
-      const Part& rotation = rotations_[r];
-      double same = 0.0;
-      for (std::size_t i = 0; i < 4; ++i, ++j) {
-        const double d = y[j] - p[j];
-        same += d * d;
+      const double length = rotations_[r].length;
+      std::array<double, bucket> same{};
+      for (std::size_t k = 0; k < 4; ++k, points += room, ++y) {
+        for (std::size_t i = 0; i < bucket; ++i) {
+          const double d = *y - points[i];
+          same[i] += d * d;
+        }
       }
       // The norms of quaternions are 1 up to rounding.
       constexpr double rounding = 1e-13;
-      const double chord = std::max(std::min(same, rotation.length - same) - rounding * rotation.length, 0.0);
-      // angle = 4 asin(c / 2), c the chord: the first terms of its square's series, all of which are positive.
-      const double s = chord / rotation.length;
-      sum += chord * (1.0 + s * (1.0 / 3.0 + s * (8.0 / 45.0)));
+      for (std::size_t i = 0; i < bucket; ++i) {
+        const double chord = std::max(std::min(same[i], length - same[i]) - rounding * length, 0.0);
+        // angle = 4 asin(c / 2), c the chord: the first terms of its square's series, all of which are positive.
+        const double s = chord / length;
+        out[i] += chord * (1.0 + s * (1.0 / 3.0 + s * (8.0 / 45.0)));
+      }
     }
-    return sum;
   }
 
   /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
@@ -256,11 +325,22 @@ class RotationIndex final : public NearestIndex::Implementation {
       if (distance * rounding > limit()) continue;
       const Node& node = nodes_[at];
       if (node.left == 0) {
-        const double* point = node.points.data();
-        for (std::size_t i = 0; i < node.ids.size(); ++i, point += width_) {
-          if (point_distance(point, y.data(), lines, rotations) * rounding > limit()) continue;
+        const auto offer_point = [&](std::size_t i) {
           const std::uint32_t id = node.ids[i];
           offer({id, space_.squared_distance(std::as_const(rows_)[id], row)});
+        };
+        for (std::size_t begin = 0; begin < node.ids.size(); begin += bucket) {
+          const std::size_t count = std::min(bucket, node.ids.size() - begin);
+          std::array<double, bucket> bounds;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+          bound_distances(node.columns.data() + begin, node.room, y.data(), lines, rotations, bounds);
+          // The point with the least bound first: it excludes most of the others.
+          const auto first = static_cast<std::size_t>(
+              std::min_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count)) - bounds.begin());
+          if (bounds[first] * rounding > limit()) continue;
+          offer_point(begin + first);
+          for (std::size_t i = 0; i < count; ++i) {
+            if (i != first && bounds[i] * rounding <= limit()) offer_point(begin + i);
+          }
         }
         continue;
       }

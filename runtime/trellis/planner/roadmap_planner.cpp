@@ -231,7 +231,7 @@ void RoadmapPlanner::recheck_edges() {
     const auto& edge = paths_.edge(id);
     if (free) {
       const std::uint64_t before = instance.checks.validity;
-      const bool valid = motion_still_valid(context_, node(edge.a), node(edge.b));
+      const bool valid = motion_still_valid(context_, node(edge.a), node(edge.b), 0);
       free = instance.checks.validity == before;
       edges_[id] = valid ? Known::valid : Known::invalid;
       if (!valid) refuted_.push_back(id);

@@ -70,8 +70,8 @@ class RrtConnect final : public TreePlanner {
       if (std::any_of(roots.begin(), roots.end(), [&](std::uint32_t id) { return same(goals[id], goal); })) continue;
       goals.add(goal, static_cast<std::uint32_t>(goals.size()));
     }
-    repairs_[0].emplace(*trees_[0]);
-    repairs_[1].emplace(goals);
+    repairs_[0].emplace(*trees_[0], valid_since());
+    repairs_[1].emplace(goals, valid_since());
     for (const std::uint32_t id : roots) {
       const auto is_root = [&](const auto& goal) { return same(goals[id], goal); };
       if (std::ranges::none_of(instance.goals, is_root)) repairs_[1]->refute(id);
@@ -81,7 +81,9 @@ class RrtConnect final : public TreePlanner {
 
   std::optional<Status> repair(BudgetMonitor& monitor) override {
     const auto edge_valid = [&](const Tree& tree) {
-      return [&](std::uint32_t id) { return motion_still_valid(context_, tree[tree.parent(id)], tree[id]); };
+      return [&](std::uint32_t id) {
+        return motion_still_valid(context_, tree[tree.parent(id)], tree[id], valid_since());
+      };
     };
     const auto branch_valid = [&](std::size_t side, std::uint32_t id) {
       return repairs_[side]->branch_valid(*trees_[side], id, edge_valid(*trees_[side]));
@@ -98,6 +100,7 @@ class RrtConnect final : public TreePlanner {
     }
     for (std::size_t side = 0; side < 2; ++side) repairs_[side]->prune(*trees_[side]);
     repairing_ = false;
+    repaired();
     context_.guidance.restart();
     for (std::size_t side = 0; side < 2; ++side) report_nodes(context_, *trees_[side], side == 1);
     find_best();

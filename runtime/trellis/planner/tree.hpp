@@ -57,20 +57,18 @@ class Tree {
   /// \return for each node its new id, or no_node
   std::vector<std::uint32_t> prune(const std::vector<std::uint8_t>& keep) {
     std::vector<std::uint32_t> ids(size(), no_node);
-    NearestIndex index(context_.instance.space);
+    std::uint32_t kept = 0;
     for (std::uint32_t id = 0; id < size(); ++id) {
-      if (keep[id] != 0) ids[id] = index.add((*this)[id]);
+      if (keep[id] == 0) continue;
+      rows_[kept] = rows_[id];
+      parents_[kept] = parents_[id];
+      ids[id] = kept++;
     }
-    std::vector<std::uint32_t> rows(index.size());
-    std::vector<std::uint32_t> parents(index.size());
-    for (std::uint32_t id = 0; id < size(); ++id) {
-      if (ids[id] == no_node) continue;
-      rows[ids[id]] = rows_[id];
-      parents[ids[id]] = ids[parents_[id]];
-    }
-    index_ = std::move(index);
-    rows_ = std::move(rows);
-    parents_ = std::move(parents);
+    rows_.resize(kept);
+    parents_.resize(kept);
+    // A rewired node may have a parent that comes after it.
+    for (std::uint32_t& parent : parents_) parent = ids[parent];
+    index_.retain(keep);
     return ids;
   }
 
@@ -94,8 +92,9 @@ class Tree {
 };
 
 /// Whether a motion that was valid at an earlier epoch is still valid. Reports an invalid one to the guidance.
-inline bool motion_still_valid(PlannerContext& context, View from, View to) {
-  const MotionReport report = context.instance.recheck_motion(from, to);
+/// \param since  an epoch at which the motion was valid; 0: not known
+inline bool motion_still_valid(PlannerContext& context, View from, View to, std::uint64_t since) {
+  const MotionReport report = context.instance.recheck_motion(from, to, since);
   if (report.valid) return true;
   Configuration blocked(from.size());
   context.instance.space.interpolate(from, to, report.invalid_at, blocked);
@@ -111,12 +110,14 @@ inline bool motion_still_valid(PlannerContext& context, View from, View to) {
 /// interrupted between two motions.
 class TreeRepair {
  public:
-  explicit TreeRepair(const Tree& tree) : branches_(tree.size(), Branch::unknown) {
+  /// \param since  an epoch at which every motion of the tree was valid
+  TreeRepair(const Tree& tree, std::uint64_t since) : branches_(tree.size(), Branch::unknown), since_(since) {
     for (std::uint32_t id = 0; id < tree.size(); ++id) {
       if (tree.parent(id) == id) branches_[id] = Branch::valid;
     }
   }
 
+  [[nodiscard]] std::uint64_t since() const { return since_; }
   /// Marks a root, or an invalid node, for removal.
   void refute(std::uint32_t id) { branches_[id] = Branch::invalid; }
   /// Whether the branch to the node is known to be valid, or invalid.
@@ -164,6 +165,7 @@ class TreeRepair {
   enum class Branch : std::uint8_t { unknown, valid, invalid };
 
   std::vector<Branch> branches_;
+  std::uint64_t since_;
   std::vector<std::uint32_t> branch_;
   std::uint32_t next_ = 0;
 };

@@ -20,6 +20,7 @@ Solution TreePlanner::solve(const Budget& budget) {
   } else if (!planted() || done()) {
     // Trees that reached the goal are replaced by new ones, to find another path. Other trees continue to grow.
     plant();
+    valid_since_ = epoch_;
   }
   while (!done()) {
     if (const auto reason = monitor.spent()) return finish(*reason);
@@ -52,7 +53,7 @@ void StartTreePlanner::begin_repair() {
     repair_.reset();
     return;
   }
-  repair_.emplace(*tree_);
+  repair_.emplace(*tree_, valid_since());
   note_all();
 }
 
@@ -71,13 +72,14 @@ std::optional<Status> StartTreePlanner::repair(BudgetMonitor& monitor) {
 void StartTreePlanner::remove_invalid() {
   const std::vector<std::uint32_t> ids = repair_->prune(*tree_);
   repair_.reset();
+  repaired();
   context_.guidance.restart();
   report_nodes(context_, *tree_, false);
   pruned(ids);
 }
 
 bool StartTreePlanner::edge_still_valid(std::uint32_t id) {
-  return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id]);
+  return motion_still_valid(context_, (*tree_)[tree_->parent(id)], (*tree_)[id], repair_->since());
 }
 
 void StartTreePlanner::iterate() {

@@ -58,6 +58,11 @@ class TreePlanner : public Planner {
     best_ = id;
   }
 
+  /// An epoch of the instance at which every motion of the trees was valid.
+  [[nodiscard]] std::uint64_t valid_since() const { return valid_since_; }
+  /// Called at the end of a repair: every motion of the trees is valid.
+  void repaired() { valid_since_ = epoch_; }
+
   PlannerContext context_;
   Configuration sample_;
   Configuration target_;
@@ -67,6 +72,7 @@ class TreePlanner : public Planner {
 
  private:
   std::uint64_t epoch_ = 0;
+  std::uint64_t valid_since_ = 0;
   bool ends_checked_ = false;
 };
 

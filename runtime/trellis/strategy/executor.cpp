@@ -139,7 +139,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
     record.length = path_length(problem.space, record.path);
   }
   record.path_checks = check_path.checks();
-  for (Level* level : run.levels) record.levels.push_back(level->take_record());
+  for (Level* level : run.levels) record.levels.push_back(level->take_record(options.lift));
   add_spent_below(record.levels);
   // The root's solution is the reported path.
   if (record.solved) record.levels.front().solution.path = record.path;

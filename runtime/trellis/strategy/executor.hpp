@@ -78,7 +78,8 @@ struct LevelRecord {
   /// The share of proposals drawn from atoms, in both spaces: 1 minus the integral of the densities. NaN if the
   /// densities are empty.
   double proposal_atoms = std::numeric_limits<double>::quiet_NaN();
-  /// Nodes and proposals lifted to the root's space through all levels between; empty for level 0.
+  /// Nodes and proposals lifted to the root's space through all levels between; empty for level 0, and where
+  /// ExecuteOptions::lift is false.
   Configurations lifted_nodes;
   Configurations lifted_proposals;
 
@@ -134,6 +135,7 @@ struct ExecuteOptions {
   std::function<bool()> interrupted = {};  ///< polled between proposals; if true, the run ends with Status::interrupted
   /// Called after each proposal and before its outcome, with the level and its current guidance.
   std::function<void(const LevelRecord& level, const Guidance& h)> watch = {};
+  bool lift = true;  ///< whether records of lower levels get their nodes and proposals in the root's space
 };
 
 /// Checks a problem: coordinates finite, of the right number and inside the space; start and goal valid.

@@ -157,7 +157,8 @@ void Level::refute(View invalid, const Instance& finer) {
     excluding->exclude_points(points);
     instance.validity = excluding;
   }
-  instance.revision += epoch + 1 - std::min(epoch + 1, instance.epoch());
+  // Earlier epochs are those of another validity.
+  instance.revision = epoch + 1;
   found_ = false;
   record_.solution = {};
   run_.improvements.clear();
@@ -188,7 +189,7 @@ void fit(Search& search) {
 
 }  // namespace
 
-LevelRecord Level::take_record() {
+LevelRecord Level::take_record(bool lift) {
   record_.scene = instance_->scene;
   record_.search.checks = instance_->checks;
   const LevelGuidance::BothSpent spent = guidance_.spent();
@@ -199,7 +200,7 @@ LevelRecord Level::take_record() {
   record_.guided_proposals = static_cast<std::uint64_t>(
       std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
   record_.search.sources = guidance_.sources();
-  if (parent_ != nullptr) {
+  if (parent_ != nullptr && lift) {
     record_.lifted_nodes = lifted(record_.search.nodes, "lift nodes");
     record_.lifted_proposals = lifted(record_.search.proposals, "lift proposals");
   }

@@ -363,7 +363,8 @@ class Level {
   void refute(View invalid, const Instance& finer);
 
   /// Completes the record after the run and moves it out, except for its key.
-  LevelRecord take_record();
+  /// \param lift  see ExecuteOptions
+  LevelRecord take_record(bool lift);
 
   /// Adds time spent for this level outside its solves, for the projection of its instance; seconds.
   void charge(double seconds) { record_.search.seconds += seconds; }

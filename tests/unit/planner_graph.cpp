@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Searches of explicit graphs that pause, and instances that change meanwhile.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <trellis/instance/grid_graph.hpp>
+#include <trellis/planner/planner.hpp>
+
+#include "support/catch.hpp"
+#include "support/recording_guidance.hpp"
+#include "support/worlds.hpp"
+
+using namespace trellis;
+using test::PlannerRun;
+
+namespace {
+
+struct Kind {
+  std::string planner;
+  std::vector<Options::Entry> options = {};
+};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all = {{"graph_search"},
+                                        {"best_first", {{"evaluate", std::string("expansion")}}},
+                                        {"best_first", {{"evaluate", std::string("selection")}}}};
+  return all;
+}
+
+/// A search of the grid of a world of discs, whose edges no search has checked.
+PlannerRun make_run(const Kind& kind, std::uint64_t seed) {
+  PlannerRun run(kind.planner, test::point_problem(seed), 1, kind.options);
+  run.instance->graph = std::make_shared<Graph>(grid_graph(*run.instance, 0.25));
+  return run;
+}
+
+bool equal(const Configurations& a, const Configurations& b) {
+  return std::equal(a.values().begin(), a.values().end(), b.values().begin(), b.values().end());
+}
+
+/// Solves in slices of a few steps.
+/// \param between  called after each slice with its number
+template <class Between>
+Solution solve_in_slices(PlannerRun& run, std::size_t& asked, const Between& between) {
+  int left = 0;
+  run.paused = [&] {
+    ++asked;
+    return left-- <= 0;
+  };
+  for (int slice = 1; slice < 100000; ++slice) {
+    left = 3;
+    Solution solution = run.solve();
+    if (solution.status != Status::budget_spent) return solution;
+    CHECK_FALSE(solution.path.empty());
+    between(slice);
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a search of a graph continues where it paused", "[planner][graph]") {
+  for (const Kind& kind : kinds()) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      CAPTURE(kind.planner, seed);
+      PlannerRun whole = make_run(kind, seed);
+      std::size_t steps = 0;
+      whole.paused = [&] {
+        ++steps;
+        return false;
+      };
+      const Solution expected = whole.solve();
+      REQUIRE(expected.solved());
+
+      PlannerRun sliced = make_run(kind, seed);
+      std::size_t asked = 0;
+      std::size_t slices = 1;
+      const Solution found = solve_in_slices(sliced, asked, [&](int) { ++slices; });
+      REQUIRE(found.solved());
+      REQUIRE(slices > 3);
+      CHECK(equal(found.path, expected.path));
+      CHECK(equal(sliced.search.nodes, whole.search.nodes));
+      CHECK(sliced.search.edges == whole.search.edges);
+      CHECK(sliced.instance->checks.motion == whole.instance->checks.motion);
+      // No step is repeated: each slice ends with one more question, whose answer is yes.
+      CHECK(asked == steps + slices - 1);
+    }
+  }
+}
+
+TEST_CASE("a search of a graph begins again where the world or the costs changed while it paused", "[planner][graph]") {
+  const auto disc = [](View q) { return std::hypot(q[0] - 5.0, q[1] - 5.0) <= 1.5; };
+  const auto dearer_below = [](Graph& graph) {
+    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+      const View q = std::as_const(graph.vertices)[graph.edges[e].from];
+      if (q[1] < q[0]) graph.multiply_cost(e, 3.0);
+    }
+  };
+  for (const Kind& kind : kinds()) {
+    for (const bool world : {true, false}) {
+      CAPTURE(kind.planner, world);
+      const auto change = [&](PlannerRun& run) {
+        if (world) {
+          run.validity->exclude(disc);
+        } else {
+          dearer_below(*run.instance->graph);
+        }
+      };
+      PlannerRun fresh = make_run(kind, 2);
+      const double before = path_length(fresh.instance->space, fresh.solve().path);
+      change(fresh);
+      const Solution expected = fresh.solve();
+      REQUIRE(expected.solved());
+      if (kind.planner == "graph_search") CHECK(path_length(fresh.instance->space, expected.path) > before);
+
+      PlannerRun run = make_run(kind, 2);
+      std::size_t asked = 0;
+      const Solution found = solve_in_slices(run, asked, [&](int slice) {
+        if (slice == 3) change(run);
+      });
+      REQUIRE(found.solved());
+      for (std::size_t i = 1; i < found.path.size(); ++i) {
+        CHECK(run.instance->validity->motion(found.path[i - 1], found.path[i]).valid);
+      }
+      CHECK(equal(found.path, expected.path));
+    }
+  }
+}
