@@ -135,7 +135,7 @@ class GraphSearch final : public Planner {
     EvaluatedGraph::Version version;
     std::vector<double> cost;
     Tree tree;
-    std::vector<double> to_goal;  ///< distances
+    std::vector<double> to_goal;  ///< distances of the vertices to the goal, metres in the metric; or unknown
     double rate = 1.0;
     std::priority_queue<Entry, std::vector<Entry>, Later> queue;
   };
