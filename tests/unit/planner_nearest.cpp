@@ -19,6 +19,10 @@ std::vector<Space> spaces() {
           Space::euclidean({{0, 1}, {0, 1}, {0, 1}, {0, 1}, {0, 1}}),
           Space::so3(),
           Space::se3({{{0, 10}, {0, 10}, {0, 10}}}, 3.0),
+          Space::se3({{{5e8, 5e8 + 1}, {-1e-9, 1e-9}, {0, 1}}}, 0.01),
+          Space::se3({{{0, 10}, {0, 10}, {0, 10}}}, 1e25),
+          Space::product({{1e-25, r2}, {1e-25, Space::so3()}, {1e-20, Space::so2()}}),
+          Space::product({{1e25, r2}, {1.0, Space::so3()}, {1e25, Space::so2()}}),
           Space::product({{1.0, r2}, {0.5, Space::so3()}, {2.0, Space::so2()}, {1.0, Space::so3()}})};
 }
 
@@ -52,11 +56,14 @@ TEST_CASE("nearest neighbours agree with brute force in every space", "[nearest]
       if (i % 29 != 0) continue;
       space.sample_uniform(stream, q);
       const auto expected = sorted(space, points, q);
-      CHECK(index.nearest(q).squared_distance == Approx(expected.front().squared_distance).epsilon(1e-9).margin(1e-15));
+      CHECK(
+          index.nearest(q).squared_distance ==
+          Approx(expected.front().squared_distance).epsilon(1e-9).margin(1e-15 * space.diameter() * space.diameter()));
       index.k_nearest(q, 7, found);
       REQUIRE(found.size() == std::min<std::size_t>(7, points.size()));
       for (std::size_t k = 0; k < found.size(); ++k) {
-        CHECK(found[k].squared_distance == Approx(expected[k].squared_distance).epsilon(1e-9).margin(1e-15));
+        CHECK(found[k].squared_distance ==
+              Approx(expected[k].squared_distance).epsilon(1e-9).margin(1e-15 * space.diameter() * space.diameter()));
       }
       const double radius = 0.1 * space.diameter();
       index.within(q, radius, found);

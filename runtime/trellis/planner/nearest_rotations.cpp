@@ -2,11 +2,13 @@
 // Nearest neighbours where a space has rotations: an incremental kd-tree of buckets over rows in which a distance is
 // never more than the metric's. A rotation's quaternion is scaled by twice its weight: the chord between two
 // quaternions is 2 sin(angle / 4), so twice the weight times the chord is at most the weight times the angle. q and -q
-// are one rotation, so a box is as near as the nearer of the two. Distances of single points are the metric's own,
-// which takes an arc tangent: it is computed where a bound without one does not show that the point is too far.
+// are one rotation, so a box is as near as the nearer of the two. Rows are floats, which halves the work; limits are
+// wider by what that rounding may add. Distances of single points are the metric's own, which takes an arc tangent: it
+// is computed where a bound without one does not show that the point is too far.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -18,21 +20,69 @@ namespace trellis {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t bucket = 32;
 constexpr NearerNeighbour nearer;
 
+/// The largest coordinate of rows in floats.
+constexpr double largest_coordinate = 1e15;
+
+/// Four floats, as every 64-bit processor has them.
+constexpr std::size_t quad = 4;
+using Quad = float __attribute__((vector_size(16)));
+using QuadMask = std::int32_t __attribute__((vector_size(16)));
+
+inline Quad load(const float* from) {
+  Quad q;
+  std::memcpy(&q, from, sizeof q);
+  return q;
+}
+inline float sum_of(const Quad& q) { return (q[0] + q[2]) + (q[1] + q[3]); }
+inline Quad positive(const Quad& q) {
+  return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & (q > Quad{0.0F, 0.0F, 0.0F, 0.0F}));
+}
+inline Quad lesser(const Quad& a, const Quad& b) {
+  const QuadMask first = a < b;
+  return reinterpret_cast<Quad>((first & reinterpret_cast<QuadMask>(a)) | (~first & reinterpret_cast<QuadMask>(b)));
+}
+inline Quad spread(float x) { return Quad{x, x, x, x}; }
+/// The squares of how far coordinates are outside an interval.
+inline Quad outside(const Quad& lo, const Quad& hi, const Quad& x) {
+  const Quad d = positive(lo - x) + positive(x - hi);
+  return d * d;
+}
+
+using EmbeddedRow = std::vector<float>;
+
 class RotationIndex final : public NearestIndex::Implementation {
  public:
-  explicit RotationIndex(const Space& space) : space_(space), rows_(space.dimension()), width_(space.dimension()) {
+  explicit RotationIndex(const Space& space) : space_(space), rows_(space.dimension()) {
+    // Scales are at most such that squares of distances are floats; less than the weight leaves bounds that are lower.
     for (const Factor& factor : space_.factors()) {
       const double weight = factor.axis.weight;
       switch (factor.kind) {
-        case Factor::Kind::line: lines_.push_back({factor.column, weight, 0.0}); break;
-        case Factor::Kind::circle: circles_.push_back({factor.column, weight, weight * factor.axis.period()}); break;
-        case Factor::Kind::rotation: rotations_.push_back({factor.column, 2.0 * weight, 16.0 * weight * weight}); break;
+        case Factor::Kind::line:
+          lines_.push_back({factor.column, weight, 0.5 * (factor.axis.lo + factor.axis.hi)});
+          break;
+        case Factor::Kind::circle: {
+          const double scale = std::min(weight, largest_coordinate / factor.axis.period());
+          circles_.push_back({factor.column, scale, 0.0, static_cast<float>(scale * factor.axis.period())});
+          break;
+        }
+        case Factor::Kind::rotation: {
+          const double scale = std::clamp(2.0 * weight, 1e-15, largest_coordinate);
+          const auto inverse = static_cast<float>(0.25 / (scale * scale));
+          rotations_.push_back({factor.column, std::min(scale, 2.0 * weight), 0.0, 0.0F, inverse});
+          break;
+        }
       }
     }
+    first_rotation_ = (lines_.size() + quad - 1) / quad * quad;
+    width_ = first_rotation_ + quad * rotations_.size() + circles_.size();
+    // Each coordinate is rounded, and each sum.
+    constexpr double rounding = 0x1p-23;
+    relative_ = 1.0 + rounding * (static_cast<double>(width_) + 8.0);
+    absolute_ = rounding * std::sqrt(static_cast<double>(width_));
   }
 
   std::uint32_t add(View q) override {
@@ -40,7 +90,9 @@ class RotationIndex final : public NearestIndex::Implementation {
     space_.normalise(row);
     const std::uint32_t id = rows_.push(row);
     if (nodes_.empty()) new_leaf();
-    const Configuration point = embedded(row);
+    EmbeddedRow point;
+    embed(row, point);
+    for (const float x : point) largest_ = std::max(largest_, std::abs(x));
     std::uint32_t at = 0;
     for (;;) {
       widen(at, point.data());
@@ -67,7 +119,7 @@ class RotationIndex final : public NearestIndex::Implementation {
   [[nodiscard]] std::size_t size() const override { return rows_.size(); }
 
   [[nodiscard]] NearestIndex::Neighbour nearest(View q) const override {
-    NearestIndex::Neighbour best{0, infinity};
+    NearestIndex::Neighbour best{0, std::numeric_limits<double>::infinity()};
     visit(
         q, [&] { return best.squared_distance; },
         [&](const NearestIndex::Neighbour& candidate) {
@@ -80,7 +132,7 @@ class RotationIndex final : public NearestIndex::Implementation {
     out.clear();
     if (k == 0) return;
     visit(
-        q, [&] { return out.size() < k ? infinity : out.front().squared_distance; },
+        q, [&] { return out.size() < k ? std::numeric_limits<double>::infinity() : out.front().squared_distance; },
         [&](const NearestIndex::Neighbour& candidate) { offer_nearest(out, k, candidate); });
     std::sort_heap(out.begin(), out.end(), nearer);
   }
@@ -101,16 +153,16 @@ class RotationIndex final : public NearestIndex::Implementation {
     std::uint32_t left = 0;  ///< 0 for a leaf: the root is no node's child
     std::uint32_t right = 0;
     std::size_t column = 0;
-    double split = 0.0;
+    float split = 0.0F;
     std::vector<std::uint32_t> ids;  ///< of a leaf
     std::size_t room = 0;            ///< points that fit in `columns`, a multiple of `bucket`
-    std::vector<double> columns;     ///< of a leaf: its embedded points, one column after the other
+    EmbeddedRow columns;             ///< of a leaf: its embedded points, one column after the other
 
-    [[nodiscard]] double at(std::size_t point, std::size_t j) const { return columns[j * room + point]; }
-    void push(std::uint32_t id, const double* point, std::size_t width) {
+    [[nodiscard]] float at(std::size_t point, std::size_t j) const { return columns[j * room + point]; }
+    void push(std::uint32_t id, const float* point, std::size_t width) {
       if (ids.size() == room) {
         const std::size_t more = std::max(bucket, 2 * room);
-        std::vector<double> wider(width * more, 0.0);
+        EmbeddedRow wider(width * more, 0.0F);
         for (std::size_t j = 0; j < width; ++j) std::copy_n(columns.data() + j * room, room, wider.data() + j * more);
         columns = std::move(wider);
         room = more;
@@ -132,26 +184,30 @@ class RotationIndex final : public NearestIndex::Implementation {
     }
   };
 
-  /// A factor of the space in the embedded rows, which have all lines first, then all circles, then all rotations.
+  /// A factor of the space in the embedded rows. They have all lines first, then zeros up to a multiple of four, then
+  /// all rotations, then all circles.
   struct Part {
     std::size_t column = 0;  ///< in rows of the space
     double scale = 1.0;
-    double length = 0.0;  ///< of a circle its circumference; of a rotation 16 weight^2: the squares of both chords
+    double origin = 0.0;   ///< of a line: the middle of its bounds, so that floats are exact enough far from 0
+    float length = 0.0F;   ///< of a circle its circumference
+    float inverse = 0.0F;  ///< of a rotation one by the sum of the squares of both chords
   };
 
   /// The row in metres: coordinates by their weights, quaternions by twice theirs.
-  void embed(View row, Configuration& out) const {
+  void embed(View row, EmbeddedRow& out) const {
     out.clear();
-    for (const Part& line : lines_) out.push_back(line.scale * row[line.column]);
-    for (const Part& circle : circles_) out.push_back(circle.scale * row[circle.column]);
-    for (const Part& rotation : rotations_) {
-      for (std::size_t i = 0; i < 4; ++i) out.push_back(rotation.scale * row[rotation.column + i]);
+    for (const Part& line : lines_) {
+      const double x = line.scale * (row[line.column] - line.origin);
+      out.push_back(static_cast<float>(std::clamp(x, -largest_coordinate, largest_coordinate)));
     }
-  }
-  [[nodiscard]] Configuration embedded(View row) const {
-    Configuration out;
-    embed(row, out);
-    return out;
+    out.resize(first_rotation_, 0.0F);
+    for (const Part& rotation : rotations_) {
+      for (std::size_t i = 0; i < quad; ++i) {
+        out.push_back(static_cast<float>(rotation.scale * row[rotation.column + i]));
+      }
+    }
+    for (const Part& circle : circles_) out.push_back(static_cast<float>(circle.scale * row[circle.column]));
   }
 
   std::uint32_t new_leaf() {
@@ -162,11 +218,11 @@ class RotationIndex final : public NearestIndex::Implementation {
   }
 
   /// The lowest coordinates of a node's embedded points; the highest follow.
-  [[nodiscard]] const double* box(std::uint32_t at) const { return boxes_.data() + 2 * width_ * at; }
+  [[nodiscard]] const float* box(std::uint32_t at) const { return boxes_.data() + 2 * width_ * at; }
 
-  void widen(std::size_t at, const double* point) {
-    double* lo = boxes_.data() + 2 * width_ * at;
-    double* hi = lo + width_;
+  void widen(std::size_t at, const float* point) {
+    float* lo = boxes_.data() + 2 * width_ * at;
+    float* hi = lo + width_;
     for (std::size_t j = 0; j < width_; ++j) {
       lo[j] = std::min(lo[j], point[j]);
       hi[j] = std::max(hi[j], point[j]);
@@ -175,7 +231,7 @@ class RotationIndex final : public NearestIndex::Implementation {
 
   /// Computes the box of a node anew: from the points of a leaf, or from the boxes of the children.
   void fit_box(std::size_t at) {
-    double* lo = boxes_.data() + 2 * width_ * at;
+    float* lo = boxes_.data() + 2 * width_ * at;
     std::fill_n(lo, width_, infinity);
     std::fill_n(lo + width_, width_, -infinity);
     const Node& node = nodes_[at];
@@ -203,13 +259,13 @@ class RotationIndex final : public NearestIndex::Implementation {
     for (std::size_t j = 0; j < width_; ++j) {
       if (side(j) > side(column)) column = j;
     }
-    const double lo = box(at)[column];
-    const double hi = box(at)[width_ + column];
-    const double middle = 0.5 * (lo + hi);
+    const float lo = box(at)[column];
+    const float hi = box(at)[width_ + column];
+    const float middle = 0.5F * (lo + hi);
     if (!(lo < middle && middle <= hi)) return;
     const std::uint32_t left = new_leaf();
     const std::uint32_t right = new_leaf();
-    Configuration point(width_);
+    EmbeddedRow point(width_);
     for (std::size_t i = 0; i < nodes_[at].ids.size(); ++i) {
       for (std::size_t j = 0; j < width_; ++j) point[j] = nodes_[at].at(i, j);
       const std::uint32_t child = point[column] < middle ? left : right;
@@ -225,77 +281,68 @@ class RotationIndex final : public NearestIndex::Implementation {
     node.split = middle;
   }
 
-  /// At most the squared distance from y, embedded, to any point of a box.
+  /// The squared distance from y, embedded, to a box.
   /// \param lines  their number, which the compiler sees where it is usual
   template <class Lines, class Rotations>
-  [[nodiscard]] double box_distance(const double* lo, const double* y, Lines lines, Rotations rotations) const {
-    const double* hi = lo + width_;
-    const auto outside = [&](std::size_t j, double x) { return std::max({lo[j] - x, x - hi[j], 0.0}); };
-    double sum = 0.0;
+  [[nodiscard]] float box_distance(const float* lo, const float* y, Lines lines, Rotations rotations) const {
+    const float* hi = lo + width_;
+    Quad squares{};
     std::size_t j = 0;
-    for (; j < lines; ++j) {
-      const double d = outside(j, y[j]);
-      sum += d * d;
+    for (; j < lines; j += quad) squares += outside(load(lo + j), load(hi + j), load(y + j));
+    float sum = sum_of(squares);
+    for (std::size_t r = 0; r < rotations; ++r, j += quad) {
+      const Quad low = load(lo + j), high = load(hi + j), at = load(y + j);
+      sum += std::min(sum_of(outside(low, high, at)), sum_of(outside(low, high, -at)));
     }
     for (const Part& circle : circles_) {
-      const double d = std::min({outside(j, y[j]), outside(j, y[j] - circle.length), outside(j, y[j] + circle.length)});
+      const auto beside = [&](float x) { return std::max({lo[j] - x, x - hi[j], 0.0F}); };
+      const float d = std::min({beside(y[j]), beside(y[j] - circle.length), beside(y[j] + circle.length)});
       sum += d * d;
       ++j;
-    }
-    for (std::size_t r = 0; r < rotations; ++r) {
-      double same = 0.0;
-      double opposite = 0.0;
-      for (std::size_t i = 0; i < 4; ++i, ++j) {
-        const double d = outside(j, y[j]), e = outside(j, -y[j]);
-        same += d * d;
-        opposite += e * e;
-      }
-      sum += std::min(same, opposite);
     }
     return sum;
   }
 
-  /// At most the squared distances between y, embedded, and `bucket` points of a leaf, and as a rule within some
-  /// percent of them. \param points  the first column, from the first of these points on \param room  distance between
-  /// the columns
+  /// The squared distances between y, embedded, and `bucket` points of a leaf: at most the metric's, and as a rule
+  /// within some percent of them. Returns a number that is not above any of them.
+  /// \param points  the first column, from the first of these points on
+  /// \param room  distance between the columns
   template <class Lines, class Rotations>
-  void bound_distances(const double* points, std::size_t room, const double* y, Lines lines, Rotations rotations,
-                       std::array<double, bucket>& out) const {
-    out.fill(0.0);
-    for (std::size_t j = 0; j < lines; ++j, points += room) {
-      for (std::size_t i = 0; i < bucket; ++i) {
-        const double d = y[j] - points[i];
-        out[i] += d * d;
+  float bound_distances(const float* points, std::size_t room, const float* y, Lines lines, Rotations rotations,
+                        std::array<float, bucket>& out) const {
+    Quad least = spread(infinity);
+    for (std::size_t i = 0; i < bucket; i += quad) {
+      Quad sum{};
+      for (std::size_t j = 0; j < lines; ++j) {
+        const Quad d = spread(y[j]) - load(points + j * room + i);
+        sum += d * d;
       }
-    }
-    y += lines;
-    for (const Part& circle : circles_) {
-      for (std::size_t i = 0; i < bucket; ++i) {
-        const double d = std::abs(*y - points[i]);
-        const double shorter = std::min(d, std::abs(circle.length - d));
-        out[i] += shorter * shorter;
-      }
-      points += room;
-      ++y;
-    }
-    for (std::size_t r = 0; r < rotations; ++r) {
-      const double length = rotations_[r].length;
-      std::array<double, bucket> same{};
-      for (std::size_t k = 0; k < 4; ++k, points += room, ++y) {
-        for (std::size_t i = 0; i < bucket; ++i) {
-          const double d = *y - points[i];
-          same[i] += d * d;
+      std::size_t j = first_rotation_;
+      for (std::size_t r = 0; r < rotations; ++r) {
+        Quad same{}, opposite{};
+        for (std::size_t k = 0; k < quad; ++k, ++j) {
+          const Quad x = spread(y[j]), p = load(points + j * room + i);
+          const Quad d = x - p, e = x + p;
+          same += d * d;
+          opposite += e * e;
         }
-      }
-      // The norms of quaternions are 1 up to rounding.
-      constexpr double rounding = 1e-13;
-      for (std::size_t i = 0; i < bucket; ++i) {
-        const double chord = std::max(std::min(same[i], length - same[i]) - rounding * length, 0.0);
+        const Quad chord = lesser(same, opposite);
         // angle = 4 asin(c / 2), c the chord: the first terms of its square's series, all of which are positive.
-        const double s = chord / length;
-        out[i] += chord * (1.0 + s * (1.0 / 3.0 + s * (8.0 / 45.0)));
+        const Quad s = chord * spread(rotations_[r].inverse);
+        sum += chord * (spread(1.0F) + s * (spread(1.0F / 3.0F) + s * spread(8.0F / 45.0F)));
       }
+      for (const Part& circle : circles_) {
+        for (std::size_t k = 0; k < quad; ++k) {
+          const float d = std::abs(y[j] - points[j * room + i + k]);
+          const float shorter = std::min(d, std::abs(circle.length - d));
+          sum[k] += shorter * shorter;
+        }
+        ++j;
+      }
+      std::memcpy(out.data() + i, &sum, sizeof sum);
+      least = lesser(sum, least);
     }
+    return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
   }
 
   /// Calls `offer` for every point that may be within `limit()`, which decreases as points are found.
@@ -311,18 +358,32 @@ class RotationIndex final : public NearestIndex::Implementation {
 
   template <class Limit, class Offer, class Lines, class Rotations>
   void visit(View q, const Limit& limit, const Offer& offer, Lines lines, Rotations rotations) const {
-    thread_local Configuration row, y;
-    thread_local std::vector<std::pair<double, std::uint32_t>> waiting;
+    thread_local Configuration row;
+    thread_local EmbeddedRow y;
+    thread_local std::vector<std::pair<float, std::uint32_t>> waiting;
     row.assign(q.begin(), q.end());
     space_.normalise(row);
     embed(row, y);
-    // Rounding must not hide a point at the limit.
-    constexpr double rounding = 1.0 - 1e-12;
-    waiting.assign(1, {0.0, 0});
+    float largest = largest_;
+    for (const float x : y) largest = std::max(largest, std::abs(x));
+    const double rounding = absolute_ * static_cast<double>(largest);
+    // A distance in floats that is greater is also greater than limit(), whatever rounding did.
+    double last = -1.0;
+    float most = 0.0F;
+    const auto too_far = [&](float squared) {
+      if (const double now = limit(); now != last) {
+        last = now;
+        const double reach = std::sqrt(now) + rounding;
+        const double squared_reach = relative_ * reach * reach;
+        most = squared_reach < std::numeric_limits<float>::max() ? static_cast<float>(squared_reach) : infinity;
+      }
+      return squared > most;
+    };
+    waiting.assign(1, {0.0F, 0});
     while (!waiting.empty()) {
       const auto [distance, at] = waiting.back();
       waiting.pop_back();
-      if (distance * rounding > limit()) continue;
+      if (too_far(distance)) continue;
       const Node& node = nodes_[at];
       if (node.left == 0) {
         const auto offer_point = [&](std::size_t i) {
@@ -331,36 +392,42 @@ class RotationIndex final : public NearestIndex::Implementation {
         };
         for (std::size_t begin = 0; begin < node.ids.size(); begin += bucket) {
           const std::size_t count = std::min(bucket, node.ids.size() - begin);
-          std::array<double, bucket> bounds;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
-          bound_distances(node.columns.data() + begin, node.room, y.data(), lines, rotations, bounds);
+          std::array<float, bucket> bounds;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
+          if (too_far(bound_distances(node.columns.data() + begin, node.room, y.data(), lines, rotations, bounds))) {
+            continue;
+          }
           // The point with the least bound first: it excludes most of the others.
           const auto first = static_cast<std::size_t>(
               std::min_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count)) - bounds.begin());
-          if (bounds[first] * rounding > limit()) continue;
+          if (too_far(bounds[first])) continue;
           offer_point(begin + first);
           for (std::size_t i = 0; i < count; ++i) {
-            if (i != first && bounds[i] * rounding <= limit()) offer_point(begin + i);
+            if (i != first && !too_far(bounds[i])) offer_point(begin + i);
           }
         }
         continue;
       }
-      const std::pair<double, std::uint32_t> left = {box_distance(box(node.left), y.data(), lines, rotations),
-                                                     node.left};
-      const std::pair<double, std::uint32_t> right = {box_distance(box(node.right), y.data(), lines, rotations),
-                                                      node.right};
+      const std::pair<float, std::uint32_t> left = {box_distance(box(node.left), y.data(), lines, rotations),
+                                                    node.left};
+      const std::pair<float, std::uint32_t> right = {box_distance(box(node.right), y.data(), lines, rotations),
+                                                     node.right};
       const bool left_first = left.first <= right.first;
       const auto& farther = left_first ? right : left;
-      if (farther.first * rounding <= limit()) waiting.push_back(farther);
+      if (!too_far(farther.first)) waiting.push_back(farther);
       waiting.push_back(left_first ? left : right);
     }
   }
 
   Space space_;
   Configurations rows_;
-  std::size_t width_;  ///< of a row
+  std::size_t first_rotation_ = 0;  ///< its column in embedded rows
+  std::size_t width_ = 0;           ///< of an embedded row
+  double relative_ = 1.0;           ///< what rounding may multiply a squared distance by
+  double absolute_ = 0.0;           ///< what it may add to a distance, as a share of the largest coordinate
+  float largest_ = 0.0F;            ///< the largest coordinate of the embedded points
   std::vector<Part> lines_, circles_, rotations_;
   std::vector<Node> nodes_;
-  std::vector<double> boxes_;  ///< by node
+  std::vector<float> boxes_;  ///< by node
 };
 
 }  // namespace

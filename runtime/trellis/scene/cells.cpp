@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/scene/cells.hpp>
 
+#include <utility>
+
+#include <trellis/scene/cache_by_world.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/triangle_cells.hpp>
 #include <trellis/scene/spatial/octree_cells.hpp>
@@ -10,9 +13,13 @@ namespace trellis {
 
 std::shared_ptr<const Cells> free_cells(const Scene& scene, double size, double needed) {
   if (const PlanarScene* plane = scene.planar()) {
-    return std::make_shared<const TriangleCells>(Triangulation(plane->world, size));
+    static CacheByWorld<TriangleCells, double> triangles;
+    return triangles.get(plane->world, size,
+                         [&](const World& world) { return TriangleCells(Triangulation(world, size)); });
   }
-  return std::make_shared<const OctreeCells>(spatial(scene).world, size, needed);
+  static CacheByWorld<OctreeCells, std::pair<double, double>> boxes;
+  return boxes.get(spatial(scene).world, {size, needed},
+                   [&](const World3& world) { return OctreeCells(world, size, needed); });
 }
 
 }  // namespace trellis

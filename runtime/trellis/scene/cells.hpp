@@ -52,6 +52,7 @@ class Cells {
 /// \param size  sides of triangles, about; in space the longest side of a cell, metres
 /// \param needed  in space: cells are divided until points with this distance from obstacles are in one, metres; not
 ///     below a sixteenth of `size`, and not into more than 20,000 cells
+/// Cached for the world and its copies as long as one of them exists, for the last few sizes. Thread-safe.
 /// \throws Error where that gives too many cells
 std::shared_ptr<const Cells> free_cells(const Scene& scene, double size, double needed);
 

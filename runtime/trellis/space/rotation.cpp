@@ -18,14 +18,6 @@ double length_of_vector_part(const Quaternion& q) { return norm({q.x, q.y, q.z})
 
 }  // namespace
 
-double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
-
 Quaternion operator*(const Quaternion& a, const Quaternion& b) {
   // Grouped so that the inverse of q times q has a vector part of exactly 0.
   return {(a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y), (a.w * b.y + a.y * b.w) + (a.z * b.x - a.x * b.z),

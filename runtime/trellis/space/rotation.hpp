@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 namespace trellis {
 
@@ -17,10 +18,12 @@ struct Vec3 {
   friend Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
 };
 
-double dot(const Vec3& a, const Vec3& b);
-Vec3 cross(const Vec3& a, const Vec3& b);
+inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 /// Returns the Euclidean norm.
-double norm(const Vec3& a);
+inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
 /// A rotation of space as a unit quaternion x i + y j + z k + w. q and -q are the same rotation. Rows of configurations
 /// hold it in the order x, y, z, w.

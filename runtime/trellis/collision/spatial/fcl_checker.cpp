@@ -20,6 +20,7 @@
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/spatial/near_filter.hpp>
 #include <trellis/collision/spatial/shared_cache.hpp>
+#include <trellis/collision/spatial/surface_pair.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
 #include <trellis/scene/spatial/obstacle_distance.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
@@ -81,16 +82,41 @@ struct MakeGeometry {
   Geometry operator()(const std::shared_ptr<const Mesh>&) const { return nullptr; }
 };
 
+std::shared_ptr<const MeshDistance> surface_of(const Cuboid& cuboid) {
+  const Vec3 half = 0.5 * cuboid.size;
+  std::vector<Vec3> vertices;
+  for (const double x : {-half.x, half.x}) {
+    for (const double y : {-half.y, half.y}) {
+      for (const double z : {-half.z, half.z}) vertices.push_back({x, y, z});
+    }
+  }
+  std::vector<Triangle> triangles{{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                                  {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return std::make_shared<const MeshDistance>(
+      std::make_shared<const Mesh>(std::move(vertices), std::move(triangles), "box"));
+}
+
 /// A solid as FCL has it.
 struct Piece {
   explicit Piece(const Solid& s) : solid(s), geometry(std::visit(MakeGeometry(), s.shape)) {
     if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&s.shape)) {
       model = model_of(*mesh);
       geometry = model->tree;
+      surface = {model, &model->distance};
     }
     const Box3 box = bounding_box({s.shape, {}});
     middle = 0.5 * (box.lo + box.hi);
     half = 0.5 * (box.hi - box.lo);
+  }
+
+  /// Gives a box triangles, so that it can be compared with meshes.
+  void add_surface() {
+    const auto* cuboid = std::get_if<Cuboid>(&solid.shape);
+    if (cuboid == nullptr) return;
+    const Vec3& size = cuboid->size;
+    // A mesh has no triangles whose area is 0, which rounding makes of sides of 1e-200 m.
+    const double least = std::min({size.x, size.y, size.z});
+    if (0.25 * least * least > 0.0) surface = surface_of(*cuboid);
   }
 
   /// Whether the piece is a closed mesh.
@@ -98,8 +124,9 @@ struct Piece {
 
   Solid solid;
   Geometry geometry;
-  std::shared_ptr<const MeshModel> model;  ///< where it is a mesh
-  Vec3 middle, half;                       ///< of its bounding box in its own frame
+  std::shared_ptr<const MeshModel> model;       ///< where it is a mesh
+  std::shared_ptr<const MeshDistance> surface;  ///< its triangles: of a mesh, and of a box among meshes
+  Vec3 middle, half;                            ///< of its bounding box in its own frame
 };
 
 /// Returns a box that contains the piece at a pose: the smallest one of its bounding box.
@@ -136,6 +163,17 @@ bool lies_inside(const Piece& inner, const Pose3& inner_pose, const Piece& outer
                      [&](const MeshComponent& component) { return mesh.contains(into(component.vertex)); });
 }
 
+/// Whether a part of the mesh `inner` lies inside the box `outer`, where their surfaces are apart.
+bool holds_part(const Piece& outer, const Pose3& outer_pose, const Piece& inner, const Pose3& inner_pose) {
+  if (outer.model != nullptr || inner.model == nullptr) return false;
+  const Pose3 into = outer_pose.inverse() * inner_pose;
+  const auto& components = inner.model->components;
+  return std::any_of(components.begin(), components.end(), [&](const MeshComponent& component) {
+    const Vec3 p = into(component.vertex);
+    return std::abs(p.x) < outer.half.x && std::abs(p.y) < outer.half.y && std::abs(p.z) < outer.half.z;
+  });
+}
+
 bool overlap(const Box3& a, const Box3& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
          b.lo.z <= a.hi.z;
@@ -169,11 +207,21 @@ class SpatialFclChecker final : public Checker {
     for (const Obstacle3& obstacle : world_.obstacles()) {
       obstacles_.emplace_back(obstacle.solid);
       frames_.push_back(transform(obstacle.solid.pose));
+      inverses_.push_back(obstacle.solid.pose.inverse());
       const Box3 box = bounding_box(obstacle.solid);
       boxes_.push_back({box.lo - margin, box.hi + margin});
     }
     tree_ = BoxTree(boxes_);
     for (const Solid& solid : robot_.solids()) pieces_.emplace_back(solid);
+    const auto is_mesh = [](const Piece& piece) { return piece.model != nullptr; };
+    const bool mesh_among_obstacles = std::any_of(obstacles_.begin(), obstacles_.end(), is_mesh);
+    const bool mesh_in_robot = std::any_of(pieces_.begin(), pieces_.end(), is_mesh);
+    for (Piece& piece : pieces_) {
+      if (mesh_among_obstacles) piece.add_surface();
+    }
+    for (Piece& obstacle : obstacles_) {
+      if (mesh_in_robot) obstacle.add_surface();
+    }
     if (filtered && NearFilter::pays(spatial(*scene_))) filter_.emplace(spatial(*scene_), slack_);
     q_.resize(space_.dimension());
     request_.num_max_contacts = 1;
@@ -316,13 +364,29 @@ class SpatialFclChecker final : public Checker {
   /// closed one meets no triangle.
   [[nodiscard]] bool meet(const Piece& piece, const Pose3& pose, const Transform3& frame, std::size_t i) const {
     const Piece& obstacle = obstacles_[i];
-    result_.clear();
-    if (fcl::collide(piece.geometry.get(), frame, obstacle.geometry.get(), frames_[i], request_, result_) > 0) {
-      return true;
-    }
+    if (surfaces_meet(piece, pose, frame, i)) return true;
     if (world_.surface()) return false;
     return (obstacle.has_inside() && lies_inside(piece, pose, obstacle, obstacle.solid.pose)) ||
            (piece.has_inside() && lies_inside(obstacle, obstacle.solid.pose, piece, pose));
+  }
+
+  /// As `meet`, where meshes have no inside: what FCL says.
+  [[nodiscard]] bool surfaces_meet(const Piece& piece, const Pose3& pose, const Transform3& frame,
+                                   std::size_t i) const {
+    const Piece& obstacle = obstacles_[i];
+    const bool triangles = piece.surface != nullptr && obstacle.surface != nullptr;
+    if (filter_ && triangles && (piece.model != nullptr || obstacle.model != nullptr)) {
+      const Turn place(inverses_[i] * pose);
+      switch (compare_surfaces(*piece.surface, *obstacle.surface, place, filter_->margin(), guess_)) {
+        case SurfacePair::meet: return true;
+        case SurfacePair::apart:
+          return holds_part(piece, pose, obstacle, obstacle.solid.pose) ||
+                 holds_part(obstacle, obstacle.solid.pose, piece, pose);
+        case SurfacePair::unknown: break;
+      }
+    }
+    result_.clear();
+    return fcl::collide(piece.geometry.get(), frame, obstacle.geometry.get(), frames_[i], request_, result_) > 0;
   }
 
   std::shared_ptr<const Scene> scene_;
@@ -331,8 +395,9 @@ class SpatialFclChecker final : public Checker {
   Space space_;
   double resolution_;
   double slack_ = 0.0;
-  std::vector<Piece> obstacles_;  ///< with frames and boxes
+  std::vector<Piece> obstacles_;  ///< with frames, their inverses, and boxes
   std::vector<Transform3> frames_;
+  std::vector<Pose3> inverses_;
   std::vector<Box3> boxes_;
   BoxTree tree_;               ///< of the boxes
   std::vector<Piece> pieces_;  ///< of the robot
@@ -341,6 +406,7 @@ class SpatialFclChecker final : public Checker {
 
   // Scratch.
   mutable fcl::CollisionResultd result_;
+  mutable TrianglePair guess_;        ///< of the meshes that met last
   mutable std::size_t last_met_ = 0;  ///< an obstacle
   mutable std::vector<char> free_;
   mutable Configuration q_;

@@ -30,6 +30,8 @@ class NearFilter {
 
   /// \param enough  the search for a larger clearance ends at this one
   [[nodiscard]] Answer decide(const Turn& turn, double enough) const;
+  /// Returns the distance, in metres, below which FCL decides.
+  [[nodiscard]] double margin() const { return margin_; }
 
  private:
   struct Node {

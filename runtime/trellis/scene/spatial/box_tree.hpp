@@ -81,6 +81,34 @@ class BoxTree {
     }
   }
 
+  /// Calls `visit(rank, other_rank)` for every pair of items of leaves of this tree and another one whose boxes fulfil
+  /// `meets(box, other_box)`, as do boxes above them; until `visit` returns false. The items are order()[rank].
+  template <class Meets, class Visit>
+  void each_pair(const BoxTree& other, const Meets& meets, const Visit& visit) const {
+    if (nodes_.empty() || other.nodes_.empty()) return;
+    std::array<std::pair<std::uint32_t, std::uint32_t>, 2 * depth_limit> waiting;
+    std::size_t size = 0;
+    waiting[size++] = {0, 0};
+    while (size > 0) {
+      const auto [a, b] = waiting[--size];
+      const Node &mine = nodes_[a], &others = other.nodes_[b];
+      if (!meets(mine.box, others.box)) continue;
+      if (mine.count > 0 && others.count > 0) {
+        for (std::uint32_t i = 0; i < mine.count; ++i) {
+          for (std::uint32_t j = 0; j < others.count; ++j) {
+            if (!visit(mine.second + i, others.second + j)) return;
+          }
+        }
+      } else if (others.count > 0 || (mine.count == 0 && size_of(mine) > size_of(others))) {
+        waiting[size++] = {mine.second, b};
+        waiting[size++] = {a + 1, b};
+      } else {
+        waiting[size++] = {a, others.second};
+        waiting[size++] = {a, b + 1};
+      }
+    }
+  }
+
  private:
   /// An inner node's first child follows it.
   struct Node {
@@ -90,6 +118,12 @@ class BoxTree {
   };
   /// Items are halved, so that this depth suffices for 2^32 of them.
   static constexpr std::size_t depth_limit = 64;
+
+  /// A measure by which of two nodes the larger one is divided.
+  [[nodiscard]] static double size_of(const Node& node) {
+    const Vec3 extent = node.box.hi - node.box.lo;
+    return extent.x + extent.y + extent.z;
+  }
 
   void build(const std::vector<Box3>& boxes, std::size_t first, std::size_t last);
 

@@ -93,28 +93,26 @@ struct NearestPoint {
   Vec3 operator()(const std::shared_ptr<const Mesh>&) const { return {}; }
 };
 
-inline double inner(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 /// The nearest point of a triangle.
 struct OnTriangle {
   Vec3 from;       ///< from that point to p
   double squared;  ///< its length's square
 };
 
-OnTriangle from_vector(const Vec3& from) { return {from, inner(from, from)}; }
+OnTriangle from_vector(const Vec3& from) { return {from, dot(from, from)}; }
 
 // Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
 OnTriangle nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = inner(ab, ap), d2 = inner(ac, ap);
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
   if (d1 <= 0.0 && d2 <= 0.0) return from_vector(ap);
   const Vec3 bp = p - b;
-  const double d3 = inner(ab, bp), d4 = inner(ac, bp);
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
   if (d3 >= 0.0 && d4 <= d3) return from_vector(bp);
   const double vc = d1 * d4 - d3 * d2;
   if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return from_vector(ap - d1 / (d1 - d3) * ab);
   const Vec3 cp = p - c;
-  const double d5 = inner(ab, cp), d6 = inner(ac, cp);
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
   if (d6 >= 0.0 && d5 <= d6) return from_vector(cp);
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return from_vector(ap - d2 / (d2 - d6) * ac);
@@ -123,7 +121,7 @@ OnTriangle nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, cons
     return from_vector(bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b));
   }
   const Vec3 normal = cross(ab, ac);
-  const double height = inner(normal, ap), area = inner(normal, normal);
+  const double height = dot(normal, ap), area = dot(normal, normal);
   return {height / area * normal, height * height / area};
 }
 

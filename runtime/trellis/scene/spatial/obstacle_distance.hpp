@@ -19,6 +19,10 @@ class MeshDistance {
   explicit MeshDistance(std::shared_ptr<const Mesh> mesh);
 
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
+  /// Returns the tree over the triangles' boxes.
+  [[nodiscard]] const BoxTree& tree() const { return tree_; }
+  /// Returns the corners of the triangles, in the tree's order.
+  [[nodiscard]] const std::vector<std::array<Vec3, 3>>& corners() const { return corners_; }
   /// Returns the distance of p from the surface, or `at_most` where it is not less.
   [[nodiscard]] double to_surface(const Vec3& p, double at_most = std::numeric_limits<double>::infinity()) const;
   /// Returns the nearest point of the surface.
