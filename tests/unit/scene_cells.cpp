@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <trellis/base/error.hpp>
@@ -119,4 +120,24 @@ TEST_CASE("a world without obstacles is all cells, a full one has none, and too 
   const SpatialScene full(World3({{0, 0, 0}, {1, 1, 1}}, {{"all", {Cuboid{{4, 4, 4}}, {}}}}), Robot3::point());
   CHECK(free_cells(full, 0.5, 0.0)->size() == 0);
   CHECK_THROWS_AS(free_cells(open, 0.001, 0.0), Error);
+}
+
+TEST_CASE("threads with copies of a world share its cells, those with other worlds or sizes do not", "[scene][cells]") {
+  const SpatialScene first(blocks(), Robot3::point());
+  const SpatialScene copy(first.world, Robot3::point());
+  const SpatialScene alike(blocks(), Robot3::point());
+  std::vector<std::shared_ptr<const Cells>> of(4);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      threads.emplace_back([&, i] { of[i] = free_cells(i % 2 == 0 ? first : copy, 1.0, 0.3); });
+    }
+  }
+  for (const auto& cells : of) CHECK(cells == of.front());
+  CHECK(free_cells(alike, 1.0, 0.3) != of.front());
+  CHECK(free_cells(alike, 1.0, 0.3)->size() == of.front()->size());
+  for (const double size : {0.8, 0.9, 1.1, 1.2, 1.3}) CHECK(free_cells(first, size, 0.3) != of.front());
+  // Only the last few sizes are kept; the cells of others are made again.
+  CHECK(free_cells(first, 1.0, 0.3)->size() == of.front()->size());
+  CHECK(free_cells(first, 1.0, 0.3) == free_cells(copy, 1.0, 0.3));
 }
