@@ -138,6 +138,29 @@ TEST_CASE("the filter before FCL changes no answer about a pose") {
   }
 }
 
+TEST_CASE("worlds of micrometres and of hundreds of kilometres have the same answers with and without the filter") {
+  for (const double factor : {1e-9, 1e-6, 1e-3, 1e3, 1e5}) {
+    Stream stream(6, "spatial", "scales");
+    for (int round = 0; round < 40; ++round) {
+      const auto scene = random_scene(stream, round);
+      const World3& world = spatial(*scene).world;
+      std::vector<Obstacle3> obstacles;
+      for (const Obstacle3& obstacle : world.obstacles()) {
+        obstacles.push_back({obstacle.name, scaled(obstacle.solid, factor)});
+      }
+      std::vector<Solid> solids;
+      for (const Solid& solid : spatial(*scene).robot.solids()) solids.push_back(scaled(solid, factor));
+      const Box3 box{factor * world.bounds().lo, factor * world.bounds().hi};
+      const Pair pair(std::make_shared<SpatialScene>(World3(box, obstacles, world.contain(), world.surface()),
+                                                     Robot3("body", solids)),
+                      0.05 * factor, factor);
+      INFO(factor << ", " << round);
+      CHECK(differences(pair, 400, stream) == 0);
+      CHECK(differences_of_motions(pair, 30, factor, stream) == 0);
+    }
+  }
+}
+
 TEST_CASE("the filter before FCL changes no answer about a motion, and no count") {
   Stream stream(2, "spatial", "motions");
   for (int round = 0; round < 120; ++round) {

@@ -8,6 +8,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -38,21 +39,30 @@ using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 
 Vector3 vector(const Vec3& p) { return {p.x, p.y, p.z}; }
 
-Transform3 transform(const Pose3& pose) {
+/// Returns what lengths are multiplied by for FCL, a power of two: 1 but where the robot or the world is so small that
+/// the tolerances of FCL's iterations, which are lengths, are of its size.
+double scale_for_fcl(const World3& world, const Robot3& robot) {
+  double size = norm(world.bounds().hi - world.bounds().lo);
+  if (robot.bounding_radius() > 0.0) size = std::min(size, 16.0 * robot.bounding_radius());
+  constexpr double small = 0x1p-8;
+  return size > 0.0 && size < small ? std::ldexp(16.0, -std::ilogb(size)) : 1.0;
+}
+
+Transform3 transform(const Pose3& pose, double scale) {
   const Quaternion& q = pose.orientation;
   Transform3 result = Transform3::Identity();
   result.linear() = fcl::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
-  result.translation() = vector(pose.position);
+  result.translation() = vector(scale * pose.position);
   return result;
 }
 
 /// A mesh as checkers use it.
 struct MeshModel {
-  explicit MeshModel(const std::shared_ptr<const Mesh>& mesh)
+  MeshModel(const std::shared_ptr<const Mesh>& mesh, double scale)
       : tree(std::make_shared<Tree>()), distance(mesh), components(components_of(*mesh)) {
     std::vector<Vector3> vertices;
     vertices.reserve(mesh->vertices().size());
-    for (const Vec3& v : mesh->vertices()) vertices.push_back(vector(v));
+    for (const Vec3& v : mesh->vertices()) vertices.push_back(vector(scale * v));
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(mesh->triangles().size());
     for (const auto& [a, b, c] : mesh->triangles()) triangles.emplace_back(a, b, c);
@@ -62,16 +72,16 @@ struct MeshModel {
     tree->computeLocalAABB();
   }
 
-  std::shared_ptr<Tree> tree;
+  std::shared_ptr<Tree> tree;  ///< scaled
   MeshDistance distance;
   std::vector<MeshComponent> components;
 };
 
 /// Returns the model of a mesh, which all checkers of all threads share.
-std::shared_ptr<const MeshModel> model_of(const std::shared_ptr<const Mesh>& mesh) {
-  static SharedCache<std::uint64_t, MeshModel> cache;
+std::shared_ptr<const MeshModel> model_of(const std::shared_ptr<const Mesh>& mesh, double scale) {
+  static SharedCache<std::pair<std::uint64_t, double>, MeshModel> cache;
   constexpr std::size_t small = 20'000;
-  return cache.get(mesh->hash(), mesh->triangles().size() <= small, [&] { return MeshModel(mesh); });
+  return cache.get({mesh->hash(), scale}, mesh->triangles().size() <= small, [&] { return MeshModel(mesh, scale); });
 }
 
 struct MakeGeometry {
@@ -98,11 +108,13 @@ std::shared_ptr<const MeshDistance> surface_of(const Cuboid& cuboid) {
 
 /// A solid as FCL has it.
 struct Piece {
-  explicit Piece(const Solid& s) : solid(s), geometry(std::visit(MakeGeometry(), s.shape)) {
+  Piece(const Solid& s, double scale) : solid(s) {
     if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&s.shape)) {
-      model = model_of(*mesh);
+      model = model_of(*mesh, scale);
       geometry = model->tree;
       surface = {model, &model->distance};
+    } else {
+      geometry = std::visit(MakeGeometry(), scaled({s.shape, {}}, scale).shape);
     }
     const Box3 box = bounding_box({s.shape, {}});
     middle = 0.5 * (box.lo + box.hi);
@@ -123,7 +135,7 @@ struct Piece {
   [[nodiscard]] bool has_inside() const { return model != nullptr && model->distance.mesh().closed(); }
 
   Solid solid;
-  Geometry geometry;
+  Geometry geometry;                            ///< scaled
   std::shared_ptr<const MeshModel> model;       ///< where it is a mesh
   std::shared_ptr<const MeshDistance> surface;  ///< its triangles: of a mesh, and of a box among meshes
   Vec3 middle, half;                            ///< of its bounding box in its own frame
@@ -202,17 +214,18 @@ class SpatialFclChecker final : public Checker {
         resolution_(resolution) {
     check_fits(*scene_, space_, resolution_);
     slack_ = touching_slack(*scene_);
+    scale_ = scale_for_fcl(world_, robot_);
     const Vec3 margin{slack_, slack_, slack_};
     obstacles_.reserve(world_.obstacles().size());
     for (const Obstacle3& obstacle : world_.obstacles()) {
-      obstacles_.emplace_back(obstacle.solid);
-      frames_.push_back(transform(obstacle.solid.pose));
+      obstacles_.emplace_back(obstacle.solid, scale_);
+      frames_.push_back(transform(obstacle.solid.pose, scale_));
       inverses_.push_back(obstacle.solid.pose.inverse());
       const Box3 box = bounding_box(obstacle.solid);
       boxes_.push_back({box.lo - margin, box.hi + margin});
     }
     tree_ = BoxTree(boxes_);
-    for (const Solid& solid : robot_.solids()) pieces_.emplace_back(solid);
+    for (const Solid& solid : robot_.solids()) pieces_.emplace_back(solid, scale_);
     const auto is_mesh = [](const Piece& piece) { return piece.model != nullptr; };
     const bool mesh_among_obstacles = std::any_of(obstacles_.begin(), obstacles_.end(), is_mesh);
     const bool mesh_in_robot = std::any_of(pieces_.begin(), pieces_.end(), is_mesh);
@@ -286,11 +299,11 @@ class SpatialFclChecker final : public Checker {
       const Solid placed{piece.solid.shape, pose * piece.solid.pose};
       if (world_.contain() == Contain::robot)
         best = std::min(best, margin_inside(bounding_box(placed), world_.bounds()));
-      const Transform3 frame = transform(placed.pose);
+      const Transform3 frame = transform(placed.pose, scale_);
       for (std::size_t i = 0; i < obstacles_.size(); ++i) {
         fcl::DistanceResultd result;
         fcl::distance(piece.geometry.get(), frame, obstacles_[i].geometry.get(), frames_[i], request, result);
-        best = std::min(best, result.min_distance);
+        best = std::min(best, result.min_distance / scale_);
       }
     }
     return std::max(best, 0.0);
@@ -303,7 +316,8 @@ class SpatialFclChecker final : public Checker {
     for (std::size_t i = 0; i < obstacles_.size(); ++i) {
       for (const Piece& piece : pieces_) {
         const Pose3 at = pose * piece.solid.pose;
-        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at), i)) return Contact{0, i};
+        if (overlap(box_at(piece, Turn(at)), boxes_[i]) && meet(piece, at, transform(at, scale_), i))
+          return Contact{0, i};
       }
     }
     return Contact{0, std::nullopt};
@@ -345,7 +359,7 @@ class SpatialFclChecker final : public Checker {
 
   [[nodiscard]] bool meets_any(const Piece& piece, const Pose3& pose) const {
     const Box3 box = box_at(piece, Turn(pose));
-    const Transform3 frame = transform(pose);
+    const Transform3 frame = transform(pose, scale_);
     const auto meets = [&](std::size_t i) { return overlap(box, boxes_[i]) && meet(piece, pose, frame, i); };
     // Configurations that are checked one after the other often meet the same obstacle.
     const std::size_t before = last_met_;
@@ -395,6 +409,7 @@ class SpatialFclChecker final : public Checker {
   Space space_;
   double resolution_;
   double slack_ = 0.0;
+  double scale_ = 1.0;            ///< of what FCL receives
   std::vector<Piece> obstacles_;  ///< with frames, their inverses, and boxes
   std::vector<Transform3> frames_;
   std::vector<Pose3> inverses_;
