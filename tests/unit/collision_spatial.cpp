@@ -161,6 +161,20 @@ TEST_CASE("worlds of micrometres and of hundreds of kilometres have the same ans
   }
 }
 
+TEST_CASE("bodies of micrometres in a room have the same answers with and without the filter") {
+  for (const double factor : {1e-12, 1e-6, 1e-4}) {
+    Stream stream(7, "spatial", "small bodies");
+    for (int round = 0; round < 40; ++round) {
+      const auto scene = random_scene(stream, round);
+      std::vector<Solid> solids;
+      for (const Solid& solid : spatial(*scene).robot.solids()) solids.push_back(scaled(solid, factor));
+      const Pair pair(std::make_shared<SpatialScene>(spatial(*scene).world, Robot3("body", solids)), 0.05, factor);
+      INFO(factor << ", " << round);
+      CHECK(differences(pair, 200, stream) == 0);
+    }
+  }
+}
+
 TEST_CASE("the filter before FCL changes no answer about a motion, and no count") {
   Stream stream(2, "spatial", "motions");
   for (int round = 0; round < 120; ++round) {

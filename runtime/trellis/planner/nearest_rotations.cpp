@@ -79,10 +79,11 @@ class RotationIndex final : public NearestIndex::Implementation {
     }
     first_rotation_ = (lines_.size() + quad - 1) / quad * quad;
     width_ = first_rotation_ + quad * rotations_.size() + circles_.size();
-    // Each coordinate is rounded, and each sum.
+    // Each coordinate is rounded, each sum, and the circumference of a circle; an angle changes by up to 1.5 times
+    // twice the chord's change.
     constexpr double rounding = 0x1p-23;
     relative_ = 1.0 + rounding * (static_cast<double>(width_) + 8.0);
-    absolute_ = rounding * std::sqrt(static_cast<double>(width_));
+    absolute_ = 4.0 * rounding * std::sqrt(static_cast<double>(width_));
   }
 
   std::uint32_t add(View q) override {

@@ -40,12 +40,16 @@ using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 Vector3 vector(const Vec3& p) { return {p.x, p.y, p.z}; }
 
 /// Returns what lengths are multiplied by for FCL, a power of two: 1 but where the robot or the world is so small that
-/// the tolerances of FCL's iterations, which are lengths, are of its size.
+/// the tolerances of FCL's iterations, which are lengths, are of its size. No world becomes larger than 2^21 m by it.
 double scale_for_fcl(const World3& world, const Robot3& robot) {
-  double size = norm(world.bounds().hi - world.bounds().lo);
-  if (robot.bounding_radius() > 0.0) size = std::min(size, 16.0 * robot.bounding_radius());
+  const double diagonal = norm(world.bounds().hi - world.bounds().lo);
+  const double radius = robot.bounding_radius();
+  const double size = radius > 0.0 ? std::min(diagonal, 16.0 * radius) : diagonal;
   constexpr double small = 0x1p-8;
-  return size > 0.0 && size < small ? std::ldexp(16.0, -std::ilogb(size)) : 1.0;
+  if (!(size > 0.0 && size < small)) return 1.0;
+  constexpr int most = 512;
+  const int exponent = std::min({4 - std::ilogb(size), 20 - std::ilogb(diagonal), most});
+  return std::ldexp(1.0, std::max(exponent, 0));
 }
 
 Transform3 transform(const Pose3& pose, double scale) {
