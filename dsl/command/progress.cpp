@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <string>
 
+#include <trellis/report/files.hpp>
+
 namespace trellis::command {
 
 Progress::Progress(bool wanted) : shown_(wanted && ::isatty(STDERR_FILENO) == 1) {}
@@ -51,10 +53,12 @@ void Progress::draw(const std::string& what) {
   const bool estimated = in_phase > soon && done_ > 0 && done_ < all_;
   const double left =
       in_phase * static_cast<double>(all_ - done_) / static_cast<double>(std::max<std::size_t>(1, done_));
-  fmt::print(stderr, "\r\x1b[K[{}{}] {} {}/{}  {}{}", std::string(filled, '#'), std::string(width - filled, '.'), what,
-             done_, all_, clock(std::chrono::duration<double>(now - start_).count()),
-             estimated ? fmt::format(", about {} left", clock(left)) : "");
-  std::fflush(stderr);
+  // Not fmt::print, which fails where a Ctrl-C interrupts it.
+  const std::string line =
+      fmt::format("\r\x1b[K[{}{}] {} {}/{}  {}{}", std::string(filled, '#'), std::string(width - filled, '.'), what,
+                  done_, all_, clock(std::chrono::duration<double>(now - start_).count()),
+                  estimated ? fmt::format(", about {} left", clock(left)) : "");
+  static_cast<void>(write_all(STDERR_FILENO, line));
   drawn_ = true;
 }
 
