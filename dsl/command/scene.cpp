@@ -295,6 +295,7 @@ class Report {
     line("start", end_text(look.start));
     line("goal", problem.goals.empty() && problem.reach ? region_text(problem) : end_text(look.goal));
     if (!file_.lengths.empty()) line("length", fmt::format("{:.4f} m, by the file", file_.lengths[chosen_]));
+    for (const std::string& note : file_.notes) line("note", note);
     for (const std::string& warning : file_.warnings) line("warning", warning);
     return text;
   }
@@ -317,9 +318,11 @@ class Report {
       if (!file_.lengths.empty()) one["length"] = file_.lengths[i];
       problems.push_back(std::move(one));
     }
-    Json document = {{"file", path_},        {"format", file_.format}, {"units", file_.units},
-                     {"frame", file_.frame}, {"bounds", bounds},       {"obstacles", scene.obstacle_count()},
-                     {"kinds", kinds},       {"problems", problems},   {"warnings", file_.warnings}};
+    Json document = {{"file", path_},        {"format", file_.format},
+                     {"units", file_.units}, {"frame", file_.frame},
+                     {"bounds", bounds},     {"obstacles", scene.obstacle_count()},
+                     {"kinds", kinds},       {"problems", problems},
+                     {"notes", file_.notes}, {"warnings", file_.warnings}};
     if (const SpatialScene* spatial = scene.spatial()) {
       document["contain"] = contained(spatial->world);
       document["surface"] = spatial->world.surface();

@@ -32,23 +32,28 @@ inline void chunk(std::string& image, std::string_view type, const std::string& 
 
 }  // namespace png
 
-/// Returns a PNG of grey values, without compression. `obstacle` returns for each column and row, from the top, whether
-/// it is dark.
-inline std::string image(std::size_t width, std::size_t height,
-                         const std::function<bool(std::size_t, std::size_t)>& obstacle) {
+/// The colour types of PNG.
+enum class Channels : char { grey = 0, rgb = 2, palette = 3, grey_alpha = 4, rgba = 6 };
+
+/// Returns a PNG of samples of 8 bits, without compression. `samples` returns those of a column and row, from the top.
+/// \param chunks  written before the pixels, as `chunk` makes them
+inline std::string image_of(std::size_t width, std::size_t height, Channels channels,
+                            const std::function<std::string(std::size_t, std::size_t)>& samples,
+                            const std::string& chunks = "", char depth = 8) {
   std::string bytes = "\x89PNG\r\n\x1a\n";
   std::string header;
   png::put(header, static_cast<std::uint32_t>(width));
   png::put(header, static_cast<std::uint32_t>(height));
-  header += std::string("\x08\x00\x00\x00\x00", 5);  // 8 bits of grey
+  header += std::string{depth, static_cast<char>(channels), 0, 0, 0};
   png::chunk(bytes, "IHDR", header);
+  bytes += chunks;
   // One stored block of deflate a row: a filter byte and the pixels.
   std::string data = "\x78\x01";
   std::uint32_t a = 1;
   std::uint32_t b = 0;
   for (std::size_t row = 0; row < height; ++row) {
     std::string line(1, '\0');
-    for (std::size_t column = 0; column < width; ++column) line += obstacle(column, row) ? '\0' : '\xFF';
+    for (std::size_t column = 0; column < width; ++column) line += samples(column, row);
     const auto length = static_cast<std::uint16_t>(line.size());
     data += row + 1 == height ? '\1' : '\0';
     for (const unsigned value : {static_cast<unsigned>(length), static_cast<unsigned>(~length)}) {
@@ -65,6 +70,14 @@ inline std::string image(std::size_t width, std::size_t height,
   png::chunk(bytes, "IDAT", data);
   png::chunk(bytes, "IEND", "");
   return bytes;
+}
+
+/// Returns a PNG of grey values. `obstacle` returns for each column and row, from the top, whether it is dark.
+inline std::string image(std::size_t width, std::size_t height,
+                         const std::function<bool(std::size_t, std::size_t)>& obstacle) {
+  return image_of(width, height, Channels::grey, [&](std::size_t column, std::size_t row) {
+    return std::string(1, obstacle(column, row) ? '\0' : '\xFF');
+  });
 }
 
 inline void write_image(const std::string& path, std::size_t width, std::size_t height,

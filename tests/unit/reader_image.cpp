@@ -92,3 +92,61 @@ TEST_CASE("an unreadable image is an error, wherever it is truncated", "[reader]
     CHECK_THROWS_WITH(read_problems(folder.file("cut.png"), {}), Contains("cut.png: the image cannot be read"));
   }
 }
+
+TEST_CASE("the mean of an image's channels as sampled decides, whatever gamma it states", "[reader][image]") {
+  const test::Folder folder;
+  // Pure green has the mean 85; as light it would be bright. A grey of 127 is dark, one of 128 is not.
+  const std::vector<std::string> colours = {{'\0', '\xFF', '\0'}, "\x7F\x7F\x7F", "\x80\x80\x80", "\xFF\xFF\x0F"};
+  const std::string dark = "##..";
+  std::string gamma, space;
+  test::png::chunk(gamma, "gAMA", std::string("\0\0\x27\x10", 4));  // 0.1
+  test::png::chunk(space, "sRGB", std::string(1, '\0'));
+  for (const std::string& chunks : {std::string(), gamma, space}) {
+    const std::string path = folder.write(
+        "colours.png",
+        test::image_of(
+            4, 1, test::Channels::rgb, [&](std::size_t column, std::size_t) { return colours[column]; }, chunks));
+    const SceneFile file = read_scene(path, {});
+    CHECK(file.warnings.empty());
+    for (std::size_t i = 0; i < dark.size(); ++i) {
+      CAPTURE(i, chunks.size());
+      CHECK(brute::is_free(planar(*file.problems[0].scene).world,
+                           {pixel * (static_cast<double>(i) + 0.5), 0.5 * pixel}) == (dark[i] == '.'));
+    }
+  }
+}
+
+TEST_CASE("samples of 16 bits, palettes and grey with alpha have the same values", "[reader][image]") {
+  const test::Folder folder;
+  const auto obstacles = [&](const std::string& png) {
+    return read_scene(folder.write("a.png", png), {}).problems[0].scene->obstacle_count();
+  };
+  // 0x7F00 is dark, 0x8100 is not: as linear light both would be bright.
+  CHECK(obstacles(test::image_of(
+            4, 1, test::Channels::grey,
+            [](std::size_t column, std::size_t) { return std::string(column == 0 ? "\x7F" : "\x81") + '\0'; }, "",
+            16)) == 1);
+  std::string palette;
+  test::png::chunk(palette, "PLTE", std::string("\x40\x40\x40\xC0\xC0\xC0", 6));
+  CHECK(obstacles(test::image_of(
+            4, 1, test::Channels::palette,
+            [](std::size_t column, std::size_t) { return std::string(1, column == 2 ? '\0' : '\1'); }, palette)) == 1);
+  CHECK(obstacles(test::image_of(4, 1, test::Channels::grey_alpha, [](std::size_t column, std::size_t) {
+          return std::string(column == 3 ? "\x10" : "\xF0") + "\xFF";
+        })) == 1);
+}
+
+TEST_CASE("pixels that are not opaque are unknown, so obstacles, and counted", "[reader][image]") {
+  const test::Folder folder;
+  const std::string path =
+      folder.write("clear.png", test::image_of(4, 1, test::Channels::rgba, [](std::size_t column, std::size_t) {
+                     return std::string("\xFF\xFF\xFF") + (column == 0 ? '\0' : column == 1 ? '\x80' : '\xFF');
+                   }));
+  const SceneFile file = read_scene(path, {});
+  REQUIRE(file.warnings.size() == 1);
+  CHECK(file.warnings[0] == "2 of 4 pixels are transparent, so unknown; they are obstacles");
+  const World& world = planar(*file.problems[0].scene).world;
+  CHECK_FALSE(brute::is_free(world, {0.5 * pixel, 0.5 * pixel}));
+  CHECK_FALSE(brute::is_free(world, {1.5 * pixel, 0.5 * pixel}));
+  CHECK(brute::is_free(world, {2.5 * pixel, 0.5 * pixel}));
+}

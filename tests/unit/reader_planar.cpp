@@ -309,6 +309,167 @@ TEST_CASE("a map of ROS: its image, thresholds and origin", "[reader][ros]") {
   CHECK(world_of(png).obstacles().size() == 1);
 }
 
+TEST_CASE("a map of ROS is found and read however its YAML is written", "[reader][ros]") {
+  const test::Folder folder;
+  written(folder, "map.pgm", "P2\n3 2 255\n254 0 205\n254 230 10\n");
+  const Box2 bounds{{-1, 2}, {0.5, 3}};
+  for (const std::string& text : {
+           ros_map,
+           std::string("\xEF\xBB\xBF") + ros_map,
+           std::string("{image: map.pgm, resolution: 0.5, origin: [-1, 2, 0], negate: 0, occupied_thresh: 0.65, "
+                       "free_thresh: 0.196}\n"),
+           std::string("{\"image\": \"map.pgm\", \"resolution\": 0.5, \"origin\": [-1, 2, 0], \"negate\": 0, "
+                       "\"occupied_thresh\": 0.65, \"free_thresh\": 0.196}"),
+           std::string(
+               "# by a tool\n---\n'image' : map.pgm\n\"resolution\": 0.5\n'origin':\n  - -1\n  - 2\n  - 0\nnegate: "
+               "False\noccupied_thresh: .65\nfree_thresh: .196\nmode: Trinary\n...\n"),
+           replaced(ros_map, "\nresolution", "\r\nresolution"),
+       }) {
+    CAPTURE(text);
+    const SceneFile file = read_scene(written(folder, "map.yaml", text), {});
+    CHECK(file.format == "map of ROS");
+    CHECK(world_of(file).bounds() == bounds);
+    CHECK(file.warnings.size() == 1);  // the unknown pixel
+  }
+}
+
+TEST_CASE("further keys of a map of ROS are a warning each", "[reader][ros]") {
+  const test::Folder folder;
+  written(folder, "map.pgm", "P2\n3 2 255\n254 0 254\n254 230 10\n");
+  const SceneFile file =
+      read_scene(written(folder, "map.yaml", ros_map + "map_type: occupancy\nunknown_thresh: 0.2\n"), {});
+  REQUIRE(file.warnings.size() == 2);
+  CHECK_THAT(file.warnings[0], Contains("line 7: the key 'map_type' has no influence; those of a map are image,"));
+  CHECK_THAT(file.warnings[1], Contains("line 8: the key 'unknown_thresh'"));
+  // A word alone, as some tools write the mode, is no key of YAML.
+  CHECK(read_scene(written(folder, "map.yaml", ros_map + "trinary: true\n"), {}).warnings.size() == 1);
+}
+
+TEST_CASE("colours of a map: luma as Nav2, the mean of the channels as ROS 1", "[reader][ros]") {
+  const test::Folder folder;
+  struct Case {
+    std::string name;
+    std::string rgba;
+    bool nav2;  // whether it is free
+    bool ros1;
+  };
+  // The threshold is 0.196: a brightness of at least 205.02 is free.
+  const std::vector<Case> cases = {{"white", "\xFF\xFF\xFF\xFF", true, true},
+                                   {"green", std::string("\0\xFF\0\xFF", 4), false, false},
+                                   {"yellow", std::string("\xFF\xFF\0\xFF", 4), true, false},      // luma 226, mean 191
+                                   {"lavender", std::string("\xD0\xB0\xFF\xFF", 4), false, true},  // luma 195, mean 223
+                                   {"white, half clear", "\xFF\xFF\xFF\x80", false, true},         // 223 with alpha
+                                   {"white, clear", std::string("\xFF\xFF\xFF\0", 4), false, false}};
+  const auto sample = [&](std::size_t column, std::size_t) { return cases[column].rgba; };
+  written(folder, "map.png", test::image_of(cases.size(), 1, test::Channels::rgba, sample));
+  const std::string text = replaced(replaced(ros_map, "map.pgm", "map.png"), "-1, 2, 0", "0, 0, 0");
+  for (const MapServer server : {MapServer::nav2, MapServer::ros1}) {
+    const SceneFile file = read_scene(written(folder, "map.yaml", text), {.map_server = server});
+    REQUIRE(file.notes.size() == 1);
+    CHECK_THAT(file.notes[0], Contains(server == MapServer::nav2 ? "Nav2" : "ROS 1"));
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      CAPTURE(cases[i].name, server == MapServer::nav2);
+      CHECK(brute::is_free(world_of(file), {0.5 * static_cast<double>(i) + 0.25, 0.25}) ==
+            (server == MapServer::nav2 ? cases[i].nav2 : cases[i].ros1));
+    }
+  }
+  CHECK_THAT(read_scene(folder.file("map.yaml"), {}).warnings.at(0),
+             Contains("of 6 pixels are neither free nor occupied (2 transparent); they are obstacles"));
+  // Alpha is no channel to ROS 1 in the mode scale: clear white is free.
+  const SceneFile scale =
+      read_scene(written(folder, "map.yaml", text + "mode: scale\n"), {.map_server = MapServer::ros1});
+  CHECK(brute::is_free(world_of(scale), {2.75, 0.25}));
+}
+
+TEST_CASE("a pixel at a threshold: free or occupied to Nav2, unknown to ROS 1", "[reader][ros]") {
+  const test::Folder folder;
+  // 51 of 255 is 0.2, 204 of 255 is 0.8.
+  written(folder, "map.pgm", "P2\n3 1 255\n204 51 205\n");
+  const std::string text = replaced(replaced(ros_map, "0.65", "0.8"), "0.196", "0.2");
+  const SceneFile nav2 = read_scene(written(folder, "map.yaml", text), {});
+  CHECK(nav2.warnings.empty());
+  CHECK(brute::is_free(world_of(nav2), {-0.75, 2.25}));
+  const SceneFile ros1 = read_scene(folder.file("map.yaml"), {.map_server = MapServer::ros1});
+  CHECK_THAT(ros1.warnings.at(0), Contains("2 of 3 pixels are neither"));
+  CHECK_FALSE(brute::is_free(world_of(ros1), {-0.75, 2.25}));
+}
+
+TEST_CASE("the yaw of a map's origin turns it about its lower left corner", "[reader][ros]") {
+  const test::Folder folder;
+  // 6 x 4 pixels of 0.5 m, some of them dark.
+  const std::string cells = "..#...#.#...###..#...#.#";
+  const auto dark = [&](std::size_t column, std::size_t row) { return cells[6 * row + column] == '#'; };
+  test::write_image(folder.file("map.pgm"), 6, 4, dark);
+  for (const double yaw : {0.0, 1e-10, -1e-10, 0.3, 1.2, -2.0, std::acos(-1.0) / 2, std::acos(-1.0), 4.0}) {
+    CAPTURE(yaw);
+    const std::string origin = "-1, 2, " + std::to_string(yaw);
+    const std::string exact =
+        std::abs(yaw) < 1e-5 && yaw != 0.0 ? (yaw > 0.0 ? "-1, 2, 1e-10" : "-1, 2, -1e-10") : origin;
+    const SceneFile file = read_scene(written(folder, "map.yaml", replaced(ros_map, "-1, 2, 0", exact)), {});
+    const World& world = world_of(file);
+    const double turned = exact == origin ? std::stod(std::to_string(yaw)) : 0.0;
+    for (std::size_t row = 0; row < 4; ++row) {
+      for (std::size_t column = 0; column < 6; ++column) {
+        // The centre, and a point near each side, which a turn the other way or about another point would miss.
+        for (const Vec2 within : {Vec2{0.5, 0.5}, {0.05, 0.5}, {0.95, 0.5}, {0.5, 0.05}, {0.5, 0.95}}) {
+          const Vec2 p{0.5 * (static_cast<double>(column) + within.x),
+                       0.5 * (3.0 - static_cast<double>(row) + within.y)};
+          const Vec2 q{-1.0 + std::cos(turned) * p.x - std::sin(turned) * p.y,
+                       2.0 + std::sin(turned) * p.x + std::cos(turned) * p.y};
+          REQUIRE(brute::is_free(world, q) == !dark(column, row));
+        }
+      }
+    }
+    // Outside of the image nothing is free.
+    const auto [lo, hi] = world.bounds();
+    for (int i = 1; i < 40; ++i) {
+      for (int j = 1; j < 40; ++j) {
+        const Vec2 q{lo.x + (hi.x - lo.x) * i / 40.0, lo.y + (hi.y - lo.y) * j / 40.0};
+        const double x = std::cos(turned) * (q.x + 1.0) + std::sin(turned) * (q.y - 2.0);
+        const double y = -std::sin(turned) * (q.x + 1.0) + std::cos(turned) * (q.y - 2.0);
+        if (x < -1e-9 || x > 3.0 + 1e-9 || y < -1e-9 || y > 2.0 + 1e-9) REQUIRE_FALSE(brute::is_free(world, q));
+      }
+    }
+    const bool quarter = std::abs(std::sin(2.0 * turned)) < 1e-5;
+    // Runs become one part each, and with a turn there are four triangles around the image.
+    const std::size_t straight = world_of(read_scene(written(folder, "straight.yaml", ros_map), {})).obstacles().size();
+    CHECK(world.obstacles().size() <= straight + 4);
+    if (exact != origin) CHECK(world.bounds() == Box2{{-1, 2}, {2, 4}});
+    if (exact != origin || yaw == 0.0) CHECK(std::holds_alternative<Box2>(world.obstacles()[0].shape));
+    if (!quarter) {
+      CHECK(world.obstacles().size() == straight + 4);
+      CHECK(world.obstacles().back().name == "outside of the map 4");
+      CHECK_THAT(file.frame, Contains("turned by "));
+    }
+  }
+  const SceneFile degrees = read_scene(written(folder, "map.yaml", replaced(ros_map, "-1, 2, 0", "-1, 2, 90")), {});
+  CHECK_THAT(degrees.warnings.at(0),
+             Contains("line 3: the yaw of the origin is 90, more than a full turn; it is in rad"));
+}
+
+TEST_CASE("a quarter turn of a map is exact, and its boxes stay boxes", "[reader][ros]") {
+  const test::Folder folder;
+  written(folder, "map.pgm", "P2\n3 1 255\n254 254 0\n");
+  const SceneFile file =
+      read_scene(written(folder, "map.yaml", replaced(ros_map, "-1, 2, 0", "-1, 2, 1.5707963267948966")), {});
+  CHECK(world_of(file).bounds() == Box2{{-1.5, 2}, {-1, 3.5}});
+  REQUIRE(world_of(file).obstacles().size() == 1);
+  CHECK(std::get<Box2>(world_of(file).obstacles()[0].shape) == Box2{{-1.5, 3}, {-1, 3.5}});
+}
+
+TEST_CASE("diagonal pixels of a turned map leave no gap", "[reader][ros]") {
+  const test::Folder folder;
+  test::write_image(folder.file("map.pgm"), 64, 64, [](std::size_t column, std::size_t row) { return column == row; });
+  const SceneFile file = read_scene(written(folder, "map.yaml", replaced(ros_map, "-1, 2, 0", "-1, 2, 0.7")), {});
+  // Each corner that two pixels share lies in both.
+  for (int i = 1; i < 64; ++i) {
+    const Vec2 p{0.5 * i, 0.5 * (64 - i)};
+    const Vec2 q{-1.0 + std::cos(0.7) * p.x - std::sin(0.7) * p.y, 2.0 + std::sin(0.7) * p.x + std::cos(0.7) * p.y};
+    CAPTURE(i);
+    CHECK_FALSE(brute::is_free(world_of(file), q));
+  }
+}
+
 TEST_CASE("a malformed map of ROS is an error with file, line and reason", "[reader][ros]") {
   const test::Folder folder;
   const std::string image = "P2\n3 2 255\n254 0 205\n254 230 10\n";
@@ -316,13 +477,13 @@ TEST_CASE("a malformed map of ROS is an error with file, line and reason", "[rea
   const auto fault = [&](const std::string& from, const std::string& to) {
     return fault_of(written(folder, "map.yaml", replaced(ros_map, from, to)));
   };
-  CHECK_THAT(fault("-1, 2, 0", "-1, 2, 0.5"), Contains("map.yaml:3: the map's yaw is 0.5, expected 0"));
   CHECK_THAT(fault("-1, 2, 0", "-1, 2"), Contains("map.yaml:3: ") && Contains("expected 3 numbers: x, y, yaw"));
   CHECK_THAT(fault("-1, 2, 0", "-1, .nan, 0"), Contains("map.yaml:3: ") && Contains("finite"));
   CHECK_THAT(fault("resolution: 0.5", "resolution: 0"), Contains("map.yaml:2: 'resolution' is 0"));
   CHECK_THAT(fault("negate: 0", "negate: 2"), Contains("map.yaml:4: 'negate' is '2'"));
   CHECK_THAT(fault("free_thresh: 0.196", "free_thresh: 0.75"), Contains("map.yaml:6: 'free_thresh' is 0.75"));
-  CHECK_THAT(fault("free_thresh: 0.196", "free_tresh: 0.196"), Contains("'free_tresh' is not known"));
+  CHECK_THAT(fault("free_thresh: 0.196", "free_tresh: 0.196"),
+             Contains("'free_thresh' is missing (did you mean 'free_tresh'?)"));
   CHECK_THAT(fault("free_thresh: 0.196\n", ""), Contains("'free_thresh' is missing"));
   CHECK_THAT(fault("negate: 0", "negate: 0\nmode: raw"), Contains("map.yaml:5: the mode is 'raw'"));
   CHECK_THAT(fault("map.pgm", "gone.pgm"), Contains("map.yaml:1: its image: ") && Contains("cannot be opened"));

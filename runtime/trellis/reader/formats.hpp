@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <trellis/base/errors.hpp>
@@ -17,7 +18,8 @@ namespace trellis {
 
 inline constexpr std::size_t most_file_bytes = std::size_t{64} << 20U;
 inline constexpr std::size_t most_file_lines = 2'000'000;
-inline constexpr std::size_t most_grid_side = 4096;  ///< columns or rows of a grid or image
+inline constexpr std::size_t most_grid_side = 4096;                  ///< columns or rows of a grid or image
+inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  ///< of UTF-8, with which some editors begin a file
 
 /// \throws Error unless the file is there, regular, and not too large
 void require_readable(const std::string& path);
@@ -27,7 +29,7 @@ struct SourceText {
   std::string path;
   std::vector<std::string> lines;
 
-  /// \throws Error where it cannot read the file.
+  /// Reads a file without the byte order mark of UTF-8. \throws Error where it cannot read the file.
   static SourceText load(const std::string& path);
   /// Returns an Error at a line (counted from 1).
   [[nodiscard]] Error error(std::size_t line, const std::string& fault) const;
@@ -52,6 +54,9 @@ class RowErrors {
   ErrorList errors_;
   int count_ = 0;
 };
+
+/// Whether some line has a key of YAML or JSON: the word, in quotes or not, and a colon.
+bool has_key(const SourceText& text, std::string_view key);
 
 /// Splits a line into words separated by blanks.
 std::vector<std::string> words_of(const std::string& line);
@@ -89,7 +94,7 @@ SceneFile read_barn(const SourceText& text, const ReadOptions& options);
 bool is_svg(const SourceText& text);
 SceneFile read_svg(const SourceText& text, const ReadOptions& options);
 
-/// Whether a line begins with `image:`.
+/// Whether the text is YAML with the key `image`, and with `resolution` or `occupied_thresh`.
 bool is_ros_map(const SourceText& text);
 SceneFile read_ros_map(const SourceText& text, const ReadOptions& options);
 
@@ -97,8 +102,8 @@ SceneFile read_ros_map(const SourceText& text, const ReadOptions& options);
 bool is_circle_world(const SourceText& text);
 SceneFile read_circle_world(const SourceText& text, const ReadOptions& options);
 
-/// Reads a world from an image: pixels of 0.05 m, dark pixels are obstacles. The robot is a point; start and goal are
-/// the lower left and the upper right corner.
+/// Reads a world from an image: pixels of 0.05 m; dark pixels and pixels that are not opaque are obstacles. The robot
+/// is a point; start and goal are the lower left and the upper right corner.
 SceneFile read_image(const std::string& path, const ReadOptions& options);
 
 /// Whether the file is a planar arm of SBPL: its first line gives the size of the environment, a later one the links.

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include <trellis/reader/formats.hpp>
-#include <trellis/reader/grey_image.hpp>
+#include <trellis/reader/raster_image.hpp>
 #include <trellis/reader/spatial_formats.hpp>
 
 namespace trellis {
@@ -52,7 +52,7 @@ void check_options(const std::string& path, const ReadOptions& options) {
 }
 
 SceneFile read_format(const std::string& path, const ReadOptions& options) {
-  if (is_grey_image(path)) return read_image(path, options);
+  if (is_raster_image(path)) return read_image(path, options);
   const SourceText text = SourceText::load(path);
   for (const Format& format : formats) {
     if (!format.is(text)) continue;

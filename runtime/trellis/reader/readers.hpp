@@ -10,15 +10,22 @@
 
 namespace trellis {
 
+/// The program whose rules decide which pixels of a map of ROS are free.
+enum class MapServer : unsigned char {
+  nav2,  ///< luma; pixels that are not opaque are unknown; a pixel at a threshold is free or occupied
+  ros1   ///< the mean of the channels, in the mode trinary with alpha as one of them; a pixel at a threshold is unknown
+};
+
 struct ReadOptions {
   double weight = 0.0;               ///< metres per radian of angular axes; 0: the default, 1/pi
   double resolution = 0.05;          ///< see Problem
   std::string collision = "planar";  ///< see Problem
   bool motion = true;            ///< problems have the motion models that the files name, where there is such a model
   double goal_tolerance = 0.25;  ///< of problems with a motion model: their files do not give one
-  std::optional<Robot> robot = {};  ///< moves in a world whose file has no robot; none: the format's default
-  Configuration start = {};         ///< replaces the start of the file's one problem; empty: as in the file
-  Configuration goal = {};          ///< replaces its goal
+  std::optional<Robot> robot = {};         ///< moves in a world whose file has no robot; none: the format's default
+  Configuration start = {};                ///< replaces the start of the file's one problem; empty: as in the file
+  Configuration goal = {};                 ///< replaces its goal
+  MapServer map_server = MapServer::nav2;  ///< of maps of ROS
 };
 
 /// What a scene file of another project contains.
@@ -29,15 +36,16 @@ struct SceneFile {
   std::vector<Problem> problems;  ///< at least one; start and goal are empty where neither file nor options have them
   std::vector<double> lengths = {};        ///< of the problems' shortest paths or reference paths, metres; or empty
   std::vector<std::string> warnings = {};  ///< what the file contains and the problems do not
+  std::vector<std::string> notes = {};     ///< by which of several rules the file was read
 };
 
 /// Reads a scene file of another project. Its content selects the reader:
 ///  - `type octile`: a grid map of Moving AI (.map); `version 1`: its queries (.scen), with the map in their folder
 ///  - `world,x,y,radius`: the cylinder fields of BARN (obstacles.csv), with reference_path.csv in their folder
 ///  - SVG: the convex hull of each path is an obstacle; 1 mm of the drawing is 1 m
-///  - YAML with `image` and `resolution`: a map of ROS, with its image (PNG or PGM)
-///  - PNG and PGM: pixels of 0.05 m, dark pixels are obstacles. The robot is a point that moves from the lower left
-///    corner to the upper right one.
+///  - YAML with `image` and `resolution`: a map of ROS, with its image (PNG or PGM), turned by the yaw of its origin
+///  - PNG and PGM: pixels of 0.05 m; dark pixels and pixels that are not opaque are obstacles. The robot is a point
+///    that moves from the lower left corner to the upper right one.
 ///  - the circle world of ompl_tests (two header lines, then "index x y r"). Its queries are in the file of the same
 ///    folder in whose name "queries" replaces "obstacles".
 ///  - .env or .query: an environment of PPL with its queries; XML with the root `rlplan`: a plan of the Robotics

@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include <trellis/reader/formats.hpp>
-#include <trellis/reader/grey_image.hpp>
+#include <trellis/reader/raster_image.hpp>
 #include <trellis/reader/yaml_entry.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
@@ -23,31 +27,49 @@ struct MapFile {
   std::string image;
   double resolution = 0.0;
   Vec2 origin;
+  double yaw = 0.0;  ///< of the image about its lower left corner, radians
   bool negate = false;
+  bool scale = false;  ///< the mode is scale, not trinary
   double occupied = 0.0;
   double free = 0.0;
 };
 
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool is_known(const std::string& key) { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
+
+/// Returns the value of a key that each map has.
+YamlEntry needed(const YamlEntry& file, const char* key) {
+  if (file.has(key)) return file.at(key);
+  std::vector<std::string> others = file.keys();
+  std::erase_if(others, is_known);
+  throw file.error(fmt::format("'{}' is missing{}", key, did_you_mean(key, others)));
+}
+
 double share_at(const YamlEntry& file, const char* key) {
-  const YamlEntry entry = file.at(key);
+  const YamlEntry entry = needed(file, key);
   const double share = entry.number();
   if (share < 0.0 || share > 1.0) throw entry.error(fmt::format("'{}' is {}, expected 0 to 1", key, share));
   return share;
 }
 
+/// Names the keys that neither map server reads.
+void warn_of_keys(const YamlEntry& file, std::vector<std::string>& warnings) {
+  for (const std::string& key : file.keys()) {
+    if (is_known(key)) continue;
+    warnings.push_back(fmt::format("line {}: the key '{}' has no influence; those of a map are {}", file.at(key).line(),
+                                   key, fmt::join(keys, ", ")));
+  }
+}
+
 MapFile map_of(const YamlEntry& file) {
   ErrorList errors;
   MapFile map;
-  for (const std::string& key : file.keys()) {
-    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    errors.attempt([&] {
-      throw file.at(key).error(fmt::format("'{}' is not known{}, expected {}", key,
-                                           did_you_mean(key, std::vector<std::string>(keys.begin(), keys.end())),
-                                           fmt::join(keys, ", ")));
-    });
-  }
   errors.attempt([&] {
-    const YamlEntry entry = file.at("image");
+    const YamlEntry entry = needed(file, "image");
     map.image = entry.word();
     // A script may read files of its folder; a map does not lead out of it.
     const std::filesystem::path path(map.image);
@@ -57,7 +79,7 @@ MapFile map_of(const YamlEntry& file) {
     }
   });
   errors.attempt([&] {
-    const YamlEntry entry = file.at("resolution");
+    const YamlEntry entry = needed(file, "resolution");
     map.resolution = entry.number();
     constexpr double least = 1e-6;
     constexpr double most = 1e3;
@@ -66,21 +88,21 @@ MapFile map_of(const YamlEntry& file) {
     }
   });
   errors.attempt([&] {
-    const YamlEntry entry = file.at("origin");
+    const YamlEntry entry = needed(file, "origin");
     const auto origin = entry.numbers(3, "x, y, yaw");
     map.origin = {origin[0], origin[1]};
     if (!in_range(map.origin)) throw entry.error(fmt::format("'origin' is farther than {:g} m", most_distant));
-    if (origin[2] != 0.0) {
-      throw entry.error(fmt::format("the map's yaw is {}, expected 0: turned maps are not read", origin[2]));
-    }
+    map.yaw = origin[2];
   });
   errors.attempt([&] {
-    const YamlEntry entry = file.at("negate");
-    const std::string word = entry.word();
-    if (word != "0" && word != "1" && word != "false" && word != "true") {
-      throw entry.error(fmt::format("'negate' is '{}', expected 0 or 1", word));
+    const YamlEntry entry = needed(file, "negate");
+    const std::string word = lower(entry.word());
+    constexpr std::array<std::string_view, 5> yes = {"1", "true", "yes", "on", "y"};
+    constexpr std::array<std::string_view, 5> no = {"0", "false", "no", "off", "n"};
+    map.negate = std::find(yes.begin(), yes.end(), word) != yes.end();
+    if (!map.negate && std::find(no.begin(), no.end(), word) == no.end()) {
+      throw entry.error(fmt::format("'negate' is '{}', expected 0 or 1", entry.word()));
     }
-    map.negate = word == "1" || word == "true";
   });
   errors.attempt([&] { map.occupied = share_at(file, "occupied_thresh"); });
   errors.attempt([&] {
@@ -92,61 +114,167 @@ MapFile map_of(const YamlEntry& file) {
   });
   errors.attempt([&] {
     if (!file.has("mode")) return;
-    const std::string mode = file.at("mode").word();
+    const std::string mode = lower(file.at("mode").word());
     if (mode != "trinary" && mode != "scale") {
       throw file.at("mode").error(fmt::format("the mode is '{}', expected trinary or scale", mode));
     }
+    map.scale = mode == "scale";
   });
   errors.raise();
   return map;
 }
 
-/// The probability that a pixel is occupied, as map_server computes it.
-double occupancy(const MapFile& map, unsigned grey) {
-  constexpr double most = 255.0;
-  return (map.negate ? static_cast<double>(grey) : most - static_cast<double>(grey)) / most;
+enum class Cell : unsigned char { free, occupied, unknown };
+
+/// Decides a pixel of a map as one of the map servers does.
+class Rule {
+ public:
+  Rule(const MapFile& map, const RasterImage& image, MapServer server)
+      : map_(map), server_(server), alpha_(image.has_alpha && !map.scale) {}
+
+  [[nodiscard]] Cell operator()(const Pixel& pixel) const {
+    if (server_ == MapServer::nav2) {
+      const double occupancy = occupancy_of(pixel.luma());
+      if (!pixel.opaque()) return Cell::unknown;
+      if (occupancy <= map_.free) return Cell::free;
+      return occupancy >= map_.occupied ? Cell::occupied : Cell::unknown;
+    }
+    const double occupancy = occupancy_of(alpha_ ? 0.25 * (3.0 * pixel.mean() + pixel.alpha) : pixel.mean());
+    if (occupancy > map_.occupied) return Cell::occupied;
+    return occupancy < map_.free ? Cell::free : Cell::unknown;
+  }
+  [[nodiscard]] std::string text() const {
+    if (server_ == MapServer::nav2) {
+      return "pixels are read as by the map server of Nav2: their luma, and transparent ones are unknown; scenes.load "
+             "reads them as that of ROS 1 with map_server = \"ros1\"";
+    }
+    return fmt::format("pixels are read as by the map server of ROS 1: the mean of the channels{}",
+                       alpha_ ? ", alpha included" : "");
+  }
+
+ private:
+  /// The probability that a pixel of this brightness, 0 to 255, is occupied.
+  [[nodiscard]] double occupancy_of(double brightness) const {
+    constexpr double most = 255.0;
+    return (map_.negate ? brightness : most - brightness) / most;
+  }
+
+  const MapFile& map_;
+  MapServer server_;
+  bool alpha_;  // is one of the channels whose mean counts for ROS 1
+};
+
+/// The pose of a map's image, whose lower left corner is the origin. Quarter turns are exact.
+Pose2 pose_of(const MapFile& map) {
+  constexpr double nothing = 1e-9;
+  Pose2 pose{map.origin.x, map.origin.y, std::cos(map.yaw), std::sin(map.yaw)};
+  if (std::abs(pose.s) < nothing) pose = {pose.x, pose.y, std::copysign(1.0, pose.c), 0.0};
+  if (std::abs(pose.c) < nothing) pose = {pose.x, pose.y, 0.0, std::copysign(1.0, pose.s)};
+  return pose;
+}
+
+Box2 bounds_of(const std::vector<Vec2>& points) {
+  Box2 box{points.front(), points.front()};
+  for (const Vec2 p : points) {
+    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
+    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
+  }
+  return box;
+}
+
+std::vector<Vec2> moved(const Pose2& pose, const Box2& box) {
+  std::vector<Vec2> corners = rectangle_vertices(box);
+  for (Vec2& corner : corners) corner = pose(corner);
+  return corners;
+}
+
+/// Moves the boxes of an image to its pose. Those that a quarter turn moves stay boxes. Others become rectangles, grown
+/// by the rounding of their corners so that neighbours leave no gap; triangles fill the corners of the bounds that the
+/// image does not cover.
+World placed(const Pose2& pose, Vec2 size, std::vector<Obstacle> obstacles) {
+  const std::vector<Vec2> corners = moved(pose, {{0.0, 0.0}, size});
+  const Box2 bounds = bounds_of(corners);
+  const bool quarter = pose.c == 0.0 || pose.s == 0.0;
+  const double rounding =
+      4.0 * std::numeric_limits<double>::epsilon() * (std::abs(pose.x) + std::abs(pose.y) + size.x + size.y);
+  for (Obstacle& obstacle : obstacles) {
+    auto box = std::get<Box2>(obstacle.shape);
+    if (quarter) {
+      obstacle.shape = bounds_of(moved(pose, box));
+      continue;
+    }
+    const Vec2 more{rounding, rounding};
+    box = {box.lo - more, box.hi + more};
+    obstacle.shape = Polygon{moved(pose, box)};
+  }
+  if (quarter) return {bounds, std::move(obstacles)};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    // The sides run counter-clockwise: to the right below the image, to the left above it.
+    const Vec2 from = corners[i];
+    const Vec2 to = corners[(i + 1) % corners.size()];
+    const Vec2 along = to - from;
+    const Vec2 corner{along.y > 0.0 ? bounds.hi.x : bounds.lo.x, along.x > 0.0 ? bounds.lo.y : bounds.hi.y};
+    obstacles.push_back({fmt::format("outside of the map {}", i + 1), Polygon{{from, corner, to}}});
+  }
+  return {bounds, std::move(obstacles)};
 }
 
 }  // namespace
 
 bool is_ros_map(const SourceText& text) {
-  const auto begins = [&](std::string_view word) {
-    return std::any_of(text.lines.begin(), text.lines.end(),
-                       [&](const std::string& line) { return line.starts_with(word); });
-  };
-  return begins("image:") && (begins("resolution:") || begins("occupied_thresh:"));
+  if (!has_key(text, "image") || !(has_key(text, "resolution") || has_key(text, "occupied_thresh"))) return false;
+  try {
+    return YamlEntry::root(text, "").has("image");
+  } catch (const Error&) {
+    return true;  // its reader says why it is no YAML
+  }
 }
 
 SceneFile read_ros_map(const SourceText& text, const ReadOptions& options) {
   const YamlEntry root = YamlEntry::root(text, "a map of ROS as a YAML map");
   const MapFile map = map_of(root);
   const auto path = std::filesystem::path(text.path).parent_path() / map.image;
-  GreyImage image;
+  RasterImage image;
   try {
-    image = load_grey_image(path.string());
+    image = load_raster_image(path.string());
   } catch (const Error& fault) {
     throw root.at("image").error(fmt::format("its image: {}", fault.what()));
   }
+  const Rule rule(map, image, options.map_server);
   std::size_t unknown = 0;
-  for (const unsigned char pixel : image.grey) {
-    const double share = occupancy(map, pixel);
-    unknown += share >= map.free && share <= map.occupied ? 1U : 0U;
+  std::size_t clear = 0;
+  for (const Pixel& pixel : image.pixels) {
+    if (rule(pixel) != Cell::unknown) continue;
+    ++unknown;
+    clear += pixel.opaque() ? 0U : 1U;
   }
-  auto boxes = boxes_of(
-      path.string(), image.width, image.height,
-      [&](std::size_t column, std::size_t row) { return occupancy(map, image.at(column, row)) >= map.free; },
-      map.origin, map.resolution);
+  const Pose2 pose = pose_of(map);
   const Vec2 size{map.resolution * static_cast<double>(image.width),
                   map.resolution * static_cast<double>(image.height)};
-  auto scene = std::make_shared<const PlanarScene>(World({map.origin, map.origin + size}, std::move(boxes)),
-                                                   options.robot.value_or(Robot::point()));
+  const bool turned = pose.c != 1.0 || pose.s != 0.0;
+  // Without a turn the boxes are computed at their place: what adding the origin rounds is then the same for all.
+  auto boxes = boxes_of(
+      path.string(), image.width, image.height,
+      [&](std::size_t column, std::size_t row) { return rule(image.at(column, row)) != Cell::free; },
+      turned ? Vec2{} : map.origin, map.resolution);
+  World world =
+      turned ? placed(pose, size, std::move(boxes)) : World({map.origin, map.origin + size}, std::move(boxes));
+  auto scene = std::make_shared<const PlanarScene>(std::move(world), options.robot.value_or(Robot::point()));
   SceneFile file{"map of ROS",
                  fmt::format("1 pixel = {:g} m", map.resolution),
-                 fmt::format("the lower left corner is ({:g}, {:g}), y up", map.origin.x, map.origin.y),
+                 fmt::format("the lower left corner is ({:g}, {:g}){}, y up", map.origin.x, map.origin.y,
+                             turned ? fmt::format(", turned by {:g} rad", map.yaw) : ""),
                  {problem_in(stem_of(text.path), std::move(scene), options)}};
-  if (unknown > 0) {
+  file.notes.push_back(rule.text());
+  warn_of_keys(root, file.warnings);
+  if (std::abs(map.yaw) > 2.0 * std::numbers::pi) {
     file.warnings.push_back(
-        fmt::format("{} of {} pixels are neither free nor occupied; they are obstacles", unknown, image.grey.size()));
+        fmt::format("line {}: the yaw of the origin is {:g}, more than a full turn; it is in radians",
+                    root.at("origin").line(), map.yaw));
+  }
+  if (unknown > 0) {
+    file.warnings.push_back(fmt::format("{} of {} pixels are neither free nor occupied{}; they are obstacles", unknown,
+                                        image.pixels.size(), clear > 0 ? fmt::format(" ({} transparent)", clear) : ""));
   }
   return file;
 }

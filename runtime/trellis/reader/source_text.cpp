@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -31,6 +32,7 @@ SourceText SourceText::load(const std::string& path) {
   std::string line;
   while (std::getline(in, line)) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (text.lines.empty() && line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
     if (text.lines.size() == most_file_lines) {
       throw text.error(most_file_lines, fmt::format("more than {} lines", most_file_lines));
     }
@@ -48,6 +50,21 @@ std::string SourceText::joined() const {
   std::string all;
   for (const auto& line : lines) all += line + '\n';
   return all;
+}
+
+bool has_key(const SourceText& text, std::string_view key) {
+  const auto keyed = [&](std::string_view line) {
+    line = line.substr(0, line.find('#') == 0 ? 0 : line.find(" #"));
+    for (std::size_t at = line.find(key); at != std::string_view::npos; at = line.find(key, at + 1)) {
+      if (at > 0 && std::string_view(" \t{,\"'").find(line[at - 1]) == std::string_view::npos) continue;
+      std::string_view rest = line.substr(at + key.size());
+      if (!rest.empty() && (rest.front() == '"' || rest.front() == '\'')) rest.remove_prefix(1);
+      const std::size_t colon = rest.find_first_not_of(" \t");
+      if (colon != std::string_view::npos && rest[colon] == ':') return true;
+    }
+    return false;
+  };
+  return std::any_of(text.lines.begin(), text.lines.end(), keyed);
 }
 
 std::vector<std::string> words_of(const std::string& line) {

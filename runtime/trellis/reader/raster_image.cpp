@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The only source that includes libpng.
-#include <trellis/reader/grey_image.hpp>
+#include <trellis/reader/raster_image.hpp>
 
 #include <png.h>
 
@@ -10,6 +10,7 @@
 #include <array>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 
 #include <trellis/reader/formats.hpp>
 
@@ -24,7 +25,34 @@ void require_sides(const std::string& path, std::size_t width, std::size_t heigh
   }
 }
 
-GreyImage load_png(const std::string& path) {
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Returns a PNG without the chunks that state a gamma or a colour space: libpng would convert the samples.
+std::string without_colour_space(const std::string& png) {
+  constexpr std::size_t signature = 8;  // bytes
+  constexpr std::size_t word = 4;       // bytes of the length, the type and the checksum of a chunk each
+  constexpr std::array<std::string_view, 4> dropped = {"gAMA", "cHRM", "sRGB", "iCCP"};
+  const std::string_view bytes(png);
+  std::string kept(bytes.substr(0, signature));
+  std::size_t at = signature;
+  while (bytes.size() - at >= 3 * word) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < word; ++i) length = length << 8U | static_cast<unsigned char>(bytes[at + i]);
+    if (length > bytes.size() - at - 3 * word) break;
+    const std::string_view type = bytes.substr(at + word, word);
+    if (std::find(dropped.begin(), dropped.end(), type) == dropped.end()) {
+      kept += bytes.substr(at, length + 3 * word);
+    }
+    at += length + 3 * word;
+  }
+  return kept += bytes.substr(at);  // an unfinished chunk, which libpng reports
+}
+
+RasterImage load_png(const std::string& path) {
+  const std::string bytes = without_colour_space(bytes_of(path));
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   const auto fault = [&] {
@@ -32,30 +60,27 @@ GreyImage load_png(const std::string& path) {
     png_image_free(&header);
     return Error(fmt::format("{}: the image cannot be read: {}", path, why));
   };
-  if (png_image_begin_read_from_file(&header, path.c_str()) == 0) throw fault();
+  if (png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()) == 0) throw fault();
   try {
     require_sides(path, header.width, header.height);
   } catch (const Error&) {
     png_image_free(&header);
     throw;
   }
-  header.format = PNG_FORMAT_GRAY;
-  GreyImage image{header.width, header.height, std::vector<unsigned char>(PNG_IMAGE_SIZE(header))};
-  constexpr unsigned char light = 255;
-  const png_color white{light, light, light};
-  if (png_image_finish_read(&header, &white, image.grey.data(), 0, nullptr) == 0) throw fault();
+  RasterImage image{header.width, header.height, (header.format & PNG_FORMAT_FLAG_ALPHA) != 0, {}};
+  header.format = PNG_FORMAT_RGBA;
+  header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // libpng would take samples of 16 bits as linear
+  image.pixels.resize(image.width * image.height);
+  if (png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr) == 0) throw fault();
   return image;
 }
 
 /// The bytes of a PGM, read number by number; comments go from '#' to the end of the line.
 class Pgm {
  public:
-  explicit Pgm(const std::string& path) : path_(path) {
-    std::ifstream in(path, std::ios::binary);
-    bytes_.assign(std::istreambuf_iterator<char>(in), {});
-  }
+  explicit Pgm(const std::string& path) : path_(path), bytes_(bytes_of(path)) {}
 
-  GreyImage image() {
+  RasterImage image() {
     constexpr std::size_t magic = 2;
     const bool text = bytes_.compare(0, magic, "P2") == 0;
     at_ = magic;
@@ -65,16 +90,17 @@ class Pgm {
     require_sides(path_, width, height);
     const std::size_t most = number("the largest grey value");
     if (most == 0 || most > byte) throw error(fmt::format("its largest grey value is {}, expected 1 to 255", most));
-    GreyImage image{width, height, std::vector<unsigned char>(width * height)};
     if (!text) ++at_;  // the one blank before the pixels
-    if (!text && bytes_.size() < at_ + image.grey.size()) {
-      throw error(fmt::format("it ends after {} of {} pixels", bytes_.size() - std::min(bytes_.size(), at_),
-                              image.grey.size()));
+    const std::size_t count = width * height;
+    if (!text && bytes_.size() < at_ + count) {
+      throw error(fmt::format("it ends after {} of {} pixels", bytes_.size() - std::min(bytes_.size(), at_), count));
     }
-    for (unsigned char& pixel : image.grey) {
+    RasterImage image{width, height, false, std::vector<Pixel>(count)};
+    for (Pixel& pixel : image.pixels) {
       const std::size_t value = text ? number("a grey value") : static_cast<unsigned char>(bytes_[at_++]);
       if (value > most) throw error(fmt::format("a grey value is {}, expected at most {}", value, most));
-      pixel = static_cast<unsigned char>(value * byte / most);
+      const auto grey = static_cast<unsigned char>(value * byte / most);
+      pixel = {grey, grey, grey, byte};
     }
     return image;
   }
@@ -127,9 +153,9 @@ Kind kind_of(const std::string& path) {
 
 }  // namespace
 
-bool is_grey_image(const std::string& path) { return kind_of(path) != Kind::none; }
+bool is_raster_image(const std::string& path) { return kind_of(path) != Kind::none; }
 
-GreyImage load_grey_image(const std::string& path) {
+RasterImage load_raster_image(const std::string& path) {
   require_readable(path);
   switch (kind_of(path)) {
     case Kind::png: return load_png(path);
