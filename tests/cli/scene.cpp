@@ -113,7 +113,7 @@ TEST_CASE("scene says in a line what is wrong with a file") {
   CHECK_THAT(fault({"scene", "gone.map"}), Contains("trellis: no file 'gone.map' (looked for gone.map"));
   write(place, "bad.map", "type octile\nheight 3\nwidth 4\nmap\n..@.\n.G?S\n....\n");
   CHECK(fault({"scene", "bad.map"}) ==
-        "trellis: bad.map:6: column 3 is '?', expected one of . G S (passable) or @ O T W (not)\n");
+        "trellis: bad.map:6: column 3 is '?', expected one of . G S E (passable) or @ O T W (not)\n");
   write(place, "words.txt", "no scene\n");
   CHECK_THAT(fault({"scene", "words.txt"}), Contains("trellis: words.txt:1: no scene that can be read"));
   write(place, "yard.map", map);

@@ -72,6 +72,7 @@ TEST_CASE("a grid map's blocked cells are obstacles, row 0 at the top", "[reader
   }
   REQUIRE(file.warnings.size() == 1);
   CHECK(file.warnings[0] == "1 cells of water (W) are obstacles");
+  CHECK(file.notes.empty());
   CHECK_THAT(fault_of(folder.file("small.map")), Contains("has no start and no goal: give start = {...}"));
   const auto placed = read_problems(folder.file("small.map"), {.start = {0.5, 2.5}, .goal = {1.5, 1.5}});
   CHECK(placed.at(0).goal() == Configuration{1.5, 1.5});
@@ -501,6 +502,29 @@ TEST_CASE("a malformed map of ROS is an error with file, line and reason", "[rea
   CHECK_THAT(image_fault("P2 3 2 255 1 2 3 4 5"), Contains("a grey value is missing"));
   CHECK_THAT(image_fault("P2 3 2 255 1 2 3 4 5 256"), Contains("a grey value is 256"));
   CHECK_THAT(image_fault("P6 3 2 255"), Contains("no image that can be read, expected a PNG or a PGM"));
+}
+
+TEST_CASE("a map with cells E follows the rule of the MAPF Start-Kit: only @ and T block", "[reader][moving_ai]") {
+  const test::Folder folder;
+  const std::string text = "type octile\nheight 3\nwidth 4\nmap\nES@.  \nE.TS\nWO.E\t\n";
+  const SceneFile file = read_scene(written(folder, "depot.map", text), {});
+  const std::string cells = "ES@.E.TSWO.E";
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      const char cell = cells[static_cast<std::size_t>(4 * row + column)];
+      CAPTURE(row, column, cell);
+      CHECK(brute::is_free(world_of(file), {column + 0.5, 2.5 - row}) == (cell != '@' && cell != 'T'));
+    }
+  }
+  REQUIRE(file.warnings.size() == 1);
+  CHECK(file.warnings[0] == "2 cells O and W are passable: with cells E the map follows the MAPF Start-Kit");
+  REQUIRE(file.notes.size() == 1);
+  CHECK(file.notes[0] == "by the rule of the MAPF Start-Kit: only cells @ and T are obstacles");
+  // A byte order mark changes nothing.
+  CHECK(world_of(read_scene(written(folder, "depot.map", "\xEF\xBB\xBF" + text), {})).obstacles().size() ==
+        world_of(file).obstacles().size());
+  CHECK_THAT(fault_of(written(folder, "depot.map", replaced(text, "ES@", "Ex@"))),
+             Contains("depot.map:5: column 2 is 'x', expected one of . G S E (passable) or @ O T W (not)"));
 }
 
 TEST_CASE("files that are no scenes are refused at once", "[reader]") {

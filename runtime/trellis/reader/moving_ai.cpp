@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include <trellis/reader/formats.hpp>
@@ -20,16 +21,21 @@ constexpr const char* units = "1 cell = 1 m";
 constexpr const char* frame = "the origin is the map's lower left corner, y up; row 0 is the uppermost";
 constexpr std::size_t most_queries = 100'000;
 
-bool passable(char cell) { return cell == '.' || cell == 'G' || cell == 'S'; }
-bool known(char cell) { return passable(cell) || cell == '@' || cell == 'O' || cell == 'T' || cell == 'W'; }
+constexpr std::string_view blocked = "@OTW";
+constexpr std::string_view passable = ".GSE";
 
 struct GridMap {
   std::size_t width = 0;
   std::size_t height = 0;
   std::vector<std::string> rows;  // from the top
+  /// The map has cells E of the MAPF Start-Kit, whose rule is that only @ and T are obstacles.
+  bool start_kit = false;
   std::vector<std::string> warnings;
 
-  [[nodiscard]] bool free(std::size_t column, std::size_t row) const { return passable(rows[row][column]); }
+  [[nodiscard]] bool free(std::size_t column, std::size_t row) const {
+    const char cell = rows[row][column];
+    return start_kit ? cell != '@' && cell != 'T' : blocked.find(cell) == std::string_view::npos;
+  }
 };
 
 /// Returns the line of the word 'map', counted from 1.
@@ -74,26 +80,37 @@ GridMap grid_map(const SourceText& text) {
   }
   RowErrors errors;
   std::size_t water = 0;
+  std::size_t beyond = 0;
   for (std::size_t i = begin; i < end; ++i) {
+    std::string row = text.lines[i];
+    row.erase(row.find_last_not_of(" \t") + 1);
     errors.attempt([&] {
-      const std::string& row = text.lines[i];
       if (row.size() != map.width) {
         throw text.error(i + 1, fmt::format("a row of {} cells, expected {}", row.size(), map.width));
       }
-      const auto strange = std::find_if_not(row.begin(), row.end(), known);
+      const auto strange = std::find_if_not(row.begin(), row.end(), [](char cell) {
+        return passable.find(cell) != std::string_view::npos || blocked.find(cell) != std::string_view::npos;
+      });
       if (strange != row.end()) {
         const auto code = static_cast<unsigned char>(*strange);
         const bool printable = code > ' ' && code < 0x7F;
-        throw text.error(i + 1, fmt::format("column {} is {}, expected one of . G S (passable) or @ O T W (not)",
+        throw text.error(i + 1, fmt::format("column {} is {}, expected one of . G S E (passable) or @ O T W (not)",
                                             strange - row.begin() + 1,
                                             printable ? fmt::format("'{}'", *strange) : fmt::format("byte {}", code)));
       }
       water += static_cast<std::size_t>(std::count(row.begin(), row.end(), 'W'));
+      beyond += static_cast<std::size_t>(std::count(row.begin(), row.end(), 'O'));
+      map.start_kit = map.start_kit || row.find('E') != std::string::npos;
     });
-    map.rows.push_back(text.lines[i]);
+    map.rows.push_back(std::move(row));
   }
   errors.raise();
-  if (water > 0) map.warnings.push_back(fmt::format("{} cells of water (W) are obstacles", water));
+  if (map.start_kit && water + beyond > 0) {
+    map.warnings.push_back(
+        fmt::format("{} cells O and W are passable: with cells E the map follows the MAPF Start-Kit", water + beyond));
+  } else if (water > 0) {
+    map.warnings.push_back(fmt::format("{} cells of water (W) are obstacles", water));
+  }
   return map;
 }
 
@@ -152,6 +169,12 @@ Query query_of(const SourceText& text, std::size_t line, const std::vector<std::
   return query;
 }
 
+/// Adds the map's warnings, and by which rule its cells are obstacles.
+void add_remarks(GridMap map, SceneFile& file) {
+  file.warnings = std::move(map.warnings);
+  if (map.start_kit) file.notes.emplace_back("by the rule of the MAPF Start-Kit: only cells @ and T are obstacles");
+}
+
 Configuration centre(const GridMap& map, std::size_t column, std::size_t row, std::size_t dimension) {
   Configuration q(dimension, 0.0);
   q[0] = static_cast<double>(column) + 0.5;
@@ -171,7 +194,7 @@ SceneFile read_moving_ai_map(const SourceText& text, const ReadOptions& options)
   GridMap map = grid_map(text);
   SceneFile file{
       map_format, units, frame, {problem_in(stem_of(text.path), scene_of(text.path, map, options), options)}};
-  file.warnings = std::move(map.warnings);
+  add_remarks(std::move(map), file);
   return file;
 }
 
@@ -218,7 +241,7 @@ SceneFile read_moving_ai_queries(const SourceText& text, const ReadOptions& opti
   }
   errors.raise();
   if (file.problems.empty()) throw text.error(text.last(), "no queries, expected at least one");
-  file.warnings = std::move(map.warnings);
+  add_remarks(std::move(map), file);
   return file;
 }
 
