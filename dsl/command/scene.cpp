@@ -455,13 +455,22 @@ void draw_mesh(const Options& options, const MeshFile& file, const std::string& 
   if (!options.gltf.empty()) write_file(options.gltf, gltf(problem, gltf_form(options.gltf)), Flush::none);
 }
 
+std::string units_text(const MeshFile& file, const Options& options) {
+  const std::string unit = fmt::format("1 unit = {:g} m", file.metres_in_unit);
+  if (file.up != '\0') {
+    return fmt::format("{}{}, as the file says", unit,
+                       file.unit_name.empty() ? "" : fmt::format(" ({})", file.unit_name));
+  }
+  return options.unit.empty() ? "metres, as no --unit says otherwise" : unit;
+}
+
 int print_mesh(const std::string& path, const Options& options) {
   if (!options.robot.empty() || !options.problem.empty()) {
     throw Error(fmt::format("{}: a mesh has no robot or problem: leave out {}", options.file,
                             !options.robot.empty() ? "--robot" : "--problem"));
   }
-  const std::string unit = options.unit.empty() ? "m" : options.unit;
-  const MeshFile file = read_mesh(path, {unit});
+  MeshFile file = read_mesh(path, {options.unit.empty() ? "m" : options.unit});
+  if (!file.up_warning.empty()) file.warnings.push_back(file.up_warning);
   const Mesh& mesh = *file.mesh;
   const auto& [lo, hi] = mesh.bounds();
   if (draws(options) || !options.gltf.empty())
@@ -469,7 +478,8 @@ int print_mesh(const std::string& path, const Options& options) {
   if (options.json) {
     const Json json = {{"file", path},
                        {"format", file.format},
-                       {"metres_in_unit", metres_in(unit)},
+                       {"metres_in_unit", file.metres_in_unit},
+                       {"up", file.up != '\0' ? Json(std::string(1, file.up)) : Json(nullptr)},
                        {"bounds", {{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}}},
                        {"polygons", file.polygons},
                        {"triangles", mesh.triangles().size()},
@@ -486,9 +496,8 @@ int print_mesh(const std::string& path, const Options& options) {
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<9} {}\n", name, value);
   };
-  line("units",
-       options.unit.empty() ? "metres, as no --unit says otherwise" : fmt::format("1 unit = {:g} m", metres_in(unit)));
-  line("frame", "as in the file");
+  line("units", units_text(file, options));
+  line("frame", file.up == '\0' ? std::string("as in the file") : fmt::format("as in the file: {} is up", file.up));
   line("bounds", bounds_text({{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}}));
   line("triangles", fmt::format("{}, of {}; {}", mesh.triangles().size(), counted(file.polygons, "polygon", "polygons"),
                                 counted(mesh.vertices().size(), "vertex", "vertices")));
@@ -530,7 +539,7 @@ void add_scene(CommandLine& line) {
   Subcommand verb = line.add("scene", "print what is in a scene file of another project, and draw it",
                              [options] { return scene(*options); });
   verb.argument("SCENE", "FILE", options->file,
-                "a scene, or a mesh alone (.stl .obj .ply .off .g); also looked for in the folder TRELLIS_SCENES");
+                "a scene, or a mesh alone (.stl .obj .ply .off .g .dae); also looked for in the folder TRELLIS_SCENES");
   verb.text("--problem", "NAME", options->problem, "show this one of the file's problems, not the first");
   verb.text("--robot", "FILE", options->robot, "a drawing (SVG) of the outline of the robot, if the scene has none");
   verb.text("--unit", "UNIT", options->unit, "of a mesh: m, mm, cm, inch, or the number of metres");

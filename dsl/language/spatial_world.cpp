@@ -254,6 +254,10 @@ int make_mesh(Stack& call, const ScriptPlace& place, std::vector<std::string>& w
     }
   }
   MeshFile read = read_mesh(scene_path("mesh", *file, place), options);
+  // A pose that turns the mesh shows that its author knows its axes.
+  if (!read.up_warning.empty() && pose_of(arguments).orientation == Quaternion{}) {
+    read.warnings.push_back(read.up_warning);
+  }
   for (std::string& warning : read.warnings) {
     if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
   }

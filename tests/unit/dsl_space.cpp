@@ -130,6 +130,38 @@ TEST_CASE("shapes of space lie where their poses say") {
   CHECK(collides("sphere {1, 1, 1, 0.5}", "1, 1, 1.4"));
 }
 
+TEST_CASE("a mesh in which y is up is a warning, unless its pose turns it") {
+  const test::Folder folder;
+  const std::string collada =
+      "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><up_axis>Y_UP</up_axis>"
+      "</asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" count=\"12\">0 0 0 "
+      "1 0 0 0 "
+      "1 0 0 0 1</float_array><technique_common><accessor source=\"#a\" count=\"4\" stride=\"3\"><param name=\"X\" "
+      "type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+      "type=\"float\"/></accessor></technique_common>"
+      "</source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles "
+      "count=\"4\"><input "
+      "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles></mesh></geometry>"
+      "</library_geometries><library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><instance_geometry "
+      "url=\"#g\"/>"
+      "</node></visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>\n";
+  static_cast<void>(folder.write("part.dae", collada));
+  const auto warnings = [&](const std::string& pose) {
+    dsl::Session session(folder.path());
+    static_cast<void>(session.evaluate("return mesh { 'part.dae'" + pose + " }", "test.lua"));
+    return session.take_warnings();
+  };
+  try {
+    const auto kept = warnings(", pose = pose {1, 2, 3}");
+    REQUIRE(kept.size() == 1);
+    CHECK_THAT(kept[0], Contains("part.dae: in this file y is up (Y_UP), and its axes are kept"));
+    CHECK(warnings(", pose = pose {1, 2, 3, axis = {1, 0, 0}, angle = math.pi / 2}").empty());
+  } catch (const Error& error) {
+    CHECK_THAT(error.what(), Contains("libassimp-dev"));
+    WARN("SKIPPED: trellis-mesh was not built");
+  }
+}
+
 TEST_CASE("a mesh is read from the script's folder, in its unit, and its inside is solid") {
   const test::Folder folder;
   // A cube with sides of 2000.

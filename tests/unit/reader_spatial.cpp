@@ -206,6 +206,9 @@ TEST_CASE("OMPL.app: meshes, bounds and poses of a configuration", "[reader][omp
   CHECK(problem.start[5] == Approx(std::sqrt(0.5)));
   CHECK(problem.goal() == Configuration{-5, -5, -5, 0, 0, 0, 1});
   CHECK(valid(problem, problem.start));
+  CHECK(fault(changed(good, "name =", "sampler=obstacle_based\nname =")).empty());
+  CHECK_THAT(fault(changed(good, "name =", "statespace=dubins\nname =")),
+             Contains("a.cfg:2: 'statespace' is of robots in the plane"));
   CHECK_THAT(fault(changed(good, "start.theta", "start.thetta")),
              Contains("a.cfg:8: unknown key 'start.thetta' in [problem] (did you mean 'start.theta'?)"));
   CHECK_THAT(fault(changed(good, "volume.max.z=9\n", "")), Contains("'volume.max.z' is missing"));
@@ -220,6 +223,120 @@ TEST_CASE("OMPL.app: meshes, bounds and poses of a configuration", "[reader][omp
   CHECK_THAT(fault(changed(good, "[planner]", "[plan]")), Contains("expected [problem], [benchmark] or [planner]"));
   CHECK_THAT(fault(changed(good, "rod.obj", "rod.dae")),
              Contains("a.cfg:4: 1 of the meshes that it names is not there: rod.dae"));
+}
+
+namespace {
+
+/// A box from the origin in COLLADA, 1 x 2 x 3 units, in which an axis points up. Its faces have normals of their own.
+std::string collada_box(const std::string& up, const std::string& meter = "1") {
+  std::string corners;
+  for (const char* x : {"0", "1"}) {
+    for (const char* y : {"0", "2"}) {
+      for (const char* z : {"0", "3"}) corners += std::string(x) + " " + y + " " + z + " ";
+    }
+  }
+  return "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+         "version=\"1.4.1\">\n<asset><unit meter=\"" +
+         meter + "\" name=\"some\"/>" + (up.empty() ? "" : "<up_axis>" + up + "</up_axis>") +
+         "</asset>\n<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" count=\"24\">" +
+         corners +
+         "</float_array><technique_common><accessor source=\"#a\" count=\"8\" stride=\"3\"><param name=\"X\" "
+         "type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor>"
+         "</technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
+         "<triangles count=\"12\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 3 0 3 2 4 6 7 4 7 5 0 "
+         "4 5 0 5 "
+         "1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3</p></triangles></mesh></geometry></library_geometries>\n"
+         "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"><instance_geometry url=\"#g\"/></node>"
+         "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>\n";
+}
+
+}  // namespace
+
+TEST_CASE("OMPL.app: COLLADA is turned as assimp turns it", "[reader][ompl]") {
+  const test::Folder folder;
+  if (fault_of([&] { read_mesh(folder.write("probe.dae", "")); }).find("libassimp-dev") != std::string::npos) {
+    WARN("SKIPPED: trellis-mesh was not built");
+    return;
+  }
+  const std::string text =
+      "[problem]\nname=a\nworld=wall.dae\nrobot=rod.dae\nsampler=uniform\nstart.x=5\nstart.y=5\nstart.z=5\nstart.theta="
+      "0\n"
+      "start.axis.x=0\nstart.axis.y=0\nstart.axis.z=1\ngoal.x=-5\ngoal.y=-5\ngoal.z=-5\ngoal.theta=0\ngoal.axis.x=0\n"
+      "goal.axis.y=0\ngoal.axis.z=1\nvolume.min.x=-9\nvolume.min.y=-9\nvolume.min.z=-9\nvolume.max.x=9\nvolume.max.y="
+      "9\n"
+      "volume.max.z=9\n";
+  struct Case {
+    std::string up;
+    Vec3 lo, hi;
+    std::string note;
+  };
+  for (const auto& [up, lo, hi, note] :
+       std::vector<Case>{{"Z_UP",
+                          {0, 0, -2},
+                          {1, 3, 0},
+                          "wall.dae is COLLADA with z up, turned as by OMPL.app: (x, y, z) is (x, z, -y)"},
+                         {"X_UP",
+                          {-2, 0, 0},
+                          {0, 1, 3},
+                          "wall.dae is COLLADA with x up, turned as by OMPL.app: (x, y, z) is (-y, x, z)"},
+                         {"Y_UP", {0, 0, 0}, {1, 2, 3}, ""},
+                         {"", {0, 0, 0}, {1, 2, 3}, ""}}) {
+    CAPTURE(up);
+    static_cast<void>(folder.write("wall.dae", collada_box(up)));
+    static_cast<void>(folder.write("rod.dae", collada_box(up)));
+    const SceneFile file = read_scene(folder.write("a.cfg", text), {});
+    const SpatialScene& scene = scene_of(file.problems.at(0));
+    const Box3 wall = bounding_box(scene.world.obstacles().at(0).solid);
+    CHECK(norm(wall.lo - lo) < 1e-6);
+    CHECK(norm(wall.hi - hi) < 1e-6);
+    // The robot's is about its mean.
+    const Box3 rod = bounding_box(scene.robot.solids().at(0));
+    CHECK(norm(rod.lo + rod.hi) < 1e-6);
+    CHECK(norm(rod.hi - 0.5 * (hi - lo)) < 1e-6);
+    CHECK(file.warnings.empty());
+    CHECK(file.notes.size() == (note.empty() ? 0 : 2));
+    if (!note.empty()) CHECK(file.notes.back() == note);
+  }
+}
+
+TEST_CASE("COLLADA by itself keeps its axes and says them, and its unit", "[reader][mesh]") {
+  const test::Folder folder;
+  if (fault_of([&] { read_mesh(folder.write("probe.dae", "")); }).find("libassimp-dev") != std::string::npos) {
+    WARN("SKIPPED: trellis-mesh was not built");
+    return;
+  }
+  for (const auto& [up, axis] : {std::pair{"Z_UP", 'z'}, {"Y_UP", 'y'}, {"X_UP", 'x'}, {"", 'y'}}) {
+    CAPTURE(up);
+    const MeshFile file = read_mesh(folder.write("a.dae", collada_box(up, "0.5")));
+    CHECK(norm(file.mesh->bounds().hi - Vec3{0.5, 1, 1.5}) < 1e-6);
+    CHECK(file.up == axis);
+    CHECK(file.metres_in_unit == 0.5);
+    CHECK(file.unit_name == "some");
+    CHECK(file.warnings.empty());
+    if (axis == 'z') CHECK(file.up_warning.empty());
+    if (axis == 'y') {
+      CHECK_THAT(file.up_warning, Contains("in this file y is up (Y_UP), and its axes are kept") &&
+                                      Contains("axis = {1, 0, 0}, angle = math.pi / 2"));
+    }
+    if (axis == 'x') CHECK_THAT(file.up_warning, Contains("x is up (X_UP)") && Contains("axis = {0, -1, 0}"));
+  }
+  // What the warning advises turns the axis up.
+  const Quaternion from_y = rotation_of({pi / 2, 0, 0}), from_x = rotation_of({0, -pi / 2, 0});
+  CHECK(norm(from_y(Vec3{0, 1, 0}) - Vec3{0, 0, 1}) < 1e-12);
+  CHECK(norm(from_x(Vec3{1, 0, 0}) - Vec3{0, 0, 1}) < 1e-12);
+  // Comments, other attributes and quotes change nothing; a file without <unit> is in metres.
+  std::string text = collada_box("Z_UP", "0.25");
+  text = changed(text, "<asset>", "<asset><!-- <up_axis>X_UP</up_axis> <unit meter=\"9\"/> --><revision>1</revision>");
+  text = changed(text, "<unit meter=\"0.25\" name=\"some\"/>", "<unit\n name='quarter'\tmeter = '0.25'></unit>");
+  const MeshFile quarter = read_mesh(folder.write("b.dae", text));
+  CHECK(quarter.up == 'z');
+  CHECK(quarter.metres_in_unit == 0.25);
+  CHECK(quarter.unit_name == "quarter");
+  CHECK(quarter.mesh->bounds().hi.x == Approx(0.25));
+  // Its own unit makes it large: `unit` cannot help.
+  const MeshFile large = read_mesh(folder.write("c.dae", collada_box("Z_UP", "1000")));
+  REQUIRE(large.warnings.size() == 1);
+  CHECK_THAT(large.warnings[0], EndsWith("c.dae: it extends 1000 x 2000 x 3000 m; 1 unit is 1000 m by its <unit>"));
 }
 
 TEST_CASE("rl: a plan with its kinematics and its scene in VRML", "[reader][rl]") {

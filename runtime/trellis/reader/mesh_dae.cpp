@@ -6,13 +6,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <trellis/reader/mesh_formats.hpp>
 
@@ -78,7 +81,8 @@ Ended convert(const MeshSource& source, const std::string& program) {
   ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   std::string name = "trellis-mesh";
   std::string ending = "dae";
-  std::array<char*, 3> arguments{name.data(), ending.data(), nullptr};
+  std::string y_up = "y-up";
+  std::array<char*, 4> arguments{name.data(), ending.data(), source.y_up ? y_up.data() : nullptr, nullptr};
   std::array<char*, 1> environment{nullptr};
   pid_t child = 0;
   const int failed = ::posix_spawn(&child, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
@@ -99,7 +103,58 @@ Ended convert(const MeshSource& source, const std::string& program) {
   return ended;
 }
 
+/// Returns an XML text without its comments.
+std::string without_comments(std::string_view text) {
+  constexpr std::string_view begin = "<!--", end = "-->";
+  std::string kept;
+  while (true) {
+    const std::size_t from = text.find(begin);
+    kept += text.substr(0, from);
+    const std::size_t to = from == std::string_view::npos ? from : text.find(end, from + begin.size());
+    if (to == std::string_view::npos) return kept;
+    text.remove_prefix(to + end.size());
+  }
+}
+
+/// Returns the value of an attribute of a tag, "" without.
+std::string attribute(std::string_view tag, std::string_view name) {
+  constexpr std::string_view blanks = " \t\r\n";
+  for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
+    if (at == 0 || blanks.find(tag[at - 1]) == std::string_view::npos) continue;
+    std::string_view rest = tag.substr(at + name.size());
+    rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(blanks)));
+    if (!rest.starts_with('=')) continue;
+    rest.remove_prefix(1);
+    rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(blanks)));
+    if (!rest.starts_with('"') && !rest.starts_with('\'')) continue;
+    const std::size_t end = rest.find(rest.front(), 1);
+    return end == std::string_view::npos ? "" : std::string(rest.substr(1, end - 1));
+  }
+  return "";
+}
+
 }  // namespace
+
+ColladaAsset collada_asset(std::string_view text) {
+  ColladaAsset asset;
+  const std::size_t begin = text.find("<asset");
+  if (begin == std::string_view::npos) return asset;
+  const std::string element = without_comments(text.substr(begin, text.find("</asset", begin) - begin));
+  const std::string_view stated(element);
+  if (const std::size_t axis = stated.find("<up_axis"); axis != std::string_view::npos) {
+    const std::string_view value = stated.substr(axis, stated.find("</up_axis", axis) - axis);
+    for (const auto& [name, up] : {std::pair{"X_UP", 'x'}, {"Y_UP", 'y'}, {"Z_UP", 'z'}}) {
+      if (value.find(name) != std::string_view::npos) asset.up = up;
+    }
+  }
+  if (const std::size_t unit = stated.find("<unit"); unit != std::string_view::npos) {
+    const std::string_view tag = stated.substr(unit, stated.find('>', unit) - unit);
+    const auto metres = number_in(attribute(tag, "meter"));
+    if (metres && std::isfinite(*metres) && *metres > 0.0) asset.metres_in_unit = *metres;
+    asset.unit_name = attribute(tag, "name");
+  }
+  return asset;
+}
 
 void read_dae(const MeshSource& source, Polygons& polygons) {
   if (source.unit != 1.0) throw source.error(0, "COLLADA states its unit; leave out unit");
@@ -109,6 +164,7 @@ void read_dae(const MeshSource& source, Polygons& polygons) {
                        "COLLADA is read by the program trellis-mesh, which is not installed: build Trellis where "
                        "libassimp-dev is, or convert the file to OBJ or STL");
   }
+  if (source.text.empty()) throw source.error(0, "it is empty");
   Ended ended = convert(source, program);
   if (ended.output.size() > most_output) throw source.error(0, "it is larger than a mesh may be");
   if (WIFSIGNALED(ended.status)) {
@@ -121,7 +177,7 @@ void read_dae(const MeshSource& source, Polygons& polygons) {
     if (line.starts_with("error ")) line.remove_prefix(6);
     throw source.error(0, line.empty() ? std::string("it is damaged: reading it failed") : std::string(line));
   }
-  const MeshSource converted{source.path, std::move(ended.output), 1.0};
+  const MeshSource converted{source.path, std::move(ended.output)};
   read_off(converted, polygons);
   polygons.format = "COLLADA";
 }

@@ -65,11 +65,18 @@ std::string load(const std::string& path) {
 }
 
 /// Warns where the extents suggest another unit.
-void check_extent(const Mesh& mesh, const std::string& unit, const std::string& path, MeshFile& file) {
+void check_extent(const std::string& unit, const std::string& path, MeshFile& file) {
   constexpr double huge = 500.0, tiny = 0.005;  // m
-  const Vec3 size = mesh.bounds().hi - mesh.bounds().lo;
+  const Vec3 size = file.mesh->bounds().hi - file.mesh->bounds().lo;
   const double extent = std::max({size.x, size.y, size.z});
   const std::string sizes = fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z);
+  if (file.up != '\0') {
+    if (extent > huge || extent < tiny) {
+      file.warnings.push_back(fmt::format("{}: it extends {}{}; 1 unit is {:g} m by its <unit>", path,
+                                          extent < tiny ? "only " : "", sizes, file.metres_in_unit));
+    }
+    return;
+  }
   if (extent > huge && unit == "m") {
     file.warnings.push_back(
         fmt::format(R"({}: it extends {}; if its numbers are millimetres, give unit = "mm")", path, sizes));
@@ -79,6 +86,15 @@ void check_extent(const Mesh& mesh, const std::string& unit, const std::string& 
         fmt::format("{}: it extends only {}; its unit was given as \"{}\", {}", path, sizes, unit,
                     unit == "m" ? "but its numbers may be a larger one" : "but they may be metres"));
   }
+}
+
+/// Returns the warning of a file in which another axis than z is up, "" of others.
+std::string up_warning(const std::string& path, char up) {
+  if (up != 'x' && up != 'y') return "";
+  return fmt::format(
+      "{}: in this file {} is up ({}_UP), and its axes are kept; worlds have z up: pose {{ x, y, z, axis = {}, angle = "
+      "math.pi / 2 }} turns it",
+      path, up, up == 'x' ? 'X' : 'Y', up == 'x' ? "{0, -1, 0}" : "{1, 0, 0}");
 }
 
 }  // namespace
@@ -117,10 +133,17 @@ MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
         fmt::format("{}: files of meshes end with .stl, .obj, .ply, .off, .g or .dae{}", path,
                     ending_of(path) == "wrl" ? "; convert it, for example with `assimp export` or Blender" : ""));
   }
-  const MeshSource source{path, load(path), metres_in(options.unit)};
+  MeshSource source{path, load(path), metres_in(options.unit), options.y_up};
   Polygons polygons(source);
   format->read(source, polygons);
   MeshFile file;
+  file.metres_in_unit = source.unit;
+  if (format->read == read_dae) {
+    const ColladaAsset asset = collada_asset(source.text);
+    file.up = asset.up;
+    file.metres_in_unit = asset.metres_in_unit;
+    file.unit_name = asset.unit_name;
+  }
   std::vector<Triangle> triangles = polygons.triangles(file.without_area);
   file.format = polygons.format;
   file.polygons = polygons.count();
@@ -135,7 +158,8 @@ MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
   if (file.without_area > 0) {
     file.warnings.push_back(fmt::format("{}: {} triangles without area were left out", path, file.without_area));
   }
-  check_extent(*file.mesh, options.unit, path, file);
+  check_extent(options.unit, path, file);
+  if (!options.y_up) file.up_warning = up_warning(path, file.up);
   return file;
 }
 

@@ -14,6 +14,9 @@ struct MeshOptions {
   /// The unit of the file's coordinates, which none of the formats states: "m", "mm", "cm", "inch", or the number of
   /// metres.
   std::string unit = "m";
+  /// Of COLLADA: turns a file in which z or x is up such that y is up, (x, y, z) to (x, z, -y) or (-y, x, z), and joins
+  /// equal vertices, as programs do that load it through assimp. Otherwise its axes are kept.
+  bool y_up = false;
 };
 
 /// A mesh, and what was found in its file.
@@ -23,7 +26,11 @@ struct MeshFile {
   std::size_t polygons = 0;      ///< of the file; those with more than three vertices become several triangles
   std::size_t without_area = 0;  ///< triangles that were left out
   Vec3 vertex_mean;              ///< of all vertices of the file, repeated ones included
+  char up = '\0';                ///< the axis that points up by a file of COLLADA: 'x', 'y', 'z'; 0 of other formats
+  double metres_in_unit = 1.0;   ///< by MeshOptions, or by a file of COLLADA
+  std::string unit_name = {};    ///< the name that a file of COLLADA gives its unit: "inch"
   std::vector<std::string> warnings;
+  std::string up_warning = {};  ///< where another axis than z is up: what turns it, for a scene that does not; or ""
 };
 
 /// The endings of the files that read_mesh reads, in lower case: "stl", "obj", "ply", "off", "g", "dae".

@@ -24,6 +24,7 @@ struct MeshSource {
   std::string path;
   std::string text;
   double unit = 1.0;  ///< in metres
+  bool y_up = false;  ///< see MeshOptions
 
   /// Returns an Error at a line (counted from 1); line 0 is the whole file.
   [[nodiscard]] Error error(std::size_t line, const std::string& fault) const;
@@ -105,5 +106,14 @@ void read_off(const MeshSource& source, Polygons& polygons);
 void read_byu(const MeshSource& source, Polygons& polygons);
 /// Reads COLLADA through the program trellis-mesh, in metres.
 void read_dae(const MeshSource& source, Polygons& polygons);
+
+/// What a file of COLLADA states of its coordinates.
+struct ColladaAsset {
+  char up = 'y';                ///< the axis that points up: 'x', 'y' or 'z'
+  double metres_in_unit = 1.0;  ///< as assimp uses it
+  std::string unit_name = {};   ///< "inch"; "" without
+};
+/// Returns the `<up_axis>` and the `<unit>` of a file, or what COLLADA defines where it has none: Y_UP and metres.
+ColladaAsset collada_asset(std::string_view text);
 
 }  // namespace trellis

@@ -34,8 +34,9 @@ std::string_view trimmed(std::string_view text) {
 
 const std::vector<std::string>& known_keys() {
   static const std::vector<std::string> keys = [] {
-    std::vector<std::string> all{"name",    "world",     "robot",          "objective", "objective.threshold",
-                                 "control", "threshold", "solution_length"};
+    std::vector<std::string> all{"name",         "world",   "robot",           "objective", "objective.threshold",
+                                 "threshold",    "sampler", "solution_length", "control",   "statespace",
+                                 "turningradius"};
     for (const char* end : {"start", "goal"}) {
       for (const char* key : {"x", "y", "z", "axis.x", "axis.y", "axis.z", "theta"}) {
         all.push_back(fmt::format("{}.{}", end, key));
@@ -129,6 +130,12 @@ void check_kind(const Configured& config) {
   if (const Entry* control = config.find("control")) {
     throw config.error(control->line, "problems with controls are not read, only rigid bodies");
   }
+  for (const char* key : {"statespace", "turningradius"}) {
+    if (const Entry* entry = config.find(key)) {
+      throw config.error(entry->line,
+                         fmt::format("'{}' is of robots in the plane; only rigid bodies in space are read", key));
+    }
+  }
   if (config.find("start.z") == nullptr) {
     throw config.error(config.at("start.x").line,
                        "without start.z the robot moves in the plane; only rigid bodies in space are read");
@@ -139,7 +146,7 @@ void check_kind(const Configured& config) {
 
 bool is_ompl_app(const SourceText& text) {
   return std::any_of(text.lines.begin(), text.lines.end(),
-                     [](const std::string& line) { return trimmed(line) == "[problem]"; });
+                     [](std::string_view line) { return trimmed(line.substr(0, line.find('#'))) == "[problem]"; });
 }
 
 SceneFile read_ompl_app(const SourceText& text, const ReadOptions& options) {
@@ -153,8 +160,16 @@ SceneFile read_ompl_app(const SourceText& text, const ReadOptions& options) {
   const Entry& robot_file = config.at("robot");
   const Entry& world_file = config.at("world");
   for (const Entry* entry : {&robot_file, &world_file}) meshes.need(entry->value, entry->line);
-  meshes.load({}, file.warnings);
+  // OMPL.app loads meshes through assimp.
+  meshes.load({.y_up = true}, file.warnings);
   const MeshFile& body = meshes.at(robot_file.value);
+  for (const MeshFile* mesh : {&body, &meshes.at(world_file.value)}) {
+    if (mesh->up == 'x' || mesh->up == 'z') {
+      file.notes.push_back(fmt::format("{} is COLLADA with {} up, turned as by OMPL.app: (x, y, z) is ({})",
+                                       mesh == &body ? robot_file.value : world_file.value, mesh->up,
+                                       mesh->up == 'x' ? "-y, x, z" : "x, z, -y"));
+    }
+  }
   const Robot3 robot(robot_file.value, {{body.mesh, {-1.0 * body.vertex_mean, {}}}});
   // OMPL.app bounds the reference point, and meshes are surfaces to it.
   World3 world({config.vector("volume.min"), config.vector("volume.max")},

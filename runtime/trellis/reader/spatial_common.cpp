@@ -53,6 +53,7 @@ void MeshFolder::load(const MeshOptions& options, std::vector<std::string>& warn
   for (const auto& [name, line] : lines_) {
     MeshFile file = read_mesh(beside(scene_, name), options);
     warnings.insert(warnings.end(), file.warnings.begin(), file.warnings.end());
+    if (!file.up_warning.empty()) warnings.push_back(file.up_warning);
     files_.emplace(name, std::move(file));
   }
 }

@@ -33,7 +33,8 @@ SceneFile read_rl_plan(const SourceText& text, const ReadOptions& options);
 
 /// Whether the file is a configuration of OMPL.app: it has a section [problem].
 bool is_ompl_app(const SourceText& text);
-/// Reads a configuration of OMPL.app for a rigid body: the meshes of robot and world, bounds, start and goal.
+/// Reads a configuration of OMPL.app for a rigid body: the meshes of robot and world, bounds, start and goal. Meshes of
+/// COLLADA are turned as assimp turns them for OMPL.app.
 SceneFile read_ompl_app(const SourceText& text, const ReadOptions& options);
 
 /// Meshes of a scene by their names in its file, which are relative to the file's folder. Reads each once.
