@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -378,6 +379,62 @@ TEST_CASE("faults of mesh files name the line", "[reader][mesh]") {
            {"a.stl", "", ":1: it is no STL file"}}) {
     INFO(name << ": " << text);
     CHECK_THAT(fault_in(name, text), Contains(name + fault) || (Contains(fault) && !Contains(name + ":1:")));
+  }
+}
+
+TEST_CASE("STL as programs write it: other cases, a byte order mark, blank lines, bytes at the end", "[reader][mesh]") {
+  const Soup soup = box({0, 0, 0}, {1, 1, 1});
+  const std::string ascii = stl_of(soup);
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+    return text;
+  };
+  std::string upper = ascii;
+  std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
+  const std::string mark = "\xEF\xBB\xBF";
+  for (const std::string& text :
+       {replaced(ascii, "solid", "Solid"), upper, replaced(ascii, "facet", "Facet"), mark + ascii, "\n" + ascii,
+        "\r\n \t\r\n" + replaced(ascii, "\n", "\r\n"), mark + "\n" + ascii, ascii + "\n\n",
+        "solid " + std::string(200, 'x') + ascii.substr(ascii.find('\n'))}) {
+    CAPTURE(text.substr(0, 20));
+    const MeshFile file = read_mesh(written("a.stl", text));
+    CHECK(file.format == "STL, ASCII");
+    CHECK(file.mesh->closed());
+    CHECK(file.mesh->triangles().size() == 12);
+    CHECK(file.warnings.empty());
+  }
+  for (const std::string& end : {std::string(300, '\0'), std::string("\x1A"), std::string("\x1A\0\0\0", 4)}) {
+    const MeshFile file = read_mesh(written("a.stl", ascii + end));
+    CHECK(file.mesh->triangles().size() == 12);
+    REQUIRE(file.warnings.size() == 1);
+    CHECK_THAT(file.warnings[0], EndsWith(fmt::format("a.stl: {} bytes after 'endsolid' were left out", end.size())));
+  }
+  // Binary, with any name in its header, and with bytes after its triangles.
+  for (const std::string name : {"Solid thing", "solid\n", "\xEF\xBB\xBFsolid", "made by hand", ""}) {
+    for (const std::string& end : {std::string(), std::string("\0\0", 2), std::string(100, 'x')}) {
+      CAPTURE(name, end.size());
+      const MeshFile file = read_mesh(written("a.stl", binary_stl_of(soup, name) + end));
+      CHECK(file.format == "STL, binary");
+      CHECK(file.mesh->triangles().size() == 12);
+      CHECK(file.warnings.size() == (end.empty() ? 0 : 1));
+      if (!end.empty()) {
+        CHECK_THAT(file.warnings[0],
+                   EndsWith(fmt::format("a.stl: {} bytes after its 12 triangles were left out", end.size())));
+      }
+    }
+  }
+  // Other words at the end are no padding.
+  CHECK_THAT(fault_in("a.stl", ascii + "endsolid\n"), Contains("expected 'solid', got 'endsolid'"));
+}
+
+TEST_CASE("a byte order mark before a mesh changes nothing", "[reader][mesh]") {
+  const Soup soup = box({0, 0, 0}, {1, 1, 1});
+  for (const auto& [name, text] : all_formats(soup)) {
+    if (name == "b.STL" || name == "solid.stl" || name == "little.ply" || name == "big.ply") continue;
+    CAPTURE(name);
+    CHECK(read_mesh(written(name, "\xEF\xBB\xBF" + text)).mesh->closed());
   }
 }
 

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include <trellis/reader/formats.hpp>
 #include <trellis/reader/mesh_formats.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
@@ -134,6 +135,10 @@ MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
                     ending_of(path) == "wrl" ? "; convert it, for example with `assimp export` or Blender" : ""));
   }
   MeshSource source{path, load(path), metres_in(options.unit), options.y_up};
+  // STL has formats whose first bytes are a free text.
+  if (format->read != read_stl && source.text.starts_with(byte_order_mark)) {
+    source.text.erase(0, byte_order_mark.size());
+  }
   Polygons polygons(source);
   format->read(source, polygons);
   MeshFile file;
@@ -144,6 +149,7 @@ MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
     file.metres_in_unit = asset.metres_in_unit;
     file.unit_name = asset.unit_name;
   }
+  for (const std::string& warning : polygons.warnings) file.warnings.push_back(fmt::format("{}: {}", path, warning));
   std::vector<Triangle> triangles = polygons.triangles(file.without_area);
   file.format = polygons.format;
   file.polygons = polygons.count();

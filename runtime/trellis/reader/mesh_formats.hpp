@@ -67,6 +67,7 @@ class Polygons {
 
   std::string format;
   std::vector<Vec3> vertices;
+  std::vector<std::string> warnings;  ///< what the file contains and the mesh does not, without the file's name
 
   /// Adds a vertex from its coordinates in the file's unit. \param line  of the vertex, 0 in a binary file
   void add_vertex(const Vec3& given, std::size_t line);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 
+#include <trellis/reader/formats.hpp>
 #include <trellis/reader/mesh_formats.hpp>
 
 namespace trellis {
@@ -29,14 +31,40 @@ std::uint32_t declared(const std::string& text) { return value_at<std::uint32_t>
 
 std::size_t size_for(std::size_t triangles) { return head + sizeof(std::uint32_t) + record * triangles; }
 
+/// The text of an ASCII file without a byte order mark.
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  return text;
+}
+
+std::string lower(std::string_view word) {
+  std::string result(word);
+  for (char& c : result) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return result;
+}
+
+/// Whether the first word is `solid`, in any case, after a byte order mark and blank lines. The headers of some binary
+/// files begin so too.
 bool starts_as_text(const std::string& text) {
-  std::string_view rest(text);
-  rest = rest.substr(0, head);
-  const bool zeros = rest.find('\0') != std::string_view::npos;
-  const std::size_t line = rest.find('\n');
-  rest = rest.substr(0, line);
-  const std::string_view word = take_word(rest);
-  return !zeros && (word == "solid" || word == "SOLID");
+  Lines lines(without_mark(text));
+  while (lines.next()) {
+    const std::string_view word = take_word(lines.here);
+    if (!word.empty()) return lower(word) == "solid";
+  }
+  return false;
+}
+
+/// Whether the file is binary: it does not start as text, its size is that of its triangles, or it has a NUL before the
+/// first facet of an ASCII file.
+bool is_binary(const std::string& text) {
+  if (text.size() < size_for(0)) return false;
+  if (!starts_as_text(text) || text.size() == size_for(declared(text))) return true;
+  constexpr std::size_t longest = 1024;  // bytes of a name
+  const std::size_t nul = text.find('\0');
+  return nul != std::string::npos &&
+         lower(std::string_view(text).substr(0, std::min(nul, longest))).find("facet") == std::string::npos;
 }
 
 void read_binary(const MeshSource& source, Polygons& polygons) {
@@ -47,9 +75,12 @@ void read_binary(const MeshSource& source, Polygons& polygons) {
     throw source.error_at_byte(
         head, fmt::format("it declares {} triangles; a mesh has at most {}", count, Mesh::most_triangles));
   }
-  if (text.size() != size_for(count)) {
+  if (text.size() < size_for(count)) {
     throw source.error_at_byte(head, fmt::format("it declares {} triangles, which take {} bytes, but the file has {}",
                                                  count, size_for(count), text.size()));
+  }
+  if (const std::size_t more = text.size() - size_for(count); more > 0) {
+    polygons.warnings.push_back(fmt::format("{} bytes after its {} triangles were left out", more, count));
   }
   polygons.vertices.reserve(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -70,28 +101,33 @@ void read_binary(const MeshSource& source, Polygons& polygons) {
   }
 }
 
-std::string lower(std::string_view word) {
-  std::string result(word);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return result;
-}
-
 /// The statements of an ASCII file, each of which must stand at its place.
 class Statements {
  public:
   Statements(const MeshSource& source, Polygons& polygons)
-      : source_(source), lines_(source.text), polygons_(polygons) {}
+      : source_(source), lines_(without_mark(source.text)), polygons_(polygons) {}
 
   void read() {
     while (filled()) {
+      if (polygons_.count() > 0 && is_padding(lines_.here)) {
+        const auto begin = static_cast<std::size_t>(lines_.here.data() - source_.text.data());
+        polygons_.warnings.push_back(
+            fmt::format("{} bytes after 'endsolid' were left out", source_.text.size() - begin));
+        return;
+      }
       expect("solid");
       solid();
     }
   }
 
  private:
+  /// Whether a line after 'endsolid' begins with a NUL or the end of a text of CP/M (Ctrl-Z), with which some programs
+  /// fill up the last block of a file.
+  static bool is_padding(std::string_view line) {
+    constexpr char ctrl_z = 0x1A;
+    const std::string_view word = take_word(line);
+    return word.front() == '\0' || word.front() == ctrl_z;
+  }
   bool filled() {
     while (lines_.next()) {
       std::string_view rest = lines_.here;
@@ -143,15 +179,12 @@ class Statements {
 }  // namespace
 
 void read_stl(const MeshSource& source, Polygons& polygons) {
-  const bool long_enough = source.text.size() >= size_for(0);
-  const bool text = starts_as_text(source.text);
-  // The header of a binary file may begin with "solid" too: its size decides.
-  if (long_enough && (!text || source.text.size() == size_for(declared(source.text)))) {
+  if (is_binary(source.text)) {
     read_binary(source, polygons);
     return;
   }
   polygons.format = "STL, ASCII";
-  if (!text) {
+  if (!starts_as_text(source.text)) {
     throw source.error(1, "it is no STL file: an ASCII one begins with 'solid', a binary one has at least 84 bytes");
   }
   Statements(source, polygons).read();
