@@ -153,9 +153,123 @@ TEST_CASE("PPL: a robot in the plane makes a planar scene", "[reader][ppl]") {
   CHECK(file.problems[0].start[2] == Approx(pi / 2));
   CHECK(valid(file.problems[0], file.problems[0].start));
   CHECK_FALSE(valid(file.problems[0], Configuration{1, 2, 0}));
+  CHECK_THAT(
+      fault_in(changed(environment, "Active\n1\n#VIZMO_COLOR 1 0 0\nrod.obj Volumetric Rotational\nConnections\n0",
+                       "Passive\nrod.obj 0 0 0 0 0 0")),
+      Contains("a.env: no active body: the robot must be beside the environment, as ") && EndsWith("a.robot"));
   CHECK_THAT(fault_in(changed(changed(environment, "Volumetric", "Planar"), "90 0 0\n", "45 0 0\n")),
              Contains("a.env:18: block.obj: the robot moves in the "
                       "plane, so each body must be an upright"));
+}
+
+namespace {
+
+/// A mesh of an upright prism over an outline, with its top and bottom as one polygon each.
+std::string prism_text(const std::vector<Vec2>& outline, double height) {
+  std::string text;
+  for (const double z : {0.0, height}) {
+    for (const Vec2 p : outline) {
+      text += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(z) + "\n";
+    }
+  }
+  const std::size_t n = outline.size();
+  std::string bottom = "f", top = "f", sides;
+  for (std::size_t i = 0; i < n; ++i) {
+    bottom += " " + std::to_string(n - i);
+    top += " " + std::to_string(n + i + 1);
+    const std::size_t j = (i + 1) % n;
+    sides += "f " + std::to_string(i + 1) + " " + std::to_string(j + 1) + " " + std::to_string(n + j + 1) + " " +
+             std::to_string(n + i + 1) + "\n";
+  }
+  return text + bottom + "\n" + top + "\n" + sides;
+}
+
+}  // namespace
+
+TEST_CASE("PPL: bodies in the plane may be concave", "[reader][ppl]") {
+  // An L and a U; their vertices' means are the origins of the meshes.
+  const std::vector<Vec2> ell = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
+  const std::vector<Vec2> cup = {{0, 0}, {6, 0}, {6, 6}, {4, 6}, {4, 2}, {2, 2}, {2, 6}, {0, 6}};
+  const test::Folder folder;
+  static_cast<void>(folder.write("ell.obj", prism_text(ell, 1)));
+  static_cast<void>(folder.write("cup.obj", prism_text(cup, 1)));
+  const std::string path = folder.write("a.env",
+                                        "Boundary Box2D [-20:20 ; -20:20]\nMultiBodies\n2\nActive\n1\nell.obj Planar "
+                                        "Rotational\nConnections\n0\nPassive\ncup.obj 3 4 0 0 0 0\n");
+  static_cast<void>(folder.write("a.query", "0 -9 -9 0\n0 9 9 0.5\n"));
+  const Problem problem = read_scene(path, {}).problems.at(0);
+  const PlanarScene& scene = planar(*problem.scene);
+  const auto& outline = std::get<Polygon>(scene.world.obstacles().at(0).shape).vertices;
+  CHECK(outline.size() == cup.size());
+  // The cup's mean is (3, 3.5), so that it lies from (0, 0.5) to (6, 6.5); its inside is free.
+  for (const auto& [point, inside] : std::vector<std::pair<Vec2, bool>>{
+           {{3, 1.5}, true}, {{3, 5}, false}, {{1, 5}, true}, {{5, 5}, true}, {{3, 6.4}, false}, {{3, 7}, false}}) {
+    CAPTURE(point.x, point.y);
+    const Problem point_robot = [&] {
+      Problem one = problem;
+      one.scene = std::make_shared<PlanarScene>(scene.world, Robot::point());
+      one.space = one.scene->default_space(1.0);
+      return one;
+    }();
+    CHECK(valid(point_robot, Configuration{point.x, point.y}) != inside);
+  }
+  // The corner of the L is empty: its mean is (4/3, 4/3).
+  REQUIRE(scene.robot.bodies().size() == 1);
+  CHECK(scene.robot.bodies()[0].parts.size() == 2);
+  CHECK(scene.robot.bounding_radius() == Approx(std::hypot(3 - 4.0 / 3, 4.0 / 3)));
+  // A ring has an inside: it is refused, and a frustum too.
+  const std::string ring =
+      "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\nv 0 0 1\nv 3 0 1\nv 3 3 1\nv 0 3 1\nv 1 "
+      "1 "
+      "1\nv 2 1 1\nv 2 2 1\nv 1 2 1\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 "
+      "16 "
+      "15\nf 12 9 13 16\nf 1 2 10 9\nf 2 3 11 10\nf 3 4 12 11\nf 4 1 9 12\nf 5 13 14 6\nf 6 14 15 7\nf 7 15 16 8\nf 8 "
+      "16 "
+      "13 5\n";
+  static_cast<void>(folder.write("cup.obj", ring));
+  CHECK_THAT(
+      fault_of([&] { read_scene(path, {}); }),
+      Contains("a.env:10: cup.obj: the robot moves in the plane, so each body must be an upright prism without"));
+}
+
+TEST_CASE("PPL: the present layout, with the robot in NAME.robot and colours after a blank", "[reader][ppl]") {
+  const std::string text =
+      "Boundary\nBox [-10:10 ; -10:10 ; -10:10]\n\nPositionRes 0.05\nOrientationRes 0.05\n\nMultiBodies\n2\n\nPassive\n"
+      "block.obj -c (1 0 0 0)\n1 2 3\n0 0 90\n\nPassive\nblock.obj -t(wood.png) -a(none) -c(0 1 0 1) -1 0 -5 0 0 0\n";
+  const PplFolder folder(text, "5 5 5 0 0 0\n5 5 -5 0.5 0 0\n");
+  static_cast<void>(folder.write("a.robot", "1\nrod.obj -c (1 0 0 1) Volumetric Rotational\nConnections\n0\n"));
+  const SceneFile file = read_scene(folder.path, {});
+  CHECK(file.warnings.empty());
+  const SpatialScene& scene = scene_of(file.problems.at(0));
+  REQUIRE(scene.world.obstacles().size() == 2);
+  const auto near = [](const Box3& box, const Vec3& lo, const Vec3& hi) {
+    return norm(box.lo - lo) < 1e-9 && norm(box.hi - hi) < 1e-9;
+  };
+  CHECK(near(bounding_box(scene.world.obstacles()[0].solid), {-1, 1, 2.5}, {3, 3, 3.5}));
+  // -a(none): the mesh of 2 x 4 x 1 from its own origin, where x begins with a minus.
+  CHECK(near(bounding_box(scene.world.obstacles()[1].solid), {-1, 0, -5}, {1, 4, -4}));
+  CHECK(scene.robot.rotates());
+  CHECK(scene.robot.bounding_radius() == Approx(std::sqrt(4 + 0.25 + 0.25)));
+
+  // Another name, where it is the only robot beside the environment.
+  fs::rename(folder.file("a.robot"), folder.file("other.robot"));
+  const SceneFile other = read_scene(folder.path, {});
+  REQUIRE(other.warnings.size() == 1);
+  CHECK_THAT(other.warnings[0], Contains("the robot is that of ") && EndsWith("other.robot, the only one beside it"));
+  static_cast<void>(folder.write("third.robot", "1\nrod.obj Volumetric Rotational\nConnections\n0\n"));
+  CHECK_THAT(fault_of([&] { read_scene(folder.path, {}); }),
+             Contains("a.env: no active body: the robot must be beside the environment, as ") &&
+                 EndsWith("a.robot; the folder has 2 other robots"));
+  static_cast<void>(folder.write("a.robot", "2\nrod.obj Volumetric Rotational\n"));
+  CHECK_THAT(fault_of([&] { read_scene(folder.path, {}); }), Contains("a.robot:1: a robot of 2 bodies"));
+  static_cast<void>(folder.write("a.robot", "1\nnone.obj Volumetric Rotational\nConnections\n0\n"));
+  CHECK_THAT(fault_of([&] { read_scene(folder.path, {}); }), Contains("a.robot:2: its mesh is not there: none.obj"));
+  static_cast<void>(folder.write("a.robot", "1\nrod.obj -a(middle) Volumetric Rotational\nConnections\n0\n"));
+  CHECK_THAT(fault_of([&] { read_scene(folder.path, {}); }),
+             Contains("a.robot:2: expected com, surface or none, got 'middle'"));
+  static_cast<void>(folder.write("a.robot", "1\nrod.obj -a(surface) Volumetric Rotational\nConnections\n0\n"));
+  // Of a box the mean of the surface is that of the vertices.
+  CHECK(scene_of(read_scene(folder.path, {}).problems.at(0)).robot.bounding_radius() == Approx(std::sqrt(4.5)));
 }
 
 TEST_CASE("PPL: what is not read is named with its line", "[reader][ppl]") {

@@ -2,11 +2,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -15,6 +20,7 @@
 #include <trellis/reader/spatial_formats.hpp>
 #include <trellis/scene/limits.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
+#include <trellis/scene/planar/polygon.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
@@ -36,40 +42,61 @@ Quaternion euler(double x, double y, double z) {
   return rotation_of({0.0, 0.0, z}) * rotation_of({0.0, y, 0.0}) * rotation_of({x, 0.0, 0.0});
 }
 
+/// The point of a mesh that is its body's origin.
+enum class Origin : unsigned char { vertex_mean, surface_mean, as_in_file };
+
 struct Placed {
   std::string file;
   Pose3 pose;
   std::size_t line = 0;
+  Origin origin = Origin::vertex_mean;
 };
 
 struct Environment {
   Box3 bounds;
   bool planar = false;  ///< whether the robot moves in the plane
   bool rotates = false;
+  std::string robot_path;  ///< the file that has the robot
   Placed robot;
   std::vector<Placed> obstacles;
 };
 
-/// Reads an environment: `Boundary`, then `MultiBodies` with their number, then each of them.
+/// Reads an environment: `Boundary`, resolutions, then `MultiBodies` with their number, then each of them.
 class EnvironmentReader {
  public:
   explicit EnvironmentReader(SourceText text) : source_(std::move(text)) {}
 
+  /// Reads NAME.robot: what follows `Active` in an environment.
+  void read_robot(Environment& environment) {
+    environment_ = std::move(environment);
+    robot();
+    environment = std::move(environment_);
+  }
+
   Environment read() {
     boundary();
     next("'MultiBodies'");
-    if (const auto word = lower(take()); word != "multibodies") throw expected("'MultiBodies' and their number", word);
+    std::string word = lower(take());
+    // How finely PPL checks motions is no part of a problem.
+    while (word == "positionres" || word == "positionresfactor" || word == "orientationres" || word == "orientation" ||
+           word == "rdres" || word == "timeres") {
+      next("a resolution");
+      static_cast<void>(number("a resolution"));
+      next("'MultiBodies'");
+      word = lower(take());
+    }
+    if (word != "multibodies") throw expected("'MultiBodies' and their number", word);
     const std::int64_t count = integer("the number of bodies");
     if (count < 0 || static_cast<std::uint64_t>(count) > most_obstacles) {
       throw fault(fmt::format("{} bodies; expected 1 to {}", count, most_obstacles));
     }
-    bool active = false;
     for (std::int64_t i = 0; i < count; ++i) {
       next(fmt::format("body {} of {}", i + 1, count));
       const std::string kind = lower(take());
       if (kind == "active") {
-        if (active) throw fault("a second active body: problems of several robots are not read");
-        active = true;
+        if (!environment_.robot_path.empty()) {
+          throw fault("a second active body: problems of several robots are not read");
+        }
         robot();
       } else if (kind == "passive") {
         next("the file of a passive body");
@@ -78,7 +105,6 @@ class EnvironmentReader {
         throw expected("'Active' or 'Passive'", kind);
       }
     }
-    if (!active) throw fault("no active body: there is no robot");
     return std::move(environment_);
   }
 
@@ -117,9 +143,11 @@ class EnvironmentReader {
   void boundary() {
     next("'Boundary'");
     if (const auto word = lower(take()); word != "boundary") throw expected("'Boundary'", word);
+    next("the shape of the boundary");
     if (const auto shape = lower(take()); shape != "box" && shape != "box2d") {
       throw fault(fmt::format("a boundary of the shape {} is not read; expected 'Box'", in_quotes(shape)));
     }
+    next("ranges as -15:15");
     std::string numbers(rest_);
     rest_ = {};
     std::replace_if(
@@ -138,23 +166,46 @@ class EnvironmentReader {
     if (limits.size() == 4) limits.insert(limits.end(), {-1.0, 1.0});
     environment_.bounds = {{limits[0], limits[2], limits[4]}, {limits[1], limits[3], limits[5]}};
   }
-  /// The name of a mesh, then a colour as -c(0 0 1 1).
+  /// Takes an option as -c(0 0 1 1) or -c (0 0 1 1) after the name of a mesh: returns its letter, and what is in the
+  /// parentheses. A letter of 0: there is no option.
+  std::pair<char, std::string> option() {
+    std::string_view ahead = rest_;
+    ahead.remove_prefix(std::min(ahead.size(), ahead.find_first_not_of(" \t")));
+    if (ahead.size() < 2 || ahead[0] != '-' || std::isalpha(static_cast<unsigned char>(ahead[1])) == 0) return {};
+    const char letter = ahead[1];
+    ahead.remove_prefix(2);
+    ahead.remove_prefix(std::min(ahead.size(), ahead.find_first_not_of(" \t")));
+    if (!ahead.starts_with('(')) throw fault(fmt::format("the option -{} has no '('", letter));
+    const std::size_t end = ahead.find(')');
+    if (end == std::string_view::npos) throw fault(fmt::format("the option -{}( has no ')'", letter));
+    rest_ = ahead.substr(end + 1);
+    return {letter, std::string(ahead.substr(1, end - 1))};
+  }
+  /// The name of a mesh, then a colour -c, a texture -t, and the origin -a(com), -a(surface) or -a(none).
   Placed body() {
     Placed body;
     body.line = line_;
     body.file = std::string(take());
-    std::string_view ahead = rest_;
-    if (take_word(ahead).starts_with("-c(")) {
-      const std::size_t end = rest_.find(')');
-      if (end == std::string_view::npos) throw fault("the colour -c( has no ')'");
-      rest_.remove_prefix(end + 1);
+    for (auto [letter, value] = option(); letter != '\0'; std::tie(letter, value) = option()) {
+      if (letter == 'c' || letter == 't') continue;
+      if (letter != 'a') throw fault(fmt::format("unknown option -{}; expected -c, -t or -a", letter));
+      std::string_view words = value;
+      const std::string origin = lower(take_word(words));
+      if (origin != "com" && origin != "surface" && origin != "none") throw expected("com, surface or none", origin);
+      body.origin = origin == "com"       ? Origin::vertex_mean
+                    : origin == "surface" ? Origin::surface_mean
+                                          : Origin::as_in_file;
     }
     return body;
   }
   /// A passive body: its pose follows, with angles in degrees.
   Placed placed() {
     Placed result = body();
-    const auto next_number = [&] { return number("the position x y z and the angles about x, y and z in degrees"); };
+    const auto next_number = [&] {
+      const std::string what = "the position x y z and the angles about x, y and z in degrees";
+      next(what);
+      return number(what);
+    };
     const double x = next_number(), y = next_number(), z = next_number();
     result.pose.position = {x, y, z};
     constexpr double degree = std::numbers::pi / 180.0;
@@ -170,12 +221,15 @@ class EnvironmentReader {
     }
     next("the robot's file");
     environment_.robot = body();
+    next("'Planar' or 'Volumetric'");
     const std::string base = lower(take());
     if (base != "planar" && base != "volumetric") throw expected("'Planar' or 'Volumetric'", base);
+    next("'Rotational' or 'Translational'");
     const std::string movement = lower(take());
     if (movement != "rotational" && movement != "translational") {
       throw expected("'Rotational' or 'Translational'", movement);
     }
+    environment_.robot_path = source_.path;
     environment_.planar = base == "planar";
     environment_.rotates = movement == "rotational";
     next("'Connections'");
@@ -240,47 +294,116 @@ std::vector<Configuration> read_query(const std::string& path, const Environment
   return result;
 }
 
-/// An upright convex prism: its outline from above, and its least and greatest height.
+/// An upright prism: its outline from above, and its least and greatest height.
 struct Prism {
   Polygon outline;
   double lo = 0.0;
   double hi = 0.0;
 };
 
+/// Returns the outline of an upright prism as its corners in order: the one loop of its lower edges. Empty where the
+/// mesh is no such prism.
+std::vector<Vec2> outline_of(const Mesh& mesh, const std::vector<Vec3>& vertices, const Box3& bounds) {
+  const double rounding = 1e-9 * norm(bounds.hi - bounds.lo);
+  const auto low = [&](const Vec3& v) { return v.z - bounds.lo.z <= rounding; };
+  // Each vertex lies at the bottom or at the top, and has another one above or below it.
+  for (const Vec3& v : vertices) {
+    const bool bottom = low(v);
+    if (!bottom && bounds.hi.z - v.z > rounding) return {};
+    const double other = bottom ? bounds.hi.z : bounds.lo.z;
+    const bool paired = std::any_of(vertices.begin(), vertices.end(), [&](const Vec3& w) {
+      return std::abs(w.z - other) <= rounding && std::hypot(w.x - v.x, w.y - v.y) <= rounding;
+    });
+    if (!paired) return {};
+  }
+  // The triangles of the bottom cover the outline: sides of one triangle alone bound it.
+  std::map<std::uint32_t, std::uint32_t> next;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+  for (const Triangle& t : mesh.triangles()) {
+    if (!std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return low(vertices[v]); })) continue;
+    for (std::size_t i = 0; i < 3; ++i) sides.emplace(t.at(i), t.at((i + 1) % 3));
+  }
+  for (const auto& [from, to] : sides) {
+    if (sides.contains({to, from})) continue;
+    if (!next.emplace(from, to).second) return {};  // loops that touch
+  }
+  std::vector<Vec2> outline;
+  if (next.empty()) return outline;
+  std::uint32_t at = next.begin()->first;
+  do {
+    outline.push_back({vertices[at].x, vertices[at].y});
+    const auto after = next.find(at);
+    if (after == next.end()) return {};
+    at = after->second;
+  } while (at != next.begin()->first && outline.size() <= next.size());
+  if (outline.size() != next.size()) return {};  // a hole
+  double area = 0.0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    area += 0.5 * cross(outline[i] - outline[0], outline[(i + 1) % outline.size()] - outline[0]);
+  }
+  const double volume = std::abs(area) * (bounds.hi.z - bounds.lo.z);
+  constexpr double tolerance = 1e-6;  // of the volume: slanted sides enclose another one
+  if (std::abs(volume - std::abs(mesh.volume())) > tolerance * volume) return {};
+  return outline;
+}
+
 Prism prism_of(const Solid& solid, const std::string& where) {
   const auto& mesh = *std::get<std::shared_ptr<const Mesh>>(solid.shape);
   const Box3 bounds = bounding_box(solid);
-  const Vec3 size = bounds.hi - bounds.lo;
-  const double rounding = 1e-9 * norm(size);
   std::vector<Vec3> vertices;
   for (const Vec3& v : mesh.vertices()) vertices.push_back(solid.pose(v));
-  // Each vertex lies at the bottom or at the top, and has another one above or below it.
-  const bool upright = mesh.convex() && std::all_of(vertices.begin(), vertices.end(), [&](const Vec3& v) {
-                         const bool bottom = v.z - bounds.lo.z <= rounding;
-                         if (!bottom && bounds.hi.z - v.z > rounding) return false;
-                         const double other = bottom ? bounds.hi.z : bounds.lo.z;
-                         return std::any_of(vertices.begin(), vertices.end(), [&](const Vec3& w) {
-                           return std::abs(w.z - other) <= rounding && std::hypot(w.x - v.x, w.y - v.y) <= rounding;
-                         });
-                       });
   constexpr std::size_t most = 1000;
-  if (mesh.vertices().size() > most || !upright) {
+  std::vector<Vec2> outline;
+  if (mesh.closed() && vertices.size() <= most) outline = outline_of(mesh, vertices, bounds);
+  if (outline.empty()) {
     throw Error(
-        fmt::format("{}: the robot moves in the plane, so each body must be an upright convex prism of at most {} "
-                    "vertices",
+        fmt::format("{}: the robot moves in the plane, so each body must be an upright prism without holes of at most "
+                    "{} vertices",
                     where, most));
   }
-  std::vector<Vec2> below;
-  for (const Vec3& v : vertices) {
-    if (v.z - bounds.lo.z <= rounding) below.push_back({v.x, v.y});
-  }
-  return {convex_hull(std::move(below)), bounds.lo.z, bounds.hi.z};
+  if (mesh.convex()) outline = convex_hull(std::move(outline)).vertices;
+  return {validated_polygon({std::move(outline)}, where), bounds.lo.z, bounds.hi.z};
 }
 
-/// The solid of a body: its mesh about the mean of its vertices, at its pose.
+/// The mean of a mesh's surface.
+Vec3 surface_mean(const Mesh& mesh) {
+  Vec3 sum;
+  double area = 0.0;
+  for (const Triangle& t : mesh.triangles()) {
+    const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+    const double twice = norm(cross(b - a, c - a));
+    sum = sum + twice / 3.0 * (a + b + c);
+    area += twice;
+  }
+  return 1.0 / area * sum;
+}
+
+/// The solid of a body: its mesh about its origin, at its pose.
 Solid solid_of(const Placed& body, const MeshFolder& meshes) {
   const MeshFile& file = meshes.at(body.file);
-  return {file.mesh, body.pose * Pose3{-1.0 * file.vertex_mean, {}}};
+  const Vec3 origin = body.origin == Origin::vertex_mean    ? file.vertex_mean
+                      : body.origin == Origin::surface_mean ? surface_mean(*file.mesh)
+                                                            : Vec3{};
+  return {file.mesh, body.pose * Pose3{-1.0 * origin, {}}};
+}
+
+/// Returns the file with the robot of an environment that has none: NAME.robot, or the only one of its folder, which
+/// is a warning.
+std::string robot_file(const std::string& environment, std::vector<std::string>& warnings) {
+  const std::string own = fs::path(environment).replace_extension(".robot").string();
+  std::error_code ignored;
+  if (fs::exists(own, ignored)) return own;
+  std::vector<std::string> others;
+  const fs::path folder = fs::path(environment).parent_path();
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, ignored)) {
+    if (lower(entry.path().extension().string()) == ".robot") others.push_back(entry.path().string());
+  }
+  if (others.size() != 1) {
+    throw Error(fmt::format("{}: no active body: the robot must be beside the environment, as {}{}", environment, own,
+                            others.empty() ? "" : fmt::format("; the folder has {} other robots", others.size())));
+  }
+  warnings.push_back(fmt::format("{}: the robot is that of {}, the only one beside it", environment, others.front()));
+  return others.front();
 }
 
 std::string name_of(std::size_t obstacle, const Placed& body) {
@@ -291,7 +414,9 @@ std::string name_of(std::size_t obstacle, const Placed& body) {
 Problem planar_problem(const std::string& path, const Environment& environment, const MeshFolder& meshes,
                        const ReadOptions& options, std::vector<std::string>& warnings) {
   const auto where = [&](const Placed& body) { return fmt::format("{}:{}: {}", path, body.line, body.file); };
-  const Prism robot = prism_of(solid_of(environment.robot, meshes), where(environment.robot));
+  const Prism robot =
+      prism_of(solid_of(environment.robot, meshes),
+               fmt::format("{}:{}: {}", environment.robot_path, environment.robot.line, environment.robot.file));
   std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < environment.obstacles.size(); ++i) {
     const Placed& body = environment.obstacles[i];
@@ -336,12 +461,19 @@ SceneFile read_ppl(const SourceText& text, const ReadOptions& options) {
   if (!fs::exists(place, ignored)) {
     throw Error(fmt::format("{}: the environment of this query must be beside it, as {}", path, place));
   }
-  Environment environment = EnvironmentReader(place == path ? text : SourceText::load(place)).read();
   SceneFile file;
+  Environment environment = EnvironmentReader(place == path ? text : SourceText::load(place)).read();
+  if (environment.robot_path.empty()) {
+    EnvironmentReader(SourceText::load(robot_file(place, file.warnings))).read_robot(environment);
+  }
   file.format = "environment of PPL";
   file.units = "1 unit = 1 m; angles in degrees, in queries as fractions of pi";
-  file.frame = "each mesh is about the mean of its vertices";
+  file.frame = "each mesh is about the mean of its vertices, or about what its option -a names";
   MeshFolder meshes(place);
+  if (environment.robot_path != place && !fs::exists(beside(place, environment.robot.file), ignored)) {
+    throw Error(fmt::format("{}:{}: its mesh is not there: {}, named from the environment's folder",
+                            environment.robot_path, environment.robot.line, environment.robot.file));
+  }
   meshes.need(environment.robot.file, environment.robot.line);
   for (const Placed& body : environment.obstacles) meshes.need(body.file, body.line);
   meshes.load({}, file.warnings);

@@ -22,8 +22,9 @@ namespace trellis {
 bool is_ppl(const SourceText& text);
 /// Reads an environment of PPL and its queries, which are beside it: NAME.env and NAME.query.
 ///
-/// Each body is a mesh (.g or .obj) about the mean of its vertices. A robot that moves in the plane makes a planar
-/// scene, for which the bodies must be upright convex prisms.
+/// Each body is a mesh (.g or .obj) about the mean of its vertices, or about what its option -a names. Where the
+/// environment has no active body, the robot is in NAME.robot, or in the only file of the folder that ends so. A robot
+/// that moves in the plane makes a planar scene, for which the bodies must be upright prisms.
 SceneFile read_ppl(const SourceText& text, const ReadOptions& options);
 
 /// Whether the text is a plan of the Robotics Library (rl): XML with the root `rlplan`.
