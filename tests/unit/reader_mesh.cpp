@@ -458,8 +458,13 @@ TEST_CASE("limits of mesh files are checked before memory is taken", "[reader][m
 
 TEST_CASE("files that are no meshes are refused by name", "[reader][mesh]") {
   CHECK_THAT(fault_of([] { read_mesh("no/where.obj"); }), Contains("no/where.obj: the file does not exist"));
-  CHECK_THAT(fault_in("a.step", ""), EndsWith("a.step: files of meshes end with .stl, .obj, .ply, .off, .g or .dae"));
-  CHECK_THAT(fault_in("a.wrl", ""), Contains("convert it"));
+  CHECK_THAT(fault_in("a.thing", ""), EndsWith("a.thing: files of meshes end with .stl, .obj, .ply, .off, .g or .dae"));
+  for (const auto& [name, what] : {std::pair{"a.step", "it is a STEP file"},
+                                   {"a.wrl", "it is a VRML file"},
+                                   {"a.GLTF", "it is a glTF file"},
+                                   {"a.urdf", "it is a URDF"}}) {
+    CHECK_THAT(fault_in(name, ""), Contains(".g or .dae; ") && Contains(what));
+  }
   const std::string folder = written("x", "") + ".obj";
   fs::create_directory(folder);
   CHECK_THAT(fault_of([&] { read_mesh(folder); }), EndsWith("it is not a file"));

@@ -256,7 +256,7 @@ TEST_CASE("a malformed drawing is an error with file, line and reason", "[reader
   CHECK_THAT(fault("r=\"1\"", "r=\"-1\""), Contains("bad.svg:7: a radius is less than 0"));
   CHECK_THAT(fault_of(written(folder, "bad.svg", "<svg></svg>")), Contains("bad.svg:1: nothing is drawn"));
   CHECK_THAT(fault_of(written(folder, "bad.svg", "<?xml version='1.0'?>\n<html/>")),
-             Contains("the outermost element is no 'svg'"));
+             Contains("the outermost element is no 'svg': it is a page of the web"));
   CHECK_THAT(fault_of(written(folder, "lot.svg", drawing)), Contains("has no start and no goal"));
   // Every beginning of the file is an error, never a crash; a drawing whose end is missing is no SVG.
   for (std::size_t length = 0; length + 8 < drawing.size(); length += 3) {
@@ -499,9 +499,10 @@ TEST_CASE("a malformed map of ROS is an error with file, line and reason", "[rea
   CHECK_THAT(image_fault("P5 4000 4000 255\nabc"), Contains("it ends after 3 of 16000000 pixels"));
   CHECK_THAT(image_fault("P5 0 4 255\n"), Contains("it has no pixels"));
   CHECK_THAT(image_fault("P5 3 2 65535\n      "), Contains("its largest grey value is 65535"));
+  CHECK_THAT(image_fault("P6 3 2 255"), Contains("expected a PNG or a PGM: it is a PPM image; convert it to PNG"));
+  CHECK_THAT(image_fault("\xFF\xD8\xFF"), Contains("expected a PNG or a PGM: it is a JPEG image; convert it to PNG"));
   CHECK_THAT(image_fault("P2 3 2 255 1 2 3 4 5"), Contains("a grey value is missing"));
   CHECK_THAT(image_fault("P2 3 2 255 1 2 3 4 5 256"), Contains("a grey value is 256"));
-  CHECK_THAT(image_fault("P6 3 2 255"), Contains("no image that can be read, expected a PNG or a PGM"));
 }
 
 TEST_CASE("a map with cells E follows the rule of the MAPF Start-Kit: only @ and T block", "[reader][moving_ai]") {
@@ -525,6 +526,76 @@ TEST_CASE("a map with cells E follows the rule of the MAPF Start-Kit: only @ and
         world_of(file).obstacles().size());
   CHECK_THAT(fault_of(written(folder, "depot.map", replaced(text, "ES@", "Ex@"))),
              Contains("depot.map:5: column 2 is 'x', expected one of . G S E (passable) or @ O T W (not)"));
+}
+
+TEST_CASE("a file of a format that is known and not read is named", "[reader][unread]") {
+  const test::Folder folder;
+  const auto fault = [&](const std::string& name, const std::string& text) {
+    return fault_of(written(folder, name, text));
+  };
+  struct Case {
+    std::string name;
+    std::string text;
+    std::string what;
+    std::string instead;
+  };
+  for (const auto& [name, text, what, instead] : std::vector<Case>{
+           {"arm.urdf",
+            "<?xml version=\"1.0\"?>\n<!-- arm -->\n<robot name=\"arm\">\n <link name=\"base\"/>\n</robot>\n",
+            "it is a URDF, which describes the links and joints of a robot", "robot.arm makes planar arms"},
+           {"arm.xml", "<robot name=\"arm\"><link name=\"base\"/></robot>\n", "it is a URDF",
+            "robot.rigid takes meshes"},
+           {"arm.urdf.xacro", "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\" name=\"a\"/>\n", "it is a xacro file",
+            "arm"},
+           {"arm.srdf", "<robot name=\"arm\">\n<group name=\"all\"/>\n</robot>\n", "it is an SRDF", "robot.arm"},
+           {"room.world", "<?xml version='1.0'?>\n<sdf version='1.6'><world name='a'/></sdf>", "it is an SDF file",
+            "world { ... }"},
+           {"room.sdf", "<sdf version='1.6'/>", "it is an SDF file, a world or a model of Gazebo", "world { ... }"},
+           {"stage.world", "define block model\n(\n size [1 1 1]\n)\n", "it is a world of Gazebo or Stage",
+            "world { ... }"},
+           {"room.wbt", "#VRML_SIM R2023a utf8\nWorldInfo {\n}\n", "it is a world of Webots", "world { ... }"},
+           {"arm.xml", "<mujoco model=\"a\"/>", "it is a model of MuJoCo", "world { ... }"},
+           {"table.scene", "(noname)+\n* Box_0\n1\nbox\n1 1 1\n", "it is a planning scene of MoveIt", "world { ... }"},
+           {"table.yaml", "name: a\nworld:\n  collision_objects:\n    - id: Box\n", "it is a planning scene of MoveIt",
+            "mesh \"FILE\""},
+           {"query.yaml", "start_state:\n  joint_state:\n    position: [0]\n", "it is a request to MoveIt",
+            "problem { ... }"},
+           {"room.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": []}", "it is a glTF file", "assimp export"},
+           {"room.glb", std::string("glTF\2\0\0\0", 8), "it is a binary glTF file",
+            ".stl, .obj, .ply, .off, .g and .dae"},
+           {"room.wrl", "#VRML V2.0 utf8\nGroup { }\n", "it is a VRML file", "assimp export"},
+           {"part.step", "ISO-10303-21;\nHEADER;\n", "it is a STEP file", "assimp export"},
+           {"map.jpg", "\xFF\xD8\xFF\xE0", "it is a JPEG image", "PNG or PGM"},
+           {"map.bmp", std::string("BM\0\0\0\0", 6), "it is a BMP image", "PNG or PGM"},
+           {"maze.ppm", "P6\n2 2\n255\n", "it is a PPM image", "PNG or PGM"},
+           {"worlds.npz", "PK\3\4", "it is a ZIP archive", "unpack it"},
+           {"maze.ppm.gz", "\x1F\x8B\x08", "it is a file that gzip compressed", "gunzip"},
+           {"benchmark.db", "SQLite format 3", "it is an SQLite database", "not results"},
+           {"large.map", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "it is a pointer of Git LFS",
+            "git lfs pull"},
+           {"page.map", "<!DOCTYPE html>\n<html></html>\n", "it is a page of the web", "download"},
+           {"env1.cfg", "discretization(cells): 15 15\nobsthresh: 1\n", "it is a navigation grid of SBPL",
+            "planar arms"},
+           {"run.json", "{\"settings\": {\"benchmark\": {}}}\n", "it is a configuration of bench-mr", ".svg"},
+           {"problem.json", "{\"mapFile\": \"a.map\", \"agentFile\": \"a.agents\"}",
+            "it is a problem of the MAPF Start-Kit", ".map"},
+           {"a.robot", "1\nrod.obj Volumetric Rotational\nConnections\n0\n", "it is a robot of PPL", "NAME.env"},
+           {"run.lua", "return rrt {}\n", "it is a Lua script", "trellis run"},
+           {"part.stl", "solid a\nendsolid\n", "it is a mesh", "mesh \"FILE\""},
+           {"scene.xml", "<rlsg><scene/></rlsg>", "it is a scene of the Robotics Library", "<rlplan>"},
+           {"other.xml", "<thing/>", "it is an XML file with the root <thing>", "<rlplan>"},
+           {"empty.map", "\n \n", "it is empty", ""}}) {
+    CAPTURE(name, text);
+    const std::string found = fault(name, text);
+    CHECK_THAT(found, Contains(name + ":1: no scene that can be read: " + what) && Contains(instead));
+    CHECK(std::count(found.begin(), found.end(), '\n') == 0);
+  }
+  // Others are what they were.
+  CHECK_THAT(fault("words.txt", "no scene\n"), Contains("words.txt:1: no scene that can be read: expected "));
+  CHECK_THAT(
+      fault("other.yaml", "sensors:\n  - a\n"),
+      Contains("other.yaml:1: no scene that can be read: it is YAML of no known format; of YAML Trellis reads maps"));
+  CHECK_THAT(fault("Palace.txt", "P6ace\n"), Contains("expected ") && !Contains("PPM"));
 }
 
 TEST_CASE("files that are no scenes are refused at once", "[reader]") {

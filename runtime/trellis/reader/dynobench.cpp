@@ -150,8 +150,16 @@ World world_of(const YamlEntry& environment) {
 
 }  // namespace
 
+bool is_dynobench(const SourceText& text) { return has_key(text, "environment") && has_key(text, "robots"); }
+
 SceneFile read_dynobench(const SourceText& text, const ReadOptions& options) {
   const YamlEntry file = YamlEntry::root(text, expected);
+  if (!file.has("environment") && !file.has("robots")) {
+    throw text.error(
+        1,
+        "no scene that can be read: it is YAML of no known format; of YAML Trellis reads maps of ROS, with "
+        "'image' and 'resolution', and scenes of dynobench, with 'environment' and 'robots'");
+  }
   ErrorList errors;
   std::optional<World> world;
   errors.attempt([&] { world = world_of(file.at("environment")); });

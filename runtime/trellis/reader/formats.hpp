@@ -67,6 +67,9 @@ double number_in(const SourceText& text, std::size_t line, const std::string& wo
 /// Returns a whole number of at least 0, at most 1e9.
 std::size_t count_in(const SourceText& text, std::size_t line, const std::string& word, const char* what);
 
+/// Returns the first bytes of a file, fewer where it is shorter.
+std::string first_bytes(const std::string& path);
+
 /// Returns a problem in the robot's default space, without start and goal.
 Problem problem_in(std::string name, std::shared_ptr<const Scene> scene, const ReadOptions& options);
 
@@ -110,6 +113,8 @@ SceneFile read_image(const std::string& path, const ReadOptions& options);
 bool is_sbpl_arm(const SourceText& text);
 SceneFile read_sbpl_arm(const SourceText& text, const ReadOptions& options);
 
+/// Whether the text has the keys of a scene of dynobench: `environment` and `robots`.
+bool is_dynobench(const SourceText& text);
 /// \throws Error also where the text is not YAML.
 SceneFile read_dynobench(const SourceText& text, const ReadOptions& options);
 

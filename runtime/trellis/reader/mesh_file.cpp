@@ -15,6 +15,7 @@
 
 #include <trellis/reader/formats.hpp>
 #include <trellis/reader/mesh_formats.hpp>
+#include <trellis/reader/unread.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
@@ -44,6 +45,12 @@ const Format* format_of(const std::string& path) {
   const auto* const format =
       std::find_if(formats.begin(), formats.end(), [&](const Format& f) { return f.ending == ending; });
   return format == formats.end() ? nullptr : format;
+}
+
+/// What a file is that is no mesh by its ending, and what to do: "; it is ...".
+std::string hint_for(const std::string& path) {
+  const std::string known = unread_ending(path);
+  return known.empty() ? known : "; " + known;
 }
 
 std::string load(const std::string& path) {
@@ -130,9 +137,7 @@ double metres_in(const std::string& unit) {
 MeshFile read_mesh(const std::string& path, const MeshOptions& options) {
   const Format* format = format_of(path);
   if (format == nullptr) {
-    throw Error(
-        fmt::format("{}: files of meshes end with .stl, .obj, .ply, .off, .g or .dae{}", path,
-                    ending_of(path) == "wrl" ? "; convert it, for example with `assimp export` or Blender" : ""));
+    throw Error(fmt::format("{}: files of meshes end with .stl, .obj, .ply, .off, .g or .dae{}", path, hint_for(path)));
   }
   MeshSource source{path, load(path), metres_in(options.unit), options.y_up};
   // STL has formats whose first bytes are a free text.

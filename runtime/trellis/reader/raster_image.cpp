@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include <trellis/reader/formats.hpp>
+#include <trellis/reader/unread.hpp>
 
 namespace trellis {
 
@@ -160,7 +161,11 @@ RasterImage load_raster_image(const std::string& path) {
   switch (kind_of(path)) {
     case Kind::png: return load_png(path);
     case Kind::pgm: return Pgm(path).image();
-    default: throw Error(fmt::format("{}:1: no image that can be read, expected a PNG or a PGM", path));
+    default: {
+      const std::string known = unread_bytes(first_bytes(path));
+      throw Error(fmt::format("{}:1: no image that can be read, expected a PNG or a PGM{}{}", path,
+                              known.empty() ? "" : ": ", known));
+    }
   }
 }
 

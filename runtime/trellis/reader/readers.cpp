@@ -8,8 +8,10 @@
 #include <numbers>
 
 #include <trellis/reader/formats.hpp>
+#include <trellis/reader/mesh_file.hpp>
 #include <trellis/reader/raster_image.hpp>
 #include <trellis/reader/spatial_formats.hpp>
+#include <trellis/reader/unread.hpp>
 
 namespace trellis {
 
@@ -51,11 +53,20 @@ void check_options(const std::string& path, const ReadOptions& options) {
   }
 }
 
+/// Refuses a file of a format that Trellis knows and does not read, by a sentence that says what it is.
+void refuse(const std::string& path, const std::string& sentence) {
+  if (!sentence.empty()) throw Error(fmt::format("{}:1: no scene that can be read: {}", path, sentence));
+}
+
 SceneFile read_format(const std::string& path, const ReadOptions& options) {
   if (is_raster_image(path)) return read_image(path, options);
+  refuse(path, unread_bytes(first_bytes(path)));
+  if (has_mesh_ending(path)) refuse(path, "it is a mesh; world { bounds = ..., mesh \"FILE\" } places it in a world");
   const SourceText text = SourceText::load(path);
+  if (!path.ends_with(".svg")) refuse(path, unread_xml(text));  // the reader of drawings says it of its own
   for (const Format& format : formats) {
     if (!format.is(text)) continue;
+    if (format.read == read_dynobench && !is_dynobench(text)) refuse(path, unread_text(text));
     if (format.has_robot && options.robot) {
       throw Error(fmt::format("{}: the file has a robot of its own; leave out 'robot'", path));
     }

@@ -83,6 +83,15 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
+std::string first_bytes(const std::string& path) {
+  constexpr std::size_t enough = 64;
+  std::string bytes(enough, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(enough));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
+}
+
 double number_in(const SourceText& text, std::size_t line, const std::string& word, const char* what) {
   double value = 0.0;
   const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);

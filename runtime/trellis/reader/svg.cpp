@@ -15,6 +15,7 @@
 
 #include <trellis/reader/formats.hpp>
 #include <trellis/reader/svg_path.hpp>
+#include <trellis/reader/unread.hpp>
 #include <trellis/scene/limits.hpp>
 #include <trellis/scene/planar/aggregate.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -47,7 +48,10 @@ class Drawing {
       throw text.error(line, fmt::format("no SVG that can be read: {}", reason(document)));
     }
     const XMLElement* root = document.RootElement();
-    if (root == nullptr || name_of(*root) != "svg") throw text.error(1, "the outermost element is no 'svg'");
+    if (root == nullptr || name_of(*root) != "svg") {
+      const std::string known = unread_xml(text);
+      throw text.error(1, fmt::format("the outermost element is no 'svg'{}{}", known.empty() ? "" : ": ", known));
+    }
     read_page(*root);
     visit(*root, page_);
     errors_.raise();
@@ -284,7 +288,12 @@ SceneFile read_svg(const SourceText& text, const ReadOptions& options) {
 
 Robot read_robot(const std::string& path) {
   const SourceText text = SourceText::load(path);
-  if (!is_svg(text)) throw text.error(1, "no SVG, expected a robot's outline as one");
+  if (!is_svg(text)) {
+    std::string known = unread_xml(text);
+    if (known.empty()) known = unread_bytes(first_bytes(path));
+    if (known.empty()) known = unread_text(text);
+    throw text.error(1, fmt::format("no SVG, expected a robot's outline as one{}{}", known.empty() ? "" : "; ", known));
+  }
   Drawing drawing(text);
   if (drawing.shapes().size() != 1) {
     throw text.error(text.last(), fmt::format("{} shapes, expected one: the robot's outline", drawing.shapes().size()));
