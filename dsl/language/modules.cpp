@@ -52,8 +52,9 @@ struct Source {
 /// Finds modules and runs each one once.
 class Modules {
  public:
-  Modules(const ScriptPlace& place, std::function<void(const Construct&)> described)
-      : place_(place), described_(std::move(described)) {}
+  Modules(const ScriptPlace& place, std::shared_ptr<std::vector<std::string>> warnings,
+          std::function<void(const Construct&)> described)
+      : place_(place), warnings_(std::move(warnings)), described_(std::move(described)) {}
 
   /// Pushes the module's value. `loaded` is the table of the modules that have run.
   void require(Stack& stack, const std::string& name) {
@@ -125,7 +126,7 @@ class Modules {
   /// Pushes the functions that only the standard library receives.
   void push_natives(Stack& stack) const {
     const Value natives = stack.push_table();
-    stack.push_function(scene_loader(place_));
+    stack.push_function(scene_loader(place_, warnings_));
     stack.set_field(natives, "load_scene");
     stack.push_function(robot_loader(place_));
     stack.set_field(natives, "load_robot");
@@ -141,6 +142,7 @@ class Modules {
   static Value registry(Stack& stack) { return stack.push_hidden("modules"); }
 
   ScriptPlace place_;
+  std::shared_ptr<std::vector<std::string>> warnings_;
   std::function<void(const Construct&)> described_;
   std::vector<std::string> loading_;
 };
@@ -214,8 +216,9 @@ std::string without_shebang(std::string text) {
   return text;
 }
 
-void open_modules(Stack& stack, const ScriptPlace& place, std::function<void(const Construct&)> described) {
-  const auto modules = std::make_shared<Modules>(place, std::move(described));
+void open_modules(Stack& stack, const ScriptPlace& place, std::shared_ptr<std::vector<std::string>> warnings,
+                  std::function<void(const Construct&)> described) {
+  const auto modules = std::make_shared<Modules>(place, std::move(warnings), std::move(described));
   stack.push_function([modules](Stack& call) {
     const auto name = call[1].string();
     if (!name) throw Error(fmt::format("require: the module's name must be a string, got {}", describe(call[1])));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,10 @@ namespace trellis::dsl {
 /// Registers `require`, for modules of the standard library and then of the script's folder. Makes each module of the
 /// standard library a global that loads on the first access. Makes reading an unknown global an error that suggests the
 /// nearest name. Call it last: the suggestions are the globals at that time.
+/// \param warnings  receives what scenes.load finds in files
 /// \param described  called for every function that a module of the standard library defines, when the module loads
-void open_modules(lua::Stack& stack, const ScriptPlace& place, std::function<void(const Construct&)> described = {});
+void open_modules(lua::Stack& stack, const ScriptPlace& place, std::shared_ptr<std::vector<std::string>> warnings,
+                  std::function<void(const Construct&)> described = {});
 
 /// Returns the names of Lua's library that scripts do not have, sorted.
 const std::vector<std::string>& left_out_names();

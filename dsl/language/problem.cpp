@@ -33,6 +33,7 @@ struct LoadSettings {
   double weight = 1.0 / std::numbers::pi;
   double resolution = Problem{}.resolution;
   std::string collision = "auto";
+  std::string map_server = "nav2";
   bool motion = true;
   double goal_tolerance = ReadOptions{}.goal_tolerance;
 };
@@ -72,6 +73,10 @@ const Settings<LoadSettings>& load_settings() {
       with_scene_options(Settings<LoadSettings>(Component::Kind::scene, "scenes.load", "reads a scene file", ""))
           .boolean("motion", &LoadSettings::motion,
                    "robots have the motion models that a file of dynobench names; false: they move straight")
+          .choice(
+              "map_server", &LoadSettings::map_server, {"nav2", "ros1"},
+              "the map server whose rules decide which pixels of a map of ROS are free: that of Nav2 takes luma, and "
+              "transparent pixels are unknown; that of ROS 1 takes the mean of the channels")
           .number("goal_tolerance", &LoadSettings::goal_tolerance, "m", Range::positive(),
                   "of problems with a motion model: a state this near to the goal in the metric is the goal");
   return settings;
@@ -348,7 +353,9 @@ ObjectType problem_type() {
 namespace {
 
 std::vector<Field> load_fields() {
-  return {{"robot", "trellis.Robot", "a robot",
+  return {{"name", "string", "a string",
+           "how the report calls the problem, in place of the file's name for it; of n problems name/1 to name/n"},
+          {"robot", "trellis.Robot", "a robot",
            "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m"},
           {"start", "number[]", "a list of numbers", "the start, in place of the file's or where it has none"},
           {"goal", "number[]", "a list of numbers", "the goal, in place of the file's or where it has none"}};
@@ -442,8 +449,8 @@ void check_load_table(Stack& call) {
   faults.raise();
 }
 
-/// Reads the table of scenes.load: the robot, start and goal, and the options into `given`.
-ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given) {
+/// Reads the table of scenes.load: the name, the robot, start and goal, and the options into `given`.
+ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, std::optional<std::string>& name) {
   ReadOptions options;
   if (call.count() < 2) return options;
   check_load_table(call);
@@ -453,6 +460,15 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given) {
     if (value.given()) {
       faults.attempt([&] { read_option(load_settings().component(), option.name, value, given); });
     }
+  }
+  if (const Value value = call[2].field("name"); value.given()) {
+    faults.attempt([&] {
+      name = value.string();
+      if (!name || name->empty()) {
+        throw Error(
+            fmt::format("scenes.load: option 'name' must be a string that is not empty, got {}", describe(value)));
+      }
+    });
   }
   if (const Value value = call[2].field("robot"); value.given()) {
     faults.attempt([&] {
@@ -484,11 +500,21 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given) {
 
 }  // namespace
 
-lua::Callback scene_loader(ScriptPlace place) {
-  return [place = std::move(place)](Stack& call) {
-    const std::string path = scene_path("scenes.load", file_argument(call, "scenes.load"), place);
+namespace {
+
+void add_warning(std::string warning, std::vector<std::string>& warnings) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(std::move(warning));
+}
+
+}  // namespace
+
+lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::string>> warnings) {
+  return [place = std::move(place), warnings = std::move(warnings)](Stack& call) {
+    const std::string file = file_argument(call, "scenes.load");
+    const std::string path = scene_path("scenes.load", file, place);
     std::vector<Options::Entry> given;
-    ReadOptions options = read_load_fields(call, given);
+    std::optional<std::string> name;
+    ReadOptions options = read_load_fields(call, given, name);
     const auto settings = load_settings().read(validated(load_settings().component(), given));
     const bool weighted =
         std::any_of(given.begin(), given.end(), [](const auto& option) { return option.first == "weight"; });
@@ -496,9 +522,19 @@ lua::Callback scene_loader(ScriptPlace place) {
     options.resolution = settings.resolution;
     options.motion = settings.motion;
     options.goal_tolerance = settings.goal_tolerance;
-    auto problems = read_problems(path, options);
+    options.map_server = settings.map_server == "ros1" ? MapServer::ros1 : MapServer::nav2;
+    std::vector<std::string> found;
+    auto problems = read_problems(path, options, &found);
+    for (const std::string& warning : found) {
+      // Those of the files that a scene names begin with their paths.
+      const bool placed = is_file(warning.substr(0, warning.find(':')));
+      add_warning(fmt::format("scenes.load: {}{}", placed ? "" : file + ": ", warning), *warnings);
+    }
     const Value list = call.push_table();
+    std::size_t count = 0;
     for (auto& problem : problems) {
+      ++count;
+      if (name) problem.name = problems.size() == 1 ? *name : fmt::format("{}/{}", *name, count);
       problem.collision = backend_of(*problem.scene, settings.collision);
       resolve_goal(problem);
       call.push_object(std::move(problem));

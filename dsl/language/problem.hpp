@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <dsl/language/construct.hpp>
 #include <dsl/language/script_place.hpp>
@@ -34,7 +36,8 @@ std::string scene_path(const char* function, const std::string& file, const Scri
 
 /// scenes.load(file, options): returns a list of problems. Without the place's trust, the file lies in the script's
 /// folder or in the folder of scenes.
-lua::Callback scene_loader(ScriptPlace place);
+/// \param warnings  receives what the file contains and the problems do not
+lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::string>> warnings);
 /// scenes.robot(file): returns a robot; reads the same files.
 lua::Callback robot_loader(ScriptPlace place);
 /// scenes.exists(file).

@@ -114,7 +114,7 @@ void open_language(lua::Stack& stack, const std::string& folder, const SessionOp
   open_tuning(stack);
   open_scenario(stack, place, options.scenarios);
   open_help(stack, options.print);
-  open_modules(stack, place, std::move(described));
+  open_modules(stack, place, book->warnings, std::move(described));
 }
 
 Session::Session(const std::string& folder, const SessionOptions& options)

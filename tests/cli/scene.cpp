@@ -102,6 +102,36 @@ TEST_CASE("scene prints a mesh") {
   CHECK(place.run({"scene", "tetra.obj", "--problem", "x"}).status == 2);
 }
 
+TEST_CASE("scene says by which rule it read a map, and check and run what they found in it") {
+  const Place place;
+  write(place, "map.pgm", "P2 4 2 255 254 254 254 254 254 0 205 254\n");
+  write(place, "map.yaml",
+        "{image: map.pgm, resolution: 1, origin: [0, 0, 0.5], negate: 0, occupied_thresh: 0.65, free_thresh: 0.196, "
+        "map_type: occupancy}\n");
+  const Outcome printed = place.run({"scene", "map.yaml"});
+  CHECK(printed.status == 0);
+  CHECK_THAT(printed.out, Contains("frame     the lower left corner is (0, 0), turned by 0.5 rad, y up\n") &&
+                              Contains("note      pixels are read as by the map server of Nav2: their luma") &&
+                              Contains("warning   line 1: the key 'map_type' has no influence") &&
+                              Contains("warning   1 of 8 pixels are neither free nor occupied; they are obstacles\n"));
+  const Json json = Json::parse(place.run({"scene", "map.yaml", "--json"}).out);
+  CHECK(json["notes"].size() == 1);
+  CHECK(json["warnings"].size() == 2);
+  CHECK(json["kinds"]["polygon"] == 5);  // a run of two pixels, and four triangles around the image
+  place.script(
+      "go.lua",
+      "return rrt_connect { step = 1 }, scenes.load('map.yaml', { start = {0, 1}, goal = {2, 2.5}, name = 'yard' "
+      "})\n");
+  for (const char* verb : {"check", "run"}) {
+    const Outcome outcome = place.run({verb, "go.lua"});
+    CAPTURE(verb, outcome.err);
+    CHECK(outcome.status == 0);
+    CHECK_THAT(outcome.err,
+               Contains("trellis: warning: scenes.load: map.yaml: line 1: the key 'map_type' has no influence") &&
+                   Contains("trellis: warning: scenes.load: map.yaml: 1 of 8 pixels are neither free nor occupied"));
+  }
+}
+
 TEST_CASE("scene says in a line what is wrong with a file") {
   const Place place;
   const auto fault = [&](const std::vector<std::string>& arguments) {

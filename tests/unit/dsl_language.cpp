@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 #include "support/script.hpp"
 
 #include <dsl/language/vocabulary.hpp>
@@ -182,6 +183,40 @@ TEST_CASE("seeds given on the command line replace the script's") {
   CHECK_THROWS_AS(seeds(0, {}), Error);
   CHECK_THROWS_AS(seeds(dsl::most_seeds + 1, {}), Error);
   CHECK_THROWS_AS(seeds(2, std::uint64_t{1} << 63U), Error);
+}
+
+TEST_CASE("scenes.load names its problems, and what it finds in files is a warning") {
+  const test::Folder folder;
+  static_cast<void>(folder.write("yard.map", "type octile\nheight 2\nwidth 2\nmap\n..\nW.\n"));
+  static_cast<void>(folder.write("yard.map.scen", "version 1\n0 yard.map 2 2 0 0 1 0 1\n0 yard.map 2 2 1 0 1 1 1\n"));
+  static_cast<void>(folder.write("map.pgm", "P5 1 1 255\n\xFE"));
+  static_cast<void>(folder.write("map.yaml",
+                                 "image: map.pgm\nresolution: 4\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+                                 "free_thresh: 0.196\nmap_type: occupancy\n"));
+  dsl::Session session(folder.path());
+  const auto names = [&](const std::string& call) {
+    return session.evaluate("local p = scenes.load(" + call + ") return p[1].name, p[#p].name", "test.lua");
+  };
+  const std::string ends = ", start = {1, 1}, goal = {2, 2} }";
+  CHECK(names("'map.yaml', { name = 'hall'" + ends) == std::vector<std::string>{"hall", "hall"});
+  CHECK(names("'map.yaml', { map_server = 'ros1'" + ends) == std::vector<std::string>{"map", "map"});
+  CHECK(names("'yard.map.scen', { name = 'yards' }") == std::vector<std::string>{"yards/1", "yards/2"});
+  const std::vector<std::string> warnings = session.take_warnings();
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0].find("scenes.load: map.yaml: line 7: the key 'map_type' has no influence") == 0);
+  CHECK(warnings[1] == "scenes.load: yard.map.scen: 1 cells of water (W) are obstacles");
+  const auto fault = [&](const std::string& call) {
+    try {
+      static_cast<void>(names(call));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(fault("'map.yaml', { name = ''" + ends).find("option 'name' must be a string that is not empty") !=
+        std::string::npos);
+  CHECK(fault("'map.yaml', { name = {}" + ends).find("option 'name' must be a string") != std::string::npos);
+  CHECK(fault("'map.yaml', { map_server = 'ros2'" + ends).find("map_server") != std::string::npos);
 }
 
 TEST_CASE("scene files are looked for, and read, with options") {

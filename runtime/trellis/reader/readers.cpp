@@ -118,8 +118,10 @@ SceneFile read_scene(const std::string& path, const ReadOptions& options) {
   return file;
 }
 
-std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options) {
+std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options,
+                                   std::vector<std::string>* warnings) {
   SceneFile file = read_scene(path, options);
+  if (warnings != nullptr) *warnings = std::move(file.warnings);
   for (const Problem& problem : file.problems) {
     const bool no_start = problem.start.empty();
     const bool no_goal = problem.goals.empty() && !problem.reach;

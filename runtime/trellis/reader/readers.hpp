@@ -58,8 +58,10 @@ struct SceneFile {
 SceneFile read_scene(const std::string& path, const ReadOptions& options);
 
 /// Returns the problems of a scene file, as `read_scene` reads them.
+/// \param warnings  receives those of the file, unless it is nullptr
 /// \throws Error also where a problem has no start or goal
-std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options);
+std::vector<Problem> read_problems(const std::string& path, const ReadOptions& options,
+                                   std::vector<std::string>* warnings = nullptr);
 
 /// Reads a robot's outline from an SVG of one path: its convex hull, about the middle of its bounding box.
 Robot read_robot(const std::string& path);
