@@ -17,6 +17,7 @@
 #include <dsl/language/script_place.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/collision/checker.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/instance/resolve_goal.hpp>
 #include <trellis/reader/readers.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -207,7 +208,14 @@ int make_problem(Stack& call) {
     }
   }
   faults.raise();
-  check(problem);
+  try {
+    check(problem);
+  } catch (const Error& error) {
+    // A mesh of another unit often covers start and goal.
+    const std::string hint = unit_warning(problem);
+    if (hint.empty()) throw;
+    throw Error(fmt::format("{}; {}", error.what(), hint));
+  }
   return call.result(std::move(problem));
 }
 

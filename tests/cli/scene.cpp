@@ -132,6 +132,30 @@ TEST_CASE("scene says by which rule it read a map, and check and run what they f
   }
 }
 
+TEST_CASE("check and run warn of a mesh 1000 times as large as its world") {
+  const Place place;
+  write(place, "part.obj", "v 2000 0 0\nv 6000 0 0\nv 2000 3000 0\nv 2000 0 900\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const auto script = [&](const std::string& unit) {
+    place.script("go.lua",
+                 "return rrt_connect { step = 1 }, problem { world = world { bounds = {0, 0, 0, 4, 4, 4}, "
+                 "mesh { 'part.obj'" +
+                     unit +
+                     ", name = 'part' } }, robot = robot.point { dimension = 3 }, "
+                     "start = {1, 3.5, 3.5}, goal = {3, 3.5, 3.5} }\n");
+  };
+  for (const char* verb : {"check", "run"}) {
+    CAPTURE(verb);
+    script("");
+    CHECK_THAT(
+        place.run({verb, "go.lua"}).err,
+        Contains("trellis: warning: problem 'problem': ") && Contains("part") &&
+            Contains("extends 4000 m in a world of 4 m; if the numbers of its mesh are millimetres, give mesh unit "
+                     "= \"mm\""));
+    script(", unit = 'mm'");
+    CHECK_THAT(place.run({verb, "go.lua"}).err, !Contains("extends"));
+  }
+}
+
 TEST_CASE("scene says in a line what is wrong with a file") {
   const Place place;
   const auto fault = [&](const std::vector<std::string>& arguments) {

@@ -162,6 +162,26 @@ TEST_CASE("a mesh in which y is up is a warning, unless its pose turns it") {
   }
 }
 
+TEST_CASE("a start inside a mesh much larger than its world names the unit") {
+  const test::Folder folder;
+  // A part of 0.2 m whose numbers are millimetres, about the start.
+  static_cast<void>(
+      folder.write("part.off",
+                   "OFF\n8 6 0\n-99 -99 -99\n-99 -99 99\n-99 99 -99\n-99 99 99\n99 -99 -99\n99 -99 99\n99 "
+                   "99 -99\n99 99 99\n4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3\n"));
+  const auto load = [&](const std::string& mesh) {
+    return dsl::Session(folder.path())
+        .load("return rrt {}, problem { world = world { bounds = {-2, -2, -2, 2, 2, 2}, " + mesh +
+                  " }, robot = robot.point { dimension = 3 }, start = {1, 1, 1}, goal = {-1, -1, -1} }",
+              "test.lua");
+  };
+  CHECK_THROWS_WITH(load("mesh 'part.off'"),
+                    Contains("start (1, 1, 1) is in collision with") &&
+                        Contains("extends 198 m in a world of 4 m; if the numbers of its mesh are millimetres, give "
+                                 "mesh unit = \"mm\""));
+  CHECK_NOTHROW(load("mesh { 'part.off', unit = 'mm' }"));
+}
+
 TEST_CASE("a mesh is read from the script's folder, in its unit, and its inside is solid") {
   const test::Folder folder;
   // A cube with sides of 2000.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <system_error>
@@ -19,6 +20,7 @@
 #include <trellis/memory/library.hpp>
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/scene/planar/triangulation.hpp>
+#include <trellis/scene/spatial/scene.hpp>
 
 namespace trellis {
 
@@ -83,6 +85,12 @@ void find_separation(const Problem& problem, std::vector<std::string>& warnings)
         problem.name));
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a world that has no such triangulation gets no warning
   }
+}
+
+/// The longest side of a box.
+double longest(const Box3& box) {
+  const Vec3 size = box.hi - box.lo;
+  return std::max({size.x, size.y, size.z});
 }
 
 void add_once(std::string warning, std::vector<std::string>& warnings) {
@@ -201,11 +209,37 @@ void find_unmeasurable(const Measure& measure, const Problem& problem, std::vect
 
 }  // namespace
 
+std::string unit_warning(const Problem& problem) {
+  const SpatialScene* scene = problem.scene->spatial();
+  if (scene == nullptr) return "";
+  double size = 0.0;
+  std::string what;
+  const auto examine = [&](const std::string& name, const Solid& solid) {
+    if (!std::holds_alternative<std::shared_ptr<const Mesh>>(solid.shape)) return;
+    const double extent = longest(bounding_box(solid));
+    if (extent <= size) return;
+    size = extent;
+    what = name;
+  };
+  for (const Obstacle3& obstacle : scene->world.obstacles()) examine(obstacle.name, obstacle.solid);
+  for (const Solid& solid : scene->robot.solids()) examine("the robot", solid);
+  constexpr double much = 30.0;  // inches are 39 times metres, centimetres 100, millimetres 1000
+  const double world = longest(scene->world.bounds());
+  if (size < much * world) return "";
+  return fmt::format(
+      "{} extends {:.4g} m in a world of {:.4g} m; if the numbers of its mesh are millimetres, give mesh unit = \"mm\" "
+      "(there are \"cm\" and \"inch\" too)",
+      what, size, world);
+}
+
 std::vector<std::string> input_warnings(const Experiment& experiment) {
   std::vector<std::string> warnings;
   for (const Problem& problem : experiment.problems) {
     find_degrees(problem, warnings);
     find_separation(problem, warnings);
+    if (const std::string warning = unit_warning(problem); !warning.empty()) {
+      warnings.push_back(fmt::format("problem '{}': {}", problem.name, warning));
+    }
     if (experiment.measure) find_unmeasurable(*experiment.measure, problem, warnings);
     for (const auto& [name, strategy] : experiment.strategies) {
       if (strategy.guide() != nullptr) find_useless(*strategy.guide(), problem, name, warnings);

@@ -9,7 +9,12 @@
 namespace trellis {
 
 /// Returns a sentence for each input that is valid and probably a mistake: an angle of start or goal beyond a full turn
-/// (degrees), a start and goal that no path of a point joins, a guide that does not change the problem's robot.
+/// (degrees), a start and goal that no path of a point joins, a mesh at least 30 times as large as its world
+/// (millimetres), a guide that does not change the problem's robot.
 std::vector<std::string> input_warnings(const Experiment& experiment);
+
+/// Returns a sentence about the largest mesh of a scene in space if it is at least 30 times as large as the world: then
+/// its numbers may be inches, centimetres or millimetres. "" otherwise.
+std::string unit_warning(const Problem& problem);
 
 }  // namespace trellis
