@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -19,6 +20,7 @@
 #include <dsl/language/stdlib.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
+#include <trellis/base/input_file.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/report/files.hpp>
@@ -139,7 +141,7 @@ std::string Manifest::difference(const Manifest& other, bool shards) const {
 ScriptFiles::ScriptFiles(dsl::SessionOptions& session)
     : files_(std::make_shared<std::map<std::string, std::string>>()) {
   session.watch = [files = files_](const std::string& name, const std::string& path) {
-    (*files)[name] = hash_of(dsl::read_file(path, largest_file));
+    (*files)[name] = file_hash(path);
   };
 }
 
@@ -149,7 +151,7 @@ Manifest ScriptFiles::manifest(const std::string& script, const std::string& opt
   for (const Problem& problem : experiment.problems) {
     worlds[utf8(problem.name)] = fmt::format("{:016x}{:016x}", world_hash(*problem.scene), robot_hash(*problem.scene));
   }
-  return {std::string(version()),     script, hash_of(dsl::read_file(script)), *files_, worlds, options, shard,
+  return {std::string(version()),     script, file_hash(script), *files_, worlds, options, shard,
           experiment_line(experiment)};
 }
 
@@ -217,9 +219,13 @@ std::string utf8(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
-std::string hash_of(const std::string& bytes) {
+std::string file_hash(const std::string& path) {
+  InputFile file(path, std::numeric_limits<std::uintmax_t>::max());
   std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  for (std::string block; file.next(block) && !block.empty();) {
+    for (const char c : block) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  }
+  if (!file.fault().empty()) throw Error(fmt::format("cannot read '{}': {}", path, file.fault()));
   return fmt::format("{:016x}", hash);
 }
 

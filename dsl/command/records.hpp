@@ -91,8 +91,9 @@ std::string without_times(const std::string& line);
 /// Returns a text as JSON stores it: bytes that are no UTF-8 become U+FFFD.
 std::string utf8(const std::string& text);
 
-/// Returns a hash of a file's bytes, 16 hexadecimal digits.
-std::string hash_of(const std::string& bytes);
+/// Returns a hash of a file's bytes, 16 hexadecimal digits. Reads it block by block: a library may be larger than the
+/// memory. \throws Error where the file cannot be read
+std::string file_hash(const std::string& path);
 
 /// Stores the results of a complete sweep: the records in the order of the runs, and results.json.
 void write_results(const std::string& folder, const Manifest& manifest, const Records& records);

@@ -119,8 +119,9 @@ class Modules {
       throw Error(fmt::format("require: no module '{}'{}: neither in the standard library nor at '{}'", name,
                               did_you_mean(name, standard), path));
     }
+    Source source{without_shebang(read_file(path)), "@" + path, false};
     if (place_.watch) place_.watch(file + ".lua", path);
-    return {without_shebang(read_file(path)), "@" + path, false};
+    return source;
   }
 
   /// Pushes the functions that only the standard library receives.

@@ -15,7 +15,9 @@
 #include <dsl/language/motion.hpp>
 #include <dsl/language/scene_values.hpp>
 #include <dsl/language/script_place.hpp>
+#include <dsl/language/stdlib.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/base/input_file.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/experiment/input_warnings.hpp>
 #include <trellis/instance/resolve_goal.hpp>
@@ -430,7 +432,8 @@ std::string scene_path(const char* function, const std::string& file, const Scri
   if (!place.trust) require_within(function, file, place.folder);
   std::string path = find_scene(file, place.folder);
   if (path.empty()) throw Error(fmt::format("{}: {}", function, missing_scene(file, place.folder)));
-  if (place.watch) place.watch(file, path);
+  // The reader refuses any other file, and says why.
+  if (place.watch && input_fault(path, largest_file).empty()) place.watch(file, path);
   return path;
 }
 

@@ -4,15 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 #include <system_error>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/input_file.hpp>
 
 namespace trellis::dsl {
 
@@ -61,20 +58,9 @@ std::optional<std::string> module_text(const std::string& name) {
 }
 
 std::string read_file(const std::string& path, std::size_t largest) {
-  const auto fail = [&](const std::string& reason) -> void {
-    throw Error(fmt::format("cannot read '{}': {}", path, reason));
-  };
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) fail("it is a folder");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) fail(std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-  std::string text;
-  std::string block(std::size_t{64} << 10U, '\0');
-  while (const std::size_t size = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block, 0, size);
-    if (text.size() > largest) fail(fmt::format("it is over {} MiB", largest >> 20U));
-  }
-  if (std::ferror(file.get()) != 0) fail(std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+  InputFile file(path, largest);
+  std::string text = file.rest();
+  if (!file.fault().empty()) throw Error(fmt::format("cannot read '{}': {}", path, file.fault()));
   return text;
 }
 

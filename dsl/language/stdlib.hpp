@@ -26,10 +26,11 @@ std::optional<std::string> module_text(const std::string& name);
 /// Returns the path of a module that is not embedded; none for an embedded or unknown one.
 std::optional<std::string> module_path(const std::string& name);
 
-/// The default limit of a file's size in bytes: reading a device may not terminate.
+/// The default limit of a file's size in bytes.
 inline constexpr std::size_t largest_file = std::size_t{64} << 20U;
 
-/// Reads a file of at most `largest` bytes. \throws Error that names the path and the reason.
+/// Reads a regular file of at most `largest` bytes. \throws Error that names the path and the reason, before it reads a
+/// file that is larger.
 std::string read_file(const std::string& path, std::size_t largest = largest_file);
 
 }  // namespace trellis::dsl

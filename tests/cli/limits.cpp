@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Limits of what a script can make large: each is refused before memory is taken, with the limit and the option.
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -84,6 +86,55 @@ TEST_CASE("what a script can make large is limited, and the message names the li
     CHECK(outcome.status == 2);
     CHECK_THAT(outcome.err, Contains(one.message));
     CHECK(outcome.most_memory < most_memory);
+  }
+}
+
+TEST_CASE("files are measured before they are read", "[limits]") {
+  const Place place;
+  const auto sparse = [&](const std::string& name) {
+    place.script(name, "");
+    std::filesystem::resize_file(place / name, std::uintmax_t{3} << 30U);
+  };
+  sparse("big.stl");
+  sparse("big.lua");
+  sparse("big.map");
+  const std::string spatial =
+      "world = world { bounds = {0, 0, 0, 1, 1, 1}, mesh 'big.stl' }, robot = robot.point { dimension = 3 }, "
+      "start = pose {0.1, 0.1, 0.1}, goal = pose {0.9, 0.9, 0.9}";
+  place.script("mesh.lua", "return rrt {}, problem { " + spatial + " }\n");
+  place.script("module.lua", "return require 'big'\n");
+  place.script("scene.lua", "return rrt {}, scenes.load('big.map', { start = {1, 1}, goal = {2, 2} })\n");
+  for (const std::string script : {"mesh.lua", "module.lua", "scene.lua", "big.lua"}) {
+    for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+             {"run", script, "--quiet"}, {"run", script, "--quiet", "--out", "results"}, {"check", script}}) {
+      const auto outcome = place.run(command);
+      INFO(script << "\n" << outcome.err);
+      CHECK(outcome.status == 2);
+      CHECK_THAT(outcome.err, Contains("it has 3221225472 bytes, at most 67108864 are read"));
+      CHECK(outcome.most_memory < most_memory / 4);
+    }
+  }
+}
+
+TEST_CASE("pipes and devices are no input files", "[limits]") {
+  const Place place;
+  place.script("mesh.lua",
+               "return rrt {}, problem { world = world { bounds = {0, 0, 0, 1, 1, 1}, mesh 'pipe.stl' }, "
+               "robot = robot.point { dimension = 3 }, start = pose {0.1, 0.1, 0.1}, goal = pose {0.9, 0.9, 0.9} }\n");
+  place.script("module.lua", "return require 'pipe'\n");
+  place.script("scene.lua", "return rrt {}, scenes.load('pipe.map', { start = {1, 1}, goal = {2, 2} })\n");
+  place.script("paths.lua", "return experience { db = 'pipe.db' } >> rrt {}, scenes.cup()\n");
+  REQUIRE(place.shell("for one in pipe.lua pipe.stl pipe.map pipe.db pipe.json; do mkfifo $one; done").status == 0);
+  // Nobody writes to the pipes: a command that reads one does not end.
+  for (const std::string command :
+       {"run pipe.lua", "check pipe.lua", "explain pipe.lua", "test pipe.lua", "repl pipe.lua < /dev/null",
+        "run mesh.lua", "run module.lua", "run scene.lua", "run paths.lua", "scene pipe.map", "experience pipe.db",
+        "verify pipe.json", "plot pipe.json --html page.html", "compare pipe.json --baseline a --out tables",
+        "run /dev/zero", "verify /dev/zero", "scene /dev/zero", "experience /dev/zero"}) {
+    const auto outcome = place.shell("timeout 20 $T " + command);
+    INFO(command << "\n" << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.err, Contains("expected a regular file"));
   }
 }
 

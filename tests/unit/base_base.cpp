@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/stat.h>
+
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include <trellis/base/component.hpp>
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/base/input_file.hpp>
 #include <trellis/base/random.hpp>
 
 #include "support/catch.hpp"
+#include "support/folder.hpp"
 
 using namespace trellis;
 
@@ -116,4 +121,23 @@ TEST_CASE("an option's number is printed so that it reads back, at the ends of d
   }
   CHECK(to_string(OptionValue(0.25)) == "0.25");
   CHECK(std::isnan(parse_number("none")));
+}
+
+TEST_CASE("input files are regular files within a limit", "[input]") {
+  const test::Folder folder;
+  const std::string file = folder.write("a.txt", "0123456789");
+  CHECK(InputFile(file, 10).rest() == "0123456789");
+  CHECK(input_fault(file, 10).empty());
+  CHECK(input_fault(file, 9) == "it has 10 bytes, at most 9 are read");
+  std::filesystem::create_symlink("a.txt", folder.file("link"));
+  CHECK(InputFile(folder.file("link"), 10).rest() == "0123456789");
+  CHECK(input_fault(folder.file("none"), 10) == "No such file or directory");
+  CHECK(input_fault(folder.path().string(), 10) == "it is a folder");
+  CHECK(input_fault("/dev/zero", 10) == "it is a device; expected a regular file");
+  REQUIRE(::mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+  CHECK(input_fault(folder.file("pipe"), 10) == "it is a pipe; expected a regular file");
+  // The size of some files is known only when they have been read.
+  InputFile grown("/proc/self/maps", 3);
+  CHECK(grown.rest().empty());
+  CHECK(grown.fault().find("at most 3 are read") != std::string::npos);
 }

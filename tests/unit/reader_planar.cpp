@@ -602,10 +602,11 @@ TEST_CASE("files that are no scenes are refused at once", "[reader]") {
   const test::Folder folder;
   CHECK_THAT(fault_of(folder.file("gone.map")), Contains("gone.map: the file cannot be opened"));
   CHECK_THAT(fault_of(folder.path()), Contains("the file cannot be read"));
-  CHECK_THAT(fault_of("/dev/zero"), Contains("the file cannot be read"));
+  CHECK_THAT(fault_of("/dev/zero"), Contains("the file cannot be read: it is a device; expected a regular file"));
   std::ofstream(folder.file("large.map")) << "type octile\n";
   std::filesystem::resize_file(folder.file("large.map"), (std::size_t{64} << 20U) + 1);
-  CHECK_THAT(fault_of(folder.file("large.map")), Contains("large.map: the file has 67108865 bytes, at most 67108864"));
+  CHECK_THAT(fault_of(folder.file("large.map")),
+             Contains("large.map: the file cannot be read: it has 67108865 bytes, at most 67108864 are read"));
   written(folder, "lines.map", std::string(2'000'001, '\n'));
   CHECK_THAT(fault_of(folder.file("lines.map")), Contains("lines.map:2000000: more than 2000000 lines"));
   CHECK_THAT(fault_of(written(folder, "long.yaml", "a: " + std::string(3 << 20U, 'x'))), Contains("read as YAML"));

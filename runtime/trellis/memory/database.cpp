@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/input_file.hpp>
 
 namespace trellis {
 
@@ -24,6 +26,10 @@ Database::Database(std::string path, Mode mode, Names names) : path_(std::move(p
   std::error_code ignored;
   if (std::filesystem::is_directory(path_, ignored)) {
     throw Error(fmt::format("{}: is a folder, not a {}", path_, names_.kind));
+  }
+  if (std::filesystem::exists(path_, ignored) && !std::filesystem::is_regular_file(path_, ignored)) {
+    throw Error(fmt::format("{}: the {} cannot be read: {}", path_, names_.brief,
+                            input_fault(path_, std::numeric_limits<std::uintmax_t>::max())));
   }
   check_header();
   try {
@@ -86,7 +92,7 @@ void Database::check_header() const {
   constexpr std::string_view magic("SQLite format 3\0", 16);
   constexpr std::size_t header = 100;
   std::ifstream file(path_, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path_)) return;
+  if (!file) return;
   std::string begin(header, '\0');
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<std::size_t>(file.gcount()));

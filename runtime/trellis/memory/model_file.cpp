@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
+#include <cstdint>
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/input_file.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/memory/bytes.hpp>
 #include <trellis/memory/grid.hpp>
@@ -51,15 +51,17 @@ ModelFile read_model(const ModelKind& kind, const std::string& file) {
   if (!std::filesystem::exists(file, ignored)) {
     throw Error(fmt::format("{}: there is no such model; {} --out {} makes one", file, kind.command, file));
   }
-  std::ifstream in(file, std::ios::binary);
-  const std::string all{std::istreambuf_iterator<char>(in), {}};
+  constexpr std::uintmax_t most = std::uintmax_t{4} << 30U;
+  InputFile in(file, most);
+  const std::string all = in.rest();
+  if (!in.fault().empty()) throw Error(fmt::format("{}: the model cannot be read: {}", file, in.fault()));
   for (const ModelKind* other : {&cell_classifier, &search_heuristic}) {
     if (other->magic == kind.magic || !all.starts_with(other->magic)) continue;
     throw Error(fmt::format("{}: the model is {}; expected {}, which {} --out FILE makes", file, other->what, kind.what,
                             kind.command));
   }
   const std::size_t head = kind.magic.size() + 5 * word;
-  if (!in || !all.starts_with(kind.magic)) throw Error(fmt::format("{}: is no model of trellis train", file));
+  if (!all.starts_with(kind.magic)) throw Error(fmt::format("{}: is no model of trellis train", file));
   const auto damaged = [&](const char* how) { return Error(fmt::format("{}: the model is damaged: {}", file, how)); };
   if (all.size() < head + word) throw damaged("it ends too early");
   const auto number = [&](std::size_t i) { return integer_at(all, kind.magic.size() + i * word); };

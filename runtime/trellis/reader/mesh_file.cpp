@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
+#include <trellis/base/input_file.hpp>
 #include <trellis/reader/formats.hpp>
 #include <trellis/reader/mesh_formats.hpp>
 #include <trellis/reader/unread.hpp>
@@ -55,20 +53,9 @@ std::string hint_for(const std::string& path) {
 
 std::string load(const std::string& path) {
   constexpr std::uintmax_t largest = std::uintmax_t{64} << 20U;
-  std::error_code fault;
-  const fs::file_status status = fs::status(path, fault);
-  if (!fs::exists(status)) throw Error(fmt::format("{}: the file does not exist", path));
-  if (!fs::is_regular_file(status)) throw Error(fmt::format("{}: it is not a file", path));
-  const std::uintmax_t size = fs::file_size(path, fault);
-  std::ifstream in(path, std::ios::binary);
-  if (fault || !in) throw Error(fmt::format("{}: the file cannot be read", path));
-  if (size > largest) {
-    throw Error(
-        fmt::format("{}: it has {} MiB; a file of a mesh may have {} MiB", path, (size >> 20U) + 1U, largest >> 20U));
-  }
-  std::string text(size, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (in.gcount() != static_cast<std::streamsize>(size)) throw Error(fmt::format("{}: the file cannot be read", path));
+  InputFile file(path, largest);
+  std::string text = file.rest();
+  if (!file.fault().empty()) throw Error(fmt::format("{}: the file cannot be read: {}", path, file.fault()));
   return text;
 }
 

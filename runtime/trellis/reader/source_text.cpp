@@ -5,40 +5,45 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <sstream>
+#include <system_error>
+#include <utility>
 
+#include <trellis/base/input_file.hpp>
 #include <trellis/reader/formats.hpp>
 
 namespace trellis {
 
-void require_readable(const std::string& path) {
-  std::error_code fault;
-  const auto status = std::filesystem::status(path, fault);
-  if (!std::filesystem::exists(status)) throw Error(fmt::format("{}: the file cannot be opened", path));
-  if (!std::filesystem::is_regular_file(status)) throw Error(fmt::format("{}: the file cannot be read", path));
-  const auto size = std::filesystem::file_size(path, fault);
-  if (!fault && size > most_file_bytes) {
-    throw Error(fmt::format("{}: the file has {} bytes, at most {} are read", path, size, most_file_bytes));
-  }
+namespace {
+
+void require_no_fault(const std::string& path, const std::string& fault) {
+  if (fault.empty()) return;
+  std::error_code ignored;
+  const char* what = std::filesystem::exists(path, ignored) ? "read" : "opened";
+  throw Error(fmt::format("{}: the file cannot be {}: {}", path, what, fault));
 }
 
+}  // namespace
+
+void require_readable(const std::string& path) { require_no_fault(path, input_fault(path, most_file_bytes)); }
+
 SourceText SourceText::load(const std::string& path) {
-  require_readable(path);
-  std::ifstream in(path);
-  if (!in) throw Error(fmt::format("{}: the file cannot be opened", path));
+  InputFile file(path, most_file_bytes);
+  const std::string all = file.rest();
+  require_no_fault(path, file.fault());
   SourceText text{path, {}};
-  std::string line;
-  while (std::getline(in, line)) {
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find('\n', begin), all.size());
+    std::string line = all.substr(begin, end - begin);
+    begin = end + 1;
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (text.lines.empty() && line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
     if (text.lines.size() == most_file_lines) {
       throw text.error(most_file_lines, fmt::format("more than {} lines", most_file_lines));
     }
-    text.lines.push_back(line);
+    text.lines.push_back(std::move(line));
   }
-  if (in.bad() || (text.lines.empty() && !in.eof())) throw Error(fmt::format("{}: the file cannot be read", path));
   return text;
 }
 
