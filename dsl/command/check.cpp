@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -102,9 +101,9 @@ bool check_script(const std::string& script, const dsl::SessionOptions& options,
       warnings.push_back(fmt::format("{} (strategy '{}')", sentence, name));
     }
   }
-  for (const std::string& fault : faults) fmt::print(stderr, "trellis: {}\n", fault);
-  if (faults.size() > 1) fmt::print(stderr, "trellis: {} mistakes\n", faults.size());
-  for (const std::string& warning : warnings) fmt::print(stderr, "trellis: warning: {}\n", warning);
+  for (const std::string& fault : faults) print_message(fault);
+  if (faults.size() > 1) print_message(fmt::format("{} mistakes", faults.size()));
+  for (const std::string& warning : warnings) print_message(fmt::format("warning: {}", warning));
   text = summary(script, experiment);
   return faults.empty();
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <set>
@@ -103,8 +102,8 @@ void learn(const Experiment& experiment, const ExperimentResult& result, const s
     added += library.add(stored_path(*problem, run.run.path), problem->space, least) ? 1 : 0;
   }
   if (quiet) return;
-  fmt::print(stderr, "trellis: {}: {} of {} found {} new and added\n", file, added, counted(solved, "path", "paths"),
-             added == 1 ? "was" : "were");
+  print_message(fmt::format("{}: {} of {} found {} new and added", file, added, counted(solved, "path", "paths"),
+                            added == 1 ? "was" : "were"));
 }
 
 }  // namespace trellis::command

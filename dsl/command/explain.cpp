@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -77,7 +76,7 @@ int explain(const Options& options) {
             {name, strategy.text(), group.first->name, group.others, trellis::explain(strategy, *group.first)});
       } catch (const Error& error) {
         // Continue with the other strategies.
-        fmt::print(stderr, "trellis: {}\n", error.what());
+        print_message(error.what());
         status = their_fault;
       }
     }

@@ -15,6 +15,8 @@
 #include <dsl/lua/mistakes.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/errors.hpp>
+#include <trellis/base/printable.hpp>
+#include <trellis/report/files.hpp>
 
 namespace trellis::command {
 
@@ -88,6 +90,10 @@ OutputFolder::~OutputFolder() {
   if (!made_.empty()) fs::remove(made_, ignored);
 }
 
+void print_stderr(std::string_view text) { static_cast<void>(write_all(STDERR_FILENO, printable(text))); }
+
+void print_message(std::string_view message) { print_stderr(fmt::format("trellis: {}\n", message)); }
+
 void print_error(const Error& error) {
   std::vector<std::string> messages = {error.what()};
   std::size_t count = 1;
@@ -98,11 +104,13 @@ void print_error(const Error& error) {
     messages = shortened(errors->messages());
     count = errors->messages().size();
   }
-  for (const std::string& message : messages) fmt::print(stderr, "trellis: {}\n", message);
-  if (count > 1) fmt::print(stderr, "trellis: {} mistakes\n", count);
+  for (const std::string& message : messages) print_message(message);
+  if (count > 1) print_message(fmt::format("{} mistakes", count));
 }
 
-void print_all(const std::string& text) {
+void print_all(std::string_view text) { print_drawing(printable(text)); }
+
+void print_drawing(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) fail_output();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <trellis/base/error.hpp>
 
@@ -26,11 +27,23 @@ class OutputFolder {
   std::string made_;  // the created folder, "" if it existed before
 };
 
+// All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
+
+/// Prints to stderr. Where that fails, as on a full disk or where the caller closed stderr, the text is lost and the
+/// command goes on.
+void print_stderr(std::string_view text);
+
+/// Prints the line `trellis: MESSAGE` to stderr.
+void print_message(std::string_view message);
+
 /// Prints the message to stderr; of several mistakes of a script one line for each, and their number.
 void print_error(const Error& error);
 
 /// Prints to stdout. \throws Error if that fails, as on a full disk.
-void print_all(const std::string& text);
+void print_all(std::string_view text);
+
+/// Prints a drawing with its colours, whose other text is printable. \throws Error as print_all.
+void print_drawing(std::string_view text);
 
 /// Checks at the end that all of stdout was written, also what scripts print. \throws Error if not, once.
 void finish_output();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -169,7 +168,7 @@ int plot_figures(const Options& options) {
         fmt::format("{} is in several files, whose efficiencies do not add up; draw the figures of each file by itself",
                     stored.repeated.front());
     if (options.figure) throw Error("--figure " + figure_names()[*options.figure] + ": " + text);
-    fmt::print(stderr, "trellis: note: {}\n", text);
+    print_message(fmt::format("note: {}", text));
   }
   OutputFolder out(options.out);
   Plotter plotter(options, style);

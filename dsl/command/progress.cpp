@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <string>
 
+#include <trellis/base/printable.hpp>
 #include <trellis/report/files.hpp>
 
 namespace trellis::command {
@@ -55,8 +56,8 @@ void Progress::draw(const std::string& what) {
       in_phase * static_cast<double>(all_ - done_) / static_cast<double>(std::max<std::size_t>(1, done_));
   // Not fmt::print, which fails where a Ctrl-C interrupts it.
   const std::string line =
-      fmt::format("\r\x1b[K[{}{}] {} {}/{}  {}{}", std::string(filled, '#'), std::string(width - filled, '.'), what,
-                  done_, all_, clock(std::chrono::duration<double>(now - start_).count()),
+      fmt::format("\r\x1b[K[{}{}] {} {}/{}  {}{}", std::string(filled, '#'), std::string(width - filled, '.'),
+                  printable(what), done_, all_, clock(std::chrono::duration<double>(now - start_).count()),
                   estimated ? fmt::format(", about {} left", clock(left)) : "");
   static_cast<void>(write_all(STDERR_FILENO, line));
   drawn_ = true;

@@ -84,8 +84,7 @@ std::string without_traceback(const std::string& message) {
 
 void complain(const std::string& message) {
   std::fflush(stdout);
-  fmt::print(stderr, "{}\n", message);
-  std::fflush(stderr);
+  print_stderr(message + "\n");
 }
 
 /// Prints a value; for a session command without call parentheses, its usage.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/printable.hpp>
 #include <trellis/draw/braille.hpp>
 #include <trellis/draw/canvas.hpp>
 #include <trellis/draw/page.hpp>
@@ -297,7 +298,7 @@ std::string plot_text(const Run& run, std::size_t level, const Screen& screen) {
     out += "│" + inside.substr(begin, end - begin) + "│\n";
     begin = end + 1;
   }
-  out += "└" + edge + "┘\n" + sketch.caption + '\n';
+  out += "└" + edge + "┘\n" + printable(sketch.caption) + '\n';
   if (!screen.colour) return out;
   const auto key = [](const draw::Ink256& ink, const char* sign, const char* name) {
     return fmt::format("\x1b[38;5;{}m{}\x1b[0m {}", ink.colour, sign, name);

@@ -313,7 +313,7 @@ class Verbs {
       plot_file(run, level, *file);
       say(fmt::format("{} written", *file));
     } else {
-      say(plot_text(run, level, bench_.screen()));
+      print_drawing(plot_text(run, level, bench_.screen()));
     }
     return 0;
   }

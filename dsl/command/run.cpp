@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -137,7 +136,7 @@ void write_all_figures(const Experiment& experiment, const ExperimentResult& res
   write_figures(experiment, result, folder, options.jobs, options.style);
   write_motion_figures(experiment, result, folder, options.jobs, options.style);
   for (const std::string& note : write_scene_figures(experiment, result, folder, options)) {
-    if (!quiet) fmt::print(stderr, "trellis: {}\n", note);
+    if (!quiet) print_message(note);
   }
 }
 
@@ -230,11 +229,9 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
       return run.problem == problem.name && run.run.solved;
     });
     if (solved) continue;
-    fmt::print(
-        stderr,
-        "trellis: {}: no run of any strategy found a path{}; give the planners more `proposals`, or examine where "
-        "they got to\n",
-        problem.name, experiment.measure ? ", so there is no target and no efficiency" : "");
+    print_message(fmt::format(
+        "{}: no run of any strategy found a path{}; give the planners more `proposals`, or examine where they got to",
+        problem.name, experiment.measure ? ", so there is no target and no efficiency" : ""));
   }
 }
 
@@ -242,7 +239,7 @@ void tell_unsolved(const Experiment& experiment, const ExperimentResult& result)
 /// \param scored  whether this process computed all scores
 void warn(const dsl::Program& program, const ExperimentResult& result, bool scored) {
   for (const std::string& sentence : unused_guides(program.experiment, result)) {
-    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+    print_message(fmt::format("warning: {}", sentence));
   }
   const auto& measure = program.experiment.measure;
   const char* why = !measure ? "the experiment measures nothing (measure = false)"
@@ -252,9 +249,9 @@ void warn(const dsl::Program& program, const ExperimentResult& result, bool scor
   for (const auto& [function, guides] : program.uncalled()) {
     if (!guides && !scored) continue;
     if (guides) {
-      fmt::print(stderr, "trellis: warning: {} was never called in any run\n", function);
+      print_message(fmt::format("warning: {} was never called in any run", function));
     } else {
-      fmt::print(stderr, "trellis: warning: {} were never called: {}\n", function, why);
+      print_message(fmt::format("warning: {} were never called: {}", function, why));
     }
   }
 }
@@ -263,7 +260,7 @@ void warn(const dsl::Program& program, const ExperimentResult& result, bool scor
 void warn_of_guides(const Experiment& experiment, const ExperimentResult& result) {
   for (const Problem& problem : experiment.problems) {
     for (const std::string& sentence : guide_warnings(experiment, result, problem.name)) {
-      fmt::print(stderr, "trellis: warning: {}: {}\n", problem.name, sentence);
+      print_message(fmt::format("warning: {}: {}", problem.name, sentence));
     }
   }
 }
@@ -368,15 +365,15 @@ int run(const Options& options) {
     if (!options.restart) require_same(options.out, manifest);
     resume.emplace(options.out, manifest, options.restart);
     if (resume->runs() > 0 && !options.quiet) {
-      fmt::print(stderr, "trellis: continues '{}', which holds {} of {} runs; --restart starts again\n", options.out,
-                 resume->runs(), keys_of(manifest.experiment).size());
+      print_message(fmt::format("continues '{}', which holds {} of {} runs; --restart starts again", options.out,
+                                resume->runs(), keys_of(manifest.experiment).size()));
     }
     out.keep();
   }
 
-  for (const std::string& sentence : program.warnings) fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  for (const std::string& sentence : program.warnings) print_message(fmt::format("warning: {}", sentence));
   for (const std::string& sentence : input_warnings(experiment)) {
-    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+    print_message(fmt::format("warning: {}", sentence));
   }
   const auto threads = static_cast<unsigned>(options.jobs.value_or(1));
   std::string finished;  // before an interruption
@@ -400,7 +397,7 @@ int run(const Options& options) {
   });
   writers.attempt(!options.gltf.empty(), [&] {
     for (const std::string& note : write_gltf(experiment, result, options.gltf)) {
-      if (!options.quiet) fmt::print(stderr, "trellis: {}\n", note);
+      if (!options.quiet) print_message(note);
     }
   });
   writers.attempt(!options.learn.empty(),
@@ -424,9 +421,9 @@ int run_and_watch(const Options& options) {
       print_error(error);
     }
     finish_output();
-    fmt::print(stderr, "trellis: watching {}; Ctrl-C ends\n", fmt::join(files.names(), ", "));
+    print_message(fmt::format("watching {}; Ctrl-C ends", fmt::join(files.names(), ", ")));
     const std::string changed = files.wait();
-    fmt::print(stderr, "trellis: {} has changed\n", changed);
+    print_message(fmt::format("{} has changed", changed));
   }
 }
 

@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
-
 #include <dsl/command/commands.hpp>
 #include <dsl/command/interrupt.hpp>
+#include <dsl/command/outputs.hpp>
 
 namespace trellis::command {
 
@@ -29,8 +28,7 @@ dsl::SessionOptions session_options(const ScriptOptions& options) {
   session.trust = options.trust;
   session.interrupted = InterruptibleRun::requested;
   session.stuck = [](const std::string& message) {
-    fmt::print(stderr, "trellis: {}\n", message);
-    std::fflush(stderr);
+    print_message(message);
     ::_exit(their_fault);
   };
   return session;

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -135,7 +134,7 @@ JunitSuite try_file(const std::string& path, const dsl::ScenarioFile::Options& o
     file.emplace(path, options);
   } catch (const Error& error) {
     // Continue with the other files.
-    fmt::print(stderr, "trellis: {}\n", error.what());
+    print_message(error.what());
     tally.script_wrong = true;
     suite.cases.push_back({path, 0.0, "", error.what(), ""});
     return suite;

@@ -9,6 +9,7 @@
 
 #include <dsl/language/algebra.hpp>
 #include <dsl/language/words.hpp>
+#include <trellis/base/printable.hpp>
 
 namespace trellis::dsl {
 
@@ -91,7 +92,8 @@ void open_help(Stack& stack, std::function<void(const std::string&)> print) {
     if (print) {
       print(text);
     } else {
-      std::fwrite(text.data(), 1, text.size(), stdout);
+      const std::string shown = printable(text);
+      std::fwrite(shown.data(), 1, shown.size(), stdout);
       std::fflush(stdout);
     }
     return 0;

@@ -15,7 +15,7 @@ void wrap(lua_State* state, const char* name, lua_CFunction by);
 /// Calls the replaced function with the arguments on the stack.
 int call_replaced(lua_State* state);
 
-/// pcall, xpcall, load, setmetatable, collectgarbage.
+/// pcall, xpcall, load, setmetatable, collectgarbage, print.
 void replace_base(lua_State* state);
 /// wrap, resume, close.
 void replace_coroutine(lua_State* state);

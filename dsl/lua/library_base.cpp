@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <array>
+#include <cstddef>
+#include <cstdio>
+#include <string>
 #include <string_view>
 
 #include <dsl/lua/guard.hpp>
 #include <dsl/lua/libraries.hpp>
+#include <trellis/base/printable.hpp>
 
 namespace trellis::lua {
 
@@ -78,6 +82,25 @@ int set_metatable(lua_State* state) {
 
 // The rest -----------------------------------------------------------------------------------------------------------
 
+/// Lua's `print`, for a terminal that obeys nothing in it.
+int print(lua_State* state) {
+  constexpr std::uint64_t each = 2;  // bytes for an instruction
+  const int count = lua_gettop(state);
+  std::string line;
+  for (int i = 1; i <= count; ++i) {
+    std::size_t size = 0;
+    const char* text = luaL_tolstring(state, i, &size);
+    Guard::spend(state, size / each);
+    if (i > 1) line += '\t';
+    line += printable({text, size});
+    lua_pop(state, 1);
+  }
+  line += '\n';
+  std::fwrite(line.data(), 1, line.size(), stdout);
+  std::fflush(stdout);
+  return 0;
+}
+
 int collect_garbage(lua_State* state) {
   constexpr double kibibyte = 1024.0;
   constexpr std::uint64_t each = 16;  // instructions for collecting a kibibyte
@@ -111,8 +134,8 @@ int load_text(lua_State* state) {
 }  // namespace
 
 void replace_base(lua_State* state) {
-  constexpr std::array<luaL_Reg, 3> functions = {
-      {{"setmetatable", set_metatable}, {"collectgarbage", collect_garbage}, {nullptr, nullptr}}};
+  constexpr std::array<luaL_Reg, 4> functions = {
+      {{"setmetatable", set_metatable}, {"collectgarbage", collect_garbage}, {"print", print}, {nullptr, nullptr}}};
   luaL_setfuncs(state, functions.data(), 0);
   wrap(state, "pcall", protected_call);
   wrap(state, "xpcall", protected_call_with_handler);

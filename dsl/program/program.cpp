@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/format.h>
+#include <unistd.h>
 
-#include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include <dsl/command/command_line.hpp>
 #include <dsl/command/commands.hpp>
@@ -12,6 +12,7 @@
 #include <trellis/base/error.hpp>
 #include <trellis/experiment/experiment.hpp>
 #include <trellis/program.hpp>
+#include <trellis/report/files.hpp>
 
 namespace trellis {
 
@@ -24,19 +25,19 @@ int run_program(int argc, char** argv) {
     command::finish_output();
     return command::output_closed() ? command::pipe_closed : status;
   } catch (const Interrupted& interrupted) {
-    fmt::print(stderr, "trellis: {}\n", interrupted.what());
+    command::print_message(interrupted.what());
     return command::interrupted_status();
   } catch (const Error& error) {
     command::print_error(error);
     return command::output_closed() ? command::pipe_closed : command::their_fault;
   } catch (const std::bad_alloc&) {
-    fmt::print(
-        stderr,
-        "trellis: the system gives no more memory; expected fewer seeds, proposals or obstacles, or one --problem "
-        "and --strategy\n");
+    // Formatting may need memory.
+    static_cast<void>(write_all(STDERR_FILENO,
+                                "trellis: the system gives no more memory; expected fewer seeds, proposals or "
+                                "obstacles, or one --problem and --strategy\n"));
     return command::their_fault;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "trellis: a fault of trellis itself, please report it: {}\n", error.what());
+    command::print_message(std::string("a fault of trellis itself, please report it: ") + error.what());
     return command::our_fault;
   }
 }

@@ -10,6 +10,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/input_file.hpp>
+#include <trellis/base/printable.hpp>
 #include <trellis/base/random.hpp>
 
 #include "support/catch.hpp"
@@ -121,6 +122,24 @@ TEST_CASE("an option's number is printed so that it reads back, at the ends of d
   }
   CHECK(to_string(OptionValue(0.25)) == "0.25");
   CHECK(std::isnan(parse_number("none")));
+}
+
+TEST_CASE("a printable text has nothing that a terminal obeys", "[printable]") {
+  CHECK(printable("plain text,\n\tin two lines") == "plain text,\n\tin two lines");
+  CHECK(printable("käse → 日本 🙂") == "käse → 日本 🙂");
+  CHECK(printable("\x1b]0;title\x07") == "\\x1b]0;title\\x07");
+  CHECK(printable(std::string_view("a\0b", 3)) == "a\\x00b");
+  CHECK(printable("over\rwritten\x7f") == "over\\x0dwritten\\x7f");
+  CHECK(printable("\xc2\x9b"
+                  "2J") == "\\u{009b}2J");
+  CHECK(printable("\xe2\x80\xae"
+                  "abc") == "\\u{202e}abc");
+  // Bytes that are not UTF-8: alone, cut short, too long, a surrogate, beyond the last character.
+  CHECK(printable("\x9b") == "\\x9b");
+  CHECK(printable("\xe2\x80") == "\\xe2\\x80");
+  CHECK(printable("\xc0\xaf") == "\\xc0\\xaf");
+  CHECK(printable("\xed\xa0\x80") == "\\xed\\xa0\\x80");
+  CHECK(printable("\xf4\x90\x80\x80") == "\\xf4\\x90\\x80\\x80");
 }
 
 TEST_CASE("input files are regular files within a limit", "[input]") {
