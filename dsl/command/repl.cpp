@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@
 #include <dsl/command/repl_console.hpp>
 #include <dsl/command/repl_line.hpp>
 #include <dsl/command/script_options.hpp>
+#include <trellis/base/printable.hpp>
 #include <trellis/base/version.hpp>
 #include <trellis/report/report.hpp>
 
@@ -42,9 +44,18 @@ int repl(const std::string& script, const ScriptOptions& options) {
   // The user can stop a long input with Ctrl-C and keep the session.
   session.interrupted = InterruptibleSession::requested;
   session.stuck = nullptr;
-  Console console(std::filesystem::path(script).parent_path().string(), coloured(), session);
   std::string input;  // its previous lines
-  LineReader lines([&](const std::string& before) { return console.complete(input + before); });
+  std::function<Completion(const std::string&)> complete;
+  LineReader lines([&](const std::string& before) { return complete(input + before); });
+  std::function<bool(const std::string&)> confirmed;
+  if (lines.interactive()) {
+    confirmed = [&](const std::string& question) {
+      std::string answer;
+      return lines.read(printable(question), answer) == LineReader::Got::line && (answer == "y" || answer == "yes");
+    };
+  }
+  Console console(std::filesystem::path(script).parent_path().string(), coloured(), session, confirmed);
+  complete = [&](const std::string& text) { return console.complete(text); };
   const std::string greeting = script.empty() ? "" : console.load(script);
   // Without a terminal, a Ctrl-C ends the program, as in other commands.
   std::optional<InterruptibleSession> patient;

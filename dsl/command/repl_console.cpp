@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <set>
 
 #include <dsl/command/interrupt.hpp>
 #include <dsl/command/outputs.hpp>
@@ -28,6 +29,7 @@
 #include <dsl/language/types.hpp>
 #include <dsl/language/vocabulary.hpp>
 #include <dsl/language/words.hpp>
+#include <dsl/lua/globals.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
@@ -53,7 +55,7 @@ Screen screen(bool colour) {
 /// Whether a Lua text compiles; if so, pushes its function. `why`: the message if not.
 bool loads(Stack& stack, const std::string& text, const std::string& name, std::string& why) {
   try {
-    stack.load(text, name);
+    stack.load_within(typed_environment, text, name);
     return true;
   } catch (const lua::Located& error) {
     why = error.what();
@@ -91,7 +93,7 @@ void complain(const std::string& message) {
 std::string shown(Stack& stack, Value value) {
   if (value.type() != Type::function) return value_text(stack, value);
   for (const Verb& verb : verbs()) {
-    if (stack.push_global(std::string(verb.name)).identity() != value.identity()) continue;
+    if (push_verbs(stack).field(std::string(verb.name)).identity() != value.identity()) continue;
     return verb.name == "help" ? verbs_text() : verbs_text(verb.name);
   }
   return value_text(stack, value);
@@ -223,7 +225,7 @@ std::string type_name(Value value) {
 
 /// Returns the members of an expression's value: fields after '.', methods after ':'; none if it has no known type.
 std::optional<std::vector<std::string>> members(Stack& stack, const std::string& expression, const std::string& sign) {
-  stack.load("return " + expression, "=completion");
+  stack.load_within(typed_environment, "return " + expression, "=completion");
   const int before = stack.size();
   stack.call(0);
   if (stack.size() < before) return {};
@@ -262,21 +264,6 @@ void add_differences(const std::string& of, const std::vector<std::pair<std::str
   }
 }
 
-/// Returns how a problem has changed, "" where it has not.
-std::string change_of(const Problem& before, const Problem& after) {
-  std::vector<std::string> parts;
-  const auto note = [&](bool same, const char* part) {
-    if (!same) parts.emplace_back(part);
-  };
-  note(world_hash(*before.scene) == world_hash(*after.scene), "world");
-  note(robot_hash(*before.scene) == robot_hash(*after.scene), "robot");
-  note(identity(before.space) == identity(after.space), "space");
-  note(before.start == after.start, "start");
-  note(before.goals == after.goals && before.goal_tolerance == after.goal_tolerance, "goal");
-  note(before.resolution == after.resolution && before.collision == after.collision, "collision checks");
-  return parts.empty() ? "" : fmt::format("has another {}", fmt::join(parts, ", "));
-}
-
 /// Returns a line for each difference of two results of a script, "" for none.
 std::string differences(const Experiment& before, const Experiment& after) {
   std::string text;
@@ -300,8 +287,10 @@ std::string differences(const Experiment& before, const Experiment& after) {
 
 }  // namespace
 
-Console::Console(const std::string& folder, bool colour, const dsl::SessionOptions& options)
+Console::Console(const std::string& folder, bool colour, const dsl::SessionOptions& options,
+                 std::function<bool(const std::string& question)> confirmed)
     : session_(folder, options) {
+  if (confirmed) bench_.confirmed = std::move(confirmed);
   bench_.screen = [colour] { return screen(colour); };
   bench_.interrupted = InterruptibleSession::requested;
   bench_.forget_interruption = InterruptibleSession::forget;
@@ -314,8 +303,6 @@ Console::Console(const std::string& folder, bool colour, const dsl::SessionOptio
 std::string Console::load(const std::string& path) {
   const std::string text = dsl::without_shebang(dsl::read_file(path));
   std::string bound;
-  bench_.loading = true;
-  const std::shared_ptr<void> loaded(nullptr, [this](void*) { bench_.loading = false; });
   session_.run(text, path, [&](Stack& stack) {
     if (stack.size() == 0) return;  // the script may only define globals
     bench_.returned = stack[1].get<dsl::Program>() != nullptr ? Bench::Returned::experiment
@@ -340,6 +327,16 @@ std::string Console::load(const std::string& path) {
     }
     dsl::push_experiment(stack, experiment);
     stack.set_global("script");
+  });
+  session_.with([&](Stack& stack) {
+    const Value globals = stack.push_globals();
+    for (const Verb& verb : verbs()) {
+      const std::string name(verb.name);
+      const bool word =
+          std::any_of(dsl::words().begin(), dsl::words().end(), [&](const dsl::Word& one) { return one.name == name; });
+      if (word || !globals.field(name).given()) continue;
+      bound += fmt::format("  {:<32} is the script's; {} is the session's word here\n", "_G." + name, name);
+    }
   });
   bench_.path = path;
   return bound.empty() ? fmt::format("{} returns nothing; its globals are there\n", path)
@@ -455,13 +452,48 @@ void Console::accept(const std::string& input) {
   if (all.empty()) return;
   // Inputs that only print are no statements, `return` would end the script, and scripts have no session commands.
   bool statement = !bench_.used && all.front().text != "return";
-  if (statement) {
-    session_.with([&](Stack& stack) {
-      std::string why;
-      statement = loads(stack, input, "=input", why);
-    });
-  }
+  std::set<std::string> assigned;
+  session_.with([&](Stack& stack) {
+    std::string why;
+    const bool chunk = loads(stack, input, "=input", why);
+    statement = statement && chunk;
+    for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? input : "return " + input, "=input")) {
+      if (use.set) assigned.insert(use.name);
+      // What a comment has made is not there when the script runs.
+      if (!use.set && bench_.lost.count(use.name) > 0) statement = false;
+    }
+  });
   bench_.accepted.push_back(statement ? input : commented(input));
+  for (const std::string& name : assigned) {
+    const std::string text = statement ? "" : literal(name);
+    if (!text.empty()) bench_.accepted.push_back(fmt::format("{} = {}", name, text));
+    if (statement || !text.empty()) {
+      bench_.lost.erase(name);
+    } else {
+      bench_.lost.insert(name);
+    }
+  }
+}
+
+std::string Console::literal(const std::string& name) {
+  std::string text;
+  session_.with([&](Stack& stack) {
+    const Value value = stack.push_global(name);
+    if (value.type() == Type::number || value.type() == Type::boolean) text = value.text();
+    const auto strategy = dsl::as_strategy(value);
+    if (!strategy) return;
+    std::string why;
+    if (!loads(stack, "return " + strategy->text(), "=input", why)) return;
+    // A part of a script's own has a text that makes nothing.
+    try {
+      stack.call_protected(0);
+    } catch (const Error&) {
+      return;
+    }
+    const auto made = dsl::as_strategy(stack.top());
+    if (made && *made == *strategy) text = strategy->text();
+  });
+  return text;
 }
 
 void Console::warn_of_locals(const std::string& input) {
@@ -490,6 +522,9 @@ Completion Console::complete(const std::string& text) {
                         value.get<StrategySpec>() != nullptr;
       if (name && fits && !name->starts_with("_")) names.push_back(*name);
     });
+    if (!composes) {
+      for (const Verb& verb : verbs()) names.emplace_back(verb.name);
+    }
     stack.resize(before);
   });
   const dsl::Completions known = dsl::completions(text, names);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <dsl/command/repl_line.hpp>
@@ -14,7 +15,9 @@ class Console {
  public:
   /// \param folder  the folder of modules and scenes
   /// \param colour  whether the output may have colours
-  Console(const std::string& folder, bool colour, const dsl::SessionOptions& options);
+  /// \param confirmed  asks the person at the terminal a question; nullptr where there is none
+  Console(const std::string& folder, bool colour, const dsl::SessionOptions& options,
+          std::function<bool(const std::string& question)> confirmed = {});
 
   /// Runs a script and assigns its result to the global `script`; prints a summary. \throws Error.
   std::string load(const std::string& path);
@@ -35,7 +38,10 @@ class Console {
   std::string edited();
 
  private:
+  /// Adds the input to those that save() writes: as a statement, or as a comment with the values that it assigned.
   void accept(const std::string& input);
+  /// The text of a global that save() can write, a number, a boolean or a strategy; "" for others.
+  std::string literal(const std::string& name);
   void warn_of_locals(const std::string& input);
   /// Prints what the input has that does something else than it seems to.
   void print_warnings();

@@ -29,6 +29,7 @@
 #include <trellis/experiment/cell.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/measure/censored_cost.hpp>
+#include <trellis/memory/identity.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/report/tuning.hpp>
@@ -163,6 +164,27 @@ std::string expression_of(Stack& call, const Value& value) {
       if (script.type() != Type::table) break;
       const Value table = script.field(part);
       if (table.type() == Type::table) search(table, std::string("script.") + part);
+    }
+  }
+  call.resize(before);
+  return found;
+}
+
+/// The call of a function of the module `scenes` that makes an equal problem; "" for none.
+std::string scene_call(Stack& call, const Problem& problem) {
+  if (field_path("scenes", problem.name) != "scenes." + problem.name) return "";
+  const int before = call.size();
+  std::string found;
+  call.load("return require('scenes')", "=repl");
+  call.call(0);
+  const Value function = call.top().field(problem.name);
+  if (function.type() == Type::function) {
+    try {
+      call.push(function);
+      call.call_protected(0);
+      const auto* made = call.top().get<Problem>();
+      if (made != nullptr && change_of(*made, problem).empty()) found = fmt::format("scenes.{}()", problem.name);
+    } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a function that needs arguments makes another problem
     }
   }
   call.resize(before);
@@ -361,7 +383,7 @@ class Verbs {
     std::string word = call[1].string().value_or("");
     if (!call[1].given()) throw Error("source: the name of a function belongs here, as source(\"scenes.cup\")");
     if (!word.empty()) {
-      call.load("return " + word, "=source");
+      call.load_within(typed_environment, "return " + word, "=source");
       call.call(0);
     }
     const Value value = word.empty() ? call[1] : call.top();
@@ -429,8 +451,7 @@ class Verbs {
   }
 
   int tune(Stack& call) {
-    dsl::Program program = dsl::read_tuning(call);
-    if (bench_.loading) return call.result(std::move(program));
+    const dsl::Program program = dsl::read_tuning(call);
     TuneResult result;
     {
       Progress progress(true);
@@ -439,8 +460,17 @@ class Verbs {
                         {.progress = [&](std::size_t done, std::size_t all) { progress.show("planning", done, all); },
                          .interrupted = bench_.interrupted});
     }
+    const StrategySpec& best = program.experiment.strategies[result.winner].second;
+    Value problem = call[2];
+    if (problem.type() == Type::table) {
+      call.push(std::int64_t{1});
+      problem = call.get(problem, call.top());
+    }
+    bench_.problem = program.experiment.problems.front();
+    bench_.expression = expression_of(call, problem);
+    bench_.planned = {best.text(), best.text(), bench_.expression, *bench_.problem};
     say(tuning_text(program.experiment, *program.tuning, result, bench_.screen().columns));
-    call.push_object(program.experiment.strategies[result.winner].second);
+    call.push_object(best);
     bench_.announced = call.top().identity();
     return 1;
   }
@@ -486,16 +516,25 @@ class Verbs {
     std::string text = "-- The inputs of a session of trellis repl; those that print or plan are comments.\n";
     text += requiring_lines(bench_, *file);
     for (const auto& input : bench_.accepted) text += input + "\n";
+    std::string strategy;
+    std::string problem;
+    if (const auto& planned = bench_.planned) {
+      const auto lost = [&](const std::string& expression) { return bench_.lost.count(root_of(expression)) > 0; };
+      strategy = lost(planned->strategy) ? planned->text : planned->strategy;
+      problem =
+          planned->problem.empty() || lost(planned->problem) ? scene_call(call, planned->instance) : planned->problem;
+    }
     if (!bench_.planned) {
       text += "-- Nothing was planned: end this with 'return strategy, problem' to run it.\n";
-    } else if (bench_.planned->problem.empty()) {
-      text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n",
-                          bench_.planned->strategy);
+    } else if (problem.empty()) {
+      text += fmt::format("-- The last problem has no name: end this with 'return {}, problem' to run it.\n", strategy);
     } else {
-      text += fmt::format("return {}, {}\n", bench_.planned->strategy, bench_.planned->problem);
+      text += fmt::format("return {}, {}\n", strategy, problem);
     }
     require_writable_file(*file);
+    require_own(*file);
     write_file(*file, text);
+    bench_.saved[absolute(*file)] = text;
     say(fmt::format("{} written: {} inputs", *file, bench_.accepted.size()));
     return 0;
   }
@@ -525,6 +564,27 @@ class Verbs {
   }
 
  private:
+  static std::string absolute(const std::string& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file)).string();
+  }
+
+  /// The first name of an expression: script of script.strategies.nested.
+  static std::string root_of(const std::string& expression) {
+    return expression.substr(0, expression.find_first_of(".[( "));
+  }
+
+  /// \throws Error for a file that is there, that this session did not write, and that the person does not give up
+  void require_own(const std::string& file) const {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return;
+    const auto saved = bench_.saved.find(absolute(file));
+    if (saved != bench_.saved.end() && dsl::read_file(file) == saved->second) return;
+    const char* why = saved == bench_.saved.end() ? "is there, and this session did not write it"
+                                                  : "has changed since this session wrote it";
+    if (bench_.confirmed(fmt::format("'{}' {}. Replace it? [y/N] ", file, why))) return;
+    throw Error(fmt::format("save: '{}' {}; it is left as it is: save under another name", file, why));
+  }
+
   /// The text of the chunk that defines a function.
   [[nodiscard]] std::string text_of(const lua::Definition& definition) const {
     if (definition.file) {
@@ -628,14 +688,15 @@ class Verbs {
     }
     if (!problem) problem = usual_problem(call, of_script(strategy));
     std::string name = name_of(call, bench_, strategy);
+    const std::string text = strategy.text();
     std::string expression = expression_of(call, call[1]);
-    if (expression.empty()) expression = strategy.text();
+    if (expression.empty()) expression = text;
     auto run = std::make_shared<Run>(Run{
         .strategy_name = std::move(name), .strategy = std::move(strategy), .problem = problem->problem, .seed = seed});
     advance(*run, proposals, bench_.interrupted);
     add(run);
     bench_.expression = problem->expression;
-    bench_.planned = {std::move(expression), problem->expression};
+    bench_.planned = {std::move(expression), text, problem->expression, problem->problem};
     say(outcome_text(*run));
     return announce(call, run);
   }
@@ -788,10 +849,10 @@ class Verbs {
     if (const auto word = value.string()) return *word;
     std::string name;
     const int before = call.size();
-    const Value globals = call.push_globals();
+    const Value commands = push_verbs(call);
     for (const Verb& verb : all_verbs) {
       const int kept = call.size();
-      if (globals.field(std::string(verb.name)).identity() == value.identity()) name = verb.name;
+      if (commands.field(std::string(verb.name)).identity() == value.identity()) name = verb.name;
       call.resize(kept);
     }
     call.resize(before);
@@ -804,6 +865,20 @@ class Verbs {
 }  // namespace
 
 std::span<const Verb> verbs() { return all_verbs; }
+
+std::string change_of(const Problem& before, const Problem& after) {
+  std::vector<std::string> parts;
+  const auto note = [&](bool same, const char* part) {
+    if (!same) parts.emplace_back(part);
+  };
+  note(world_hash(*before.scene) == world_hash(*after.scene), "world");
+  note(robot_hash(*before.scene) == robot_hash(*after.scene), "robot");
+  note(identity(before.space) == identity(after.space), "space");
+  note(before.start == after.start, "start");
+  note(before.goals == after.goals && before.goal_tolerance == after.goal_tolerance, "goal");
+  note(before.resolution == after.resolution && before.collision == after.collision, "collision checks");
+  return parts.empty() ? "" : fmt::format("has another {}", fmt::join(parts, ", "));
+}
 
 std::string field_path(const std::string& table, const std::string& name) {
   const auto all = dsl::tokens(name);
@@ -826,14 +901,60 @@ std::string verbs_text(std::string_view name, std::size_t width) {
   return text;
 }
 
+Value push_verbs(Stack& stack) { return stack.push_hidden("session commands"); }
+
+namespace {
+
+/// Pushes what a name means in an input: a session command, or a global.
+int read_name(Stack& call) {
+  const Value commands = push_verbs(call);
+  const auto name = call[2].string();
+  if (name && commands.field(*name).given()) return 1;
+  const Value globals = call.push_globals();
+  if (name && !globals.field(*name).given()) {
+    std::vector<std::string> known = dsl::module_names();
+    if (std::find(known.begin(), known.end(), *name) == known.end()) {
+      const auto add = [&](const std::vector<std::string>& names) {
+        known.insert(known.end(), names.begin(), names.end());
+      };
+      add(globals.keys().names);
+      add(commands.keys().names);
+      // The globals report every other unknown name.
+      const std::string nearest = nearest_name(*name, known);
+      if (commands.field(nearest).given()) {
+        throw Error(fmt::format("unknown name '{}'{}", *name, did_you_mean(*name, known)));
+      }
+    }
+  }
+  call.get(globals, call[2]);
+  return 1;
+}
+
+/// Assigns a name in an input: a global, but for the names of session commands, so that a script does not hide them.
+int assign_name(Stack& call) {
+  const auto name = call[2].string();
+  const bool command = name && push_verbs(call).field(*name).given();
+  if (command) {
+    call.push(call[3]);
+    call.set_field(call[1], *name);
+  } else {
+    call.set(call.push_globals(), call[2], call[3]);
+  }
+  return 0;
+}
+
+}  // namespace
+
 void open_verbs(Stack& stack, Bench& bench) {
   const auto verbs = std::make_shared<Verbs>(bench);
+  stack.on_missing(stack.push_hidden(typed_environment), read_name, assign_name);
+  const Value commands = push_verbs(stack);
   const auto add = [&](const char* name, auto method) {
     stack.push_function([verbs, &bench, method](Stack& call) {
       bench.used = true;
       return ((*verbs).*method)(call);
     });
-    stack.set_global(name);
+    stack.set_field(commands, name);
   };
   add("plan", &Verbs::plan);
   add("start", &Verbs::start);

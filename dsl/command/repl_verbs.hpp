@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,7 +18,7 @@
 
 namespace trellis::command {
 
-/// A session command: a function that scripts do not have.
+/// A session command: a function of typed inputs, which scripts do not have.
 struct Verb {
   std::string_view name;
   std::string_view usage;
@@ -43,14 +45,19 @@ struct Bench {
   /// The last planning run as an input would write it; "" for a problem without a name.
   struct Planned {
     std::string strategy;
+    std::string text;  ///< the strategy without names of the session
     std::string problem;
+    Problem instance;
   };
   std::optional<Planned> planned;
   std::vector<std::string> accepted;  ///< inputs for a script; those not valid in a script as comments
+  std::set<std::string> lost;         ///< globals whose values no line of `accepted` gives
+  std::map<std::string, std::string>
+      saved;  ///< files that save() has written, by their absolute paths, and their texts
+  /// Asks the person at the terminal a question; false where there is none.
+  std::function<bool(const std::string& question)> confirmed = [](const std::string&) { return false; };
   std::string last_input;
   std::vector<std::string> inputs;  ///< all, by number: input 1 is the first
-
-  bool loading = false;  ///< the script runs: what it calls is as in a script
 
   // Of the current input:
   bool used = false;                ///< it called a session command
@@ -61,10 +68,21 @@ struct Bench {
   bool over = false;     ///< the session ends
 };
 
+/// Returns how a problem has changed, "" where it has not.
+std::string change_of(const Problem& before, const Problem& after);
+
 /// Returns the path of a table's field in an expression: script.strategies.nested, script.strategies["a b"].
 std::string field_path(const std::string& table, const std::string& name);
 
-/// Registers the session commands. The bench must outlive the interpreter.
+/// Makes the session commands. They are in the environment of what a person types, not among the globals: scripts,
+/// modules and their functions do not have them. The bench must outlive the interpreter.
 void open_verbs(lua::Stack& stack, Bench& bench);
+
+/// The hidden table that is the environment of typed inputs: the session commands, and the globals, which inputs read
+/// and assign.
+inline constexpr const char* typed_environment = "session";
+
+/// Pushes the table of the session commands by name.
+lua::Value push_verbs(lua::Stack& stack);
 
 }  // namespace trellis::command

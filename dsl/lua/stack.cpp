@@ -145,6 +145,20 @@ Value Stack::push_globals() {
   return top();
 }
 
+Value Stack::get(Value table, Value key) {
+  room(state_);
+  lua_pushvalue(state_, key.index());
+  lua_gettable(state_, table.index());
+  return top();
+}
+
+void Stack::set(Value table, Value key, Value value) {
+  room(state_);
+  lua_pushvalue(state_, key.index());
+  lua_pushvalue(state_, value.index());
+  lua_settable(state_, table.index());
+}
+
 Value Stack::push_hidden(const std::string& name) {
   room(state_);
   luaL_getsubtable(state_, LUA_REGISTRYINDEX, ("hidden." + name).c_str());
@@ -157,6 +171,12 @@ void Stack::load(std::string_view text, const std::string& chunk) {
   const std::string message = top().text();
   lua_pop(state_, 1);
   throw Located(message + syntax_hint(message, text, !chunk.ends_with(".lua")));
+}
+
+void Stack::load_within(const std::string& hidden, std::string_view text, const std::string& chunk) {
+  load(text, chunk);
+  push_hidden(hidden);
+  lua_setupvalue(state_, -2, 1);  // a chunk has one upvalue, _ENV
 }
 
 void Stack::call(int arguments) { lua_call(state_, arguments, LUA_MULTRET); }
@@ -203,11 +223,15 @@ void Stack::declare(const char* type, const Metamethods& metamethods) {
   lua_pop(state_, 1);
 }
 
-void Stack::on_missing(Value table, Callback missing) {
+void Stack::on_missing(Value table, Callback missing, Callback assigned) {
   const int before = lua_gettop(state_);
   const Value meta = push_table();
   push_function(std::move(missing));
   set_field(meta, "__index");
+  if (assigned) {
+    push_function(std::move(assigned));
+    set_field(meta, "__newindex");
+  }
   push(false);
   set_field(meta, "__metatable");
   lua_setmetatable(state_, table.index());

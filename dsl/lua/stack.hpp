@@ -100,12 +100,19 @@ class Stack {
   /// Pushes the table of globals.
   Value push_globals();
 
+  /// Pushes an element of a table, or what its metamethod returns.
+  Value get(Value table, Value key);
+  /// Sets an element of a table, or calls its metamethod.
+  void set(Value table, Value key, Value value);
+
   /// Pushes the table of that name that scripts cannot access, the same one in each call.
   Value push_hidden(const std::string& name);
 
   /// Compiles a Lua text and pushes its function. `chunk` is "@path" for a user's file, "=name" otherwise. \throws
   /// Located for a syntax error.
   void load(std::string_view text, const std::string& chunk);
+  /// The same for a function whose globals are the fields of a hidden table (push_hidden).
+  void load_within(const std::string& hidden, std::string_view text, const std::string& chunk);
   /// Calls the function below the top `arguments` values with these; leaves all results.
   void call(int arguments);
   /// The same. \throws Located for an error in it, so that the caller's callback has failed.
@@ -116,8 +123,9 @@ class Stack {
   void declare(const Metamethods& metamethods) {
     declare(TypeName<T>::value, metamethods);
   }
-  /// Gives a table a metatable that scripts cannot access: calls `missing` with the table and a missing key.
-  void on_missing(Value table, Callback missing);
+  /// Gives a table a metatable that scripts cannot access: calls `missing` with the table and a missing key, and
+  /// `assigned`, if there is one, with the table, a missing key and the value that the key is to get.
+  void on_missing(Value table, Callback missing, Callback assigned = {});
 
   // One result.
   template <class T>

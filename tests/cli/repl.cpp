@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "support/catch.hpp"
 #include "support/golden.hpp"
@@ -503,4 +504,105 @@ TEST_CASE("a session warns of a part that nothing guides, and prints the weight 
   CHECK_THAT(sitting.enter("m = skeleton() >> (shrink(0.5) + bridge_test())"),
              Contains("warning: input 1:1: 'skeleton()' does not guide bridge_test(0.5)"));
   CHECK_THAT(sitting.enter("0.3 * skeleton()"), Contains("0.3 x skeleton()"));
+}
+
+TEST_CASE("the session's words belong to the person who types, not to scripts and modules") {
+  const Place place;
+  place.script("victim.lua", "return 'old'\n");
+  const std::string experiment = "return experiment { problems = scenes.cup(), strategies = { plain = rrt {} } }\n";
+  // A script that calls a word while it loads, directly, by a module, or by what it can reach of the globals.
+  place.script("thief.lua", "save 'victim.lua'\n");
+  for (const std::string attack :
+       {"save 'victim.lua'\n", "plot 'plot.svg'\n", "edit 'victim.lua'\n", "quit()\n", "require 'thief'\n",
+        "_G.save('victim.lua')\n", "load('save [[victim.lua]]')()\n", "rawget(_G, 'save')('victim.lua')\n"}) {
+    place.script("attack.lua", attack + experiment);
+    const auto outcome = place.shell("VISUAL='touch started; true' $T repl attack.lua <<< '1 + 1'");
+    INFO(attack << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK(content(place / "victim.lua") == "return 'old'\n");
+    CHECK_FALSE(fs::exists(place / "plot.svg"));
+    CHECK_FALSE(fs::exists(place / "started"));
+  }
+  // A script that calls one later: by a function that the person calls, a metamethod, a global that it replaces, or a
+  // part of a strategy.
+  place.script("later.lua",
+               "local function steal() save 'victim.lua' end\n"
+               "function innocent() steal() end\n"
+               "function print() steal() end\n"
+               "function save(file) error('the script has the word') end\n"
+               "hidden = setmetatable({}, { __index = steal, __tostring = steal, __call = steal })\n"
+               "setmetatable(string, { __index = steal })\n"
+               "step = 0.25\n" +
+                   experiment);
+  Sitting sitting(place, {"later.lua"}, "touch started; true");
+  CHECK_THAT(sitting.greeting, Contains("_G.save") && Contains("is the script's; save is the session's word here") &&
+                                   Contains("_G.step"));
+  CHECK_THAT(sitting.enter("innocent()"), Contains("the script has the word"));
+  CHECK_THAT(sitting.enter("print(1)"), Contains("the script has the word"));
+  sitting.enter("hidden");
+  sitting.enter("hidden.field");
+  sitting.enter("hidden()");
+  CHECK(content(place / "victim.lua") == "return 'old'\n");
+  // The person has the words, under the script's names too, and all globals.
+  CHECK_THAT(sitting.enter("_G.step"), Contains("\n0.25\r\n"));
+  CHECK_THAT(sitting.enter("plan(script.strategies.plain)"), Contains("run 1 on cup: plain"));
+  CHECK_THAT(sitting.enter("save 'mine.lua'"), Contains("mine.lua written"));
+  CHECK_THAT(sitting.enter("sav 'mine.lua'"), Contains("unknown name 'sav' (did you mean 'save'?)"));
+  sitting.terminal.type("compa\t(1)");
+  CHECK_THAT(sitting.enter(""), Contains("compare(1)") && Contains("a strategy belongs here"));
+  CHECK_FALSE(fs::exists(place / "started"));
+}
+
+TEST_CASE("save replaces a file that the session did not write only if the person says so") {
+  const Place place;
+  place.script("there.lua", "return 'old'\n");
+  const Piped refused = pipe(place, "x = 1\nsave 'there.lua'\nsave 'mine.lua'\ny = 2\nsave 'mine.lua'\n");
+  CHECK(refused.status == 2);
+  CHECK_THAT(refused.err,
+             Contains("save: 'there.lua' is there, and this session did not write it; it is left as it is"));
+  CHECK(content(place / "there.lua") == "return 'old'\n");
+  CHECK_THAT(content(place / "mine.lua"), Contains("\ny = 2\n"));  // its own, twice
+  Sitting sitting(place);
+  sitting.enter("x = 1");
+  for (const std::string no : {"\n", "n\n", "Y\n", ctrl_c}) {
+    sitting.terminal.type("save 'there.lua'\n");
+    sitting.terminal.wait_for("'there.lua' is there, and this session did not write it. Replace it? [y/N] ");
+    sitting.terminal.type(no);
+    CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("it is left as it is"));
+    CHECK(content(place / "there.lua") == "return 'old'\n");
+  }
+  sitting.terminal.type("save 'there.lua'\n");
+  sitting.terminal.wait_for("[y/N] ");
+  sitting.terminal.type("y\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("there.lua written"));
+  CHECK_THAT(content(place / "there.lua"), Contains("\nx = 1\n"));
+  CHECK_THAT(sitting.enter("save 'there.lua'"), Contains("there.lua written"));
+  place.script("there.lua", "return 'changed by another program'\n");
+  sitting.terminal.type("save 'there.lua'\n");
+  sitting.terminal.wait_for("'there.lua' has changed since this session wrote it. Replace it? [y/N] ");
+  sitting.terminal.type("\n");
+  CHECK_THAT(sitting.terminal.wait_for(Terminal::prompt), Contains("it is left as it is"));
+  CHECK(content(place / "there.lua") == "return 'changed by another program'\n");
+}
+
+TEST_CASE("what is saved after tune, and after values of runs, is a script that runs") {
+  const Place place;
+  const std::string tuning =
+      "tune(function(p) return rrt { step = p.step } end, scenes.cup(), { over = { step = {0.25, 0.5} }, budget = 24 "
+      "})";
+  for (const std::string inputs : std::vector<std::string>{
+           tuning, "best = " + tuning, "best = " + tuning + "\nplan(best)",
+           "best = " + tuning + "\nworse = best\nplan(skeleton() >> worse, scenes.trap())",
+           "mine = rrt { step = 0.5 }\nr = plan(mine, scenes.cup())\nlength = r.length\nshorter = length / 2\n"
+           "plan(mine, scenes.cup())"}) {
+    const Piped session = pipe(place, inputs + "\nsave 'kept.lua'\n");
+    INFO(inputs << "\n" << session.err << content(place / "kept.lua"));
+    CHECK(session.status == 0);
+    const auto outcome = place.run({"run", "kept.lua", "--quiet"});
+    INFO(outcome.err);
+    CHECK(outcome.status == 0);
+    fs::remove(place / "kept.lua");
+  }
+  pipe(place, "best = " + tuning + "\nsave 'kept.lua'\n");
+  CHECK_THAT(content(place / "kept.lua"), Contains("\nbest = rrt { step = ") && Contains(" }, scenes.cup()\n"));
 }
