@@ -23,6 +23,8 @@ struct Guard {
   static void end_catching(lua_State* state) {
     if (State::of(state).work_.catching > 0) --State::of(state).work_.catching;
   }
+  /// The coroutines whose variables are being closed, one within the other.
+  static unsigned& closing(lua_State* state) { return State::of(state).closing_; }
   /// Pushes the value that a call with a mistake returns.
   static void push_unmade(lua_State* state);
   [[nodiscard]] static bool ended(lua_State* state) { return State::of(state).work_.ended; }

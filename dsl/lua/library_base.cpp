@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <pthread.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdio>
@@ -151,6 +153,49 @@ int with_coroutine(lua_State* state) {
   return catching(state);
 }
 
+/// The lowest address of this thread's C stack; nullptr if the system does not say.
+const char* lowest_of_stack() {
+  thread_local const char* const lowest = [] {
+    pthread_attr_t attributes;
+    if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return static_cast<const char*>(nullptr);
+    void* address = nullptr;
+    std::size_t size = 0;
+    ::pthread_attr_getstack(&attributes, &address, &size);
+    ::pthread_attr_destroy(&attributes);
+    return static_cast<const char*>(address);
+  }();
+  return lowest;
+}
+
+/// A coroutine whose variables are being closed, until the destruction. Lua counts the calls of C within each other,
+/// and begins to count again at each coroutine that is closed: where the functions that close variables close further
+/// coroutines, its count does not protect the C stack.
+class Closing {
+ public:
+  explicit Closing(lua_State* state) : count_(Guard::closing(state)) {
+    constexpr unsigned most = 100;
+    constexpr std::ptrdiff_t reserve = std::ptrdiff_t{1} << 20U;  // bytes: 200 calls of C, Lua's own limit, take less
+    const char* const lowest = lowest_of_stack();
+    const auto* here = static_cast<const char*>(__builtin_frame_address(0));
+    if (count_ >= most || (count_ > 0 && lowest != nullptr && here - lowest < reserve)) {
+      luaL_error(state, "coroutines close each other, more than %d deep", static_cast<int>(count_));
+    }
+    ++count_;
+  }
+  ~Closing() { --count_; }
+  Closing(const Closing&) = delete;
+  Closing& operator=(const Closing&) = delete;
+
+ private:
+  unsigned& count_;
+};
+
+int close_coroutine(lua_State* state) {
+  luaL_argexpected(state, lua_isthread(state, 1), 1, "coroutine");
+  const Closing closing(state);
+  return catching(state);
+}
+
 /// Resumes a coroutine (upvalue 1) with the arguments on the stack, and raises its error.
 int wrapped(lua_State* state) {
   lua_State* coroutine = lua_tothread(state, lua_upvalueindex(1));
@@ -168,7 +213,10 @@ int wrapped(lua_State* state) {
     lua_xmove(coroutine, state, results);
     return results;
   }
-  if (lua_status(coroutine) == status) status = lua_resetthread(coroutine);  // closes its variables, which may fail too
+  if (lua_status(coroutine) == status) {
+    const Closing closing(state);
+    status = lua_resetthread(coroutine);  // closes its variables, which may fail too
+  }
   Guard::pass_on(state);
   lua_xmove(coroutine, state, 1);
   if (status != LUA_ERRMEM && lua_type(state, -1) == LUA_TSTRING) {
@@ -198,7 +246,7 @@ int coroutine_wrap(lua_State* state) {
 
 void replace_coroutine(lua_State* state) {
   wrap(state, "resume", with_coroutine);
-  wrap(state, "close", with_coroutine);
+  wrap(state, "close", close_coroutine);
   lua_pushcfunction(state, coroutine_wrap);
   lua_setfield(state, -2, "wrap");
 }

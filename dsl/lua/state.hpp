@@ -105,7 +105,8 @@ class State : public std::enable_shared_from_this<State> {
   Options options_;
   Budget budget_;
   lua_State* state_ = nullptr;
-  Work work_;  ///< the innermost run
+  Work work_;             ///< the innermost run
+  unsigned closing_ = 0;  ///< coroutines whose variables are being closed, one within the other
   // For the watchdog:
   std::uint64_t runs_ = 0;
   std::atomic<std::uint64_t> active_run_ = 0;  ///< the number of the active run; 0: none

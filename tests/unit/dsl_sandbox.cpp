@@ -315,3 +315,34 @@ TEST_CASE("C++ objects are destroyed when a Lua error passes them") {
   });
   CHECK(destroyed == 1);
 }
+
+TEST_CASE("chains of coroutines that close each other end, however long") {
+  // Each of them has a variable whose closing closes the one before.
+  const std::string chain =
+      "local function chain(count, wrong) local last "
+      "for i = 1, count do local before = last "
+      "last = coroutine.create(function() local x <close> = setmetatable({}, { __close = function() "
+      "if before then coroutine.close(before) end if wrong then error('at ' .. i, 0) end end }) "
+      "coroutine.yield() end) coroutine.resume(last) end return last end ";
+  CHECK(values(chain + "return coroutine.close(chain(50))") == std::vector<std::string>{"true"});
+  CHECK(values(chain + "return coroutine.close(chain(50, true))") == std::vector<std::string>{"false", "at 50"});
+  CHECK(values(chain + "return type(coroutine.close(chain(200000)))") == std::vector<std::string>{"boolean"});
+  CHECK(values(chain + "return (('x'):gsub('x', function() coroutine.close(chain(30000)) return 'closed' end))") ==
+        std::vector<std::string>{"closed"});
+  CHECK(values(chain +
+               "local t = {3, 1, 2} table.sort(t, function(a, b) coroutine.close(chain(10000)) return a < b end) "
+               "return t[1]") == std::vector<std::string>{"1"});
+  // The one that is too deep is told so; what it does not close stays open.
+  const std::string deepest =
+      "local why local last for i = 1, 1000 do local before = last "
+      "last = coroutine.create(function() local x <close> = setmetatable({}, { __close = function() "
+      "if before then local good, e = pcall(coroutine.close, before) if not good then why = e end end end }) "
+      "coroutine.yield() end) coroutine.resume(last) end coroutine.close(last) return why";
+  CHECK(values(deepest).front().find("coroutines close each other, more than 100 deep") != std::string::npos);
+  // The error of a coroutine that coroutine.wrap made closes its variables, too.
+  CHECK(values("local last for i = 1, 30000 do local before = last "
+               "local run = coroutine.wrap(function() local x <close> = setmetatable({}, { __close = function() "
+               "if before then pcall(before) end end }) coroutine.yield() error('end') end) run() last = run end "
+               "return pcall(last)")
+            .front() == "false");
+}
