@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <dsl/language/algebra.hpp>
+#include <dsl/language/nested_lists.hpp>
 #include <trellis/experiment/baseline.hpp>
 
 namespace trellis::dsl {
@@ -46,43 +47,41 @@ const Settings<ExperimentSettings>& experiment_settings() {
 /// Reads problems from a problem, a list of problems, and nested lists, in order.
 class ProblemReader {
  public:
-  explicit ProblemReader(std::string prefix = "experiment: ") : prefix_(std::move(prefix)) {}
+  explicit ProblemReader(const std::string& prefix = "experiment: ") : prefix_(prefix), lists_(prefix, most_values) {}
 
   void read(const std::string& what, Value value) {
+    if (!lists_.count() || faults_ == most_faults) return;
     if (const auto* problem = value.get<Problem>()) {
       problems_.push_back(*problem);
       return;
     }
     if (value.type() != Type::table) {
+      ++faults_;
       throw Error(fmt::format("{}{} must be a problem or a list of problems, got {}", prefix_, what, describe(value)));
     }
-    const void* list = value.identity();
-    if (std::find(within_.begin(), within_.end(), list) != within_.end()) {
-      throw Error(fmt::format("{}{} is a list that contains itself (a cycle)", prefix_, what));
-    }
+    const auto within = lists_.enter(value, what);
     const lua::Keys keys = value.keys();
     if (!keys.names.empty() || !keys.odd.empty()) {
       throw Error(fmt::format("{}{} must be a problem or a list of problems, got a table with {}", prefix_, what,
                               keys.names.empty() ? keys.odd : "the field '" + keys.names.front() + "'"));
     }
-    if (within_.size() >= deepest_list) {
-      throw Error(fmt::format("{}lists of problems are nested over {} deep", prefix_, deepest_list));
-    }
-    within_.push_back(list);
     lua::Faults faults;
     value.each([&](std::size_t i, Value element) {
       faults.attempt([&] { read(fmt::format("element {} of {}", i, what), element); });
     });
-    within_.pop_back();
     faults.raise();
   }
 
   std::vector<Problem> take() { return std::move(problems_); }
 
  private:
+  static constexpr std::size_t most_values = 100'000;
+  static constexpr std::size_t most_faults = 1000;  // then the list is something else
+
   std::string prefix_;
   std::vector<Problem> problems_;
-  std::vector<const void*> within_;  // the lists that are currently read
+  std::size_t faults_ = 0;
+  NestedLists lists_;
 };
 
 /// Reads a strategy, or throws an error that states the missing part. `container`: its table.

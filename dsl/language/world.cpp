@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <dsl/language/configuration.hpp>
+#include <dsl/language/nested_lists.hpp>
 #include <dsl/language/spatial_world.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/scene/planar/shapes.hpp>
@@ -276,9 +277,10 @@ int make_polygon(Stack& call) {
 /// Reads the shapes of a list, and of nested lists, in order.
 class ShapeReader {
  public:
-  explicit ShapeReader(std::string owner) : owner_(std::move(owner)) {}
+  explicit ShapeReader(const std::string& owner) : owner_(owner), lists_(owner + ": ", most_values) {}
 
   void read(std::size_t i, Value value) {
+    if (!lists_.count()) return;
     if (const auto* shape = value.get<NamedShape>()) {
       shapes_.push_back(*shape);
       return;
@@ -286,28 +288,23 @@ class ShapeReader {
     if (value.type() != Type::table) {
       throw Error(fmt::format("{}: element {} must be a box, disc or polygon, got {}", owner_, i, describe(value)));
     }
-    const void* list = value.identity();
-    if (std::find(within_.begin(), within_.end(), list) != within_.end()) {
-      throw Error(fmt::format("{}: element {} is a list that contains itself (a cycle)", owner_, i));
-    }
-    if (within_.size() >= deepest_list)
-      throw Error(fmt::format("{}: lists are nested over {} deep", owner_, deepest_list));
-    within_.push_back(list);
+    const auto within = lists_.enter(value, fmt::format("element {}", i));
     const lua::Keys keys = value.keys();
     if (!keys.names.empty() || !keys.odd.empty()) {
       throw Error(fmt::format("{}: element {} must be a box, disc or polygon or a list of these, got a table with {}",
                               owner_, i, keys.names.empty() ? keys.odd : "the field '" + keys.names.front() + "'"));
     }
     value.each([this](std::size_t k, Value element) { read(k, element); });
-    within_.pop_back();
   }
 
   [[nodiscard]] const std::vector<NamedShape>& shapes() const { return shapes_; }
 
  private:
+  static constexpr std::size_t most_values = 1'500'000;
+
   std::string owner_;
   std::vector<NamedShape> shapes_;
-  std::vector<const void*> within_;  // the lists that are currently read
+  NestedLists lists_;
 };
 
 /// Returns the obstacles of a world, numbered in their names.

@@ -77,6 +77,11 @@ TEST_CASE("what a script can make large is limited, and the message names the li
       {"return rrt {}, among({}, nil, nil, 1e-12)", "would take checks of more than 67108864 configurations"},
       {"return rrt {}, among { box {4, 0, 6, 1e10} }", "coordinates within 1e+09 m of 0"},
       {"return rrt { step = 1e-300 }, plain", "option 'step' must be a number at least 1e-06"},
+      {"local t = box {4, 0, 6, 4} for i = 1, 40 do t = {t, t} end return rrt {}, among(t)",
+       "world: the lists have over 1500000 values"},
+      {"local t = plain for i = 1, 40 do t = {t, t} end "
+       "return experiment { problems = t, strategies = { rrt {} } }",
+       "experiment: the lists have over 100000 values"},
   };
   const Place place;
   for (const Limited& one : all) {

@@ -346,3 +346,22 @@ TEST_CASE("chains of coroutines that close each other end, however long") {
                "return pcall(last)")
             .front() == "false");
 }
+
+TEST_CASE("lists that share tables are read up to a limit of values") {
+  CHECK(
+      failure("local t = box {4, 0, 6, 4} for i = 1, 40 do t = {t, t} end return world { bounds = {0, 0, 10, 10}, t }")
+          .find("world: the lists have over 1500000 values; a table that is in several lists counts in each") !=
+      std::string::npos);
+  CHECK(failure("local t = {} for i = 1, 40 do t = {t, t} end return world { bounds = {0, 0, 10, 10}, t }")
+            .find("world: the lists have over 1500000 values") != std::string::npos);
+  CHECK(failure("local t = box {4, 0, 6, 4} for i = 1, 40 do t = {t, t} end return robot.rigid(t)")
+            .find("robot.rigid: the lists have over 1500000 values") != std::string::npos);
+  const std::string problems =
+      "for i = 1, 40 do t = {t, t} end "
+      "return experiment { problems = t, strategies = { rrt {} } }";
+  for (const std::string leaf : {"scenes.cup()", "{}"}) {
+    CHECK(failure("local t = " + leaf + " " + problems).find("experiment: the lists have over 100000 values") !=
+          std::string::npos);
+  }
+  CHECK(failure("local t = 5 " + problems).find("must be a problem or a list of problems, got 5") != std::string::npos);
+}
