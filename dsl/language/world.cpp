@@ -15,6 +15,7 @@
 #include <dsl/language/spatial_world.hpp>
 #include <dsl/language/words.hpp>
 #include <trellis/scene/planar/shapes.hpp>
+#include <trellis/scene/planar/valid_shapes.hpp>
 
 namespace trellis::dsl {
 
@@ -232,7 +233,9 @@ Polygon vertices(const Construct& construct, const Arguments& arguments) {
 
 /// Converts a shape to a value; uses the same checks as obstacles.
 int shape(Stack& call, const Arguments& arguments, std::string text, Shape shape) {
-  static_cast<void>(World({{0, 0}, {1, 1}}, {{text, shape}}));
+  Shape checked = shape;
+  std::vector<ConvexShape> parts;
+  validate(checked, text, false, parts);
   NamedShape named{arguments.string("name").value_or(""), std::move(text), std::move(shape)};
   return call.result(std::move(named));
 }

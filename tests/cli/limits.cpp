@@ -82,6 +82,9 @@ TEST_CASE("what a script can make large is limited, and the message names the li
       {"local t = plain for i = 1, 40 do t = {t, t} end "
        "return experiment { problems = t, strategies = { rrt {} } }",
        "experiment: the lists have over 100000 values"},
+      {"return skeleton() >> rrt {}, among { disc {5, 5, 1e-15} }",
+       "disc 5 5 1e-15: its diameter is 2e-15 m, below the precision of coordinates of up to 5 m; expected at least "
+       "2.84e-13 m"},
   };
   const Place place;
   for (const Limited& one : all) {

@@ -19,11 +19,13 @@ World::World(Box2 bounds, std::vector<Obstacle> obstacles) {
   content->bounds = bounds;
   content->obstacles = std::move(obstacles);
   check_box(content->bounds, "the world's boundary");
+  const double farthest = farthest_of(content->bounds);
   for (std::size_t i = 0; i < content->obstacles.size(); ++i) {
     auto& obstacle = content->obstacles[i];
     if (obstacle.name.empty()) obstacle.name = fmt::format("obstacle {}", i + 1);
     std::vector<ConvexShape> parts;
     validate(obstacle.shape, obstacle.name, false, parts);
+    check_precision(obstacle.shape, farthest, obstacle.name);
     for (auto& part : parts) content->parts.push_back({std::move(part), i});
   }
   content_ = std::move(content);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <trellis/base/error.hpp>
+#include <trellis/scene/precision.hpp>
 #include <trellis/scene/spatial/ranges.hpp>
 
 namespace trellis {
@@ -137,7 +138,41 @@ struct Distance {
   }
 };
 
+/// Checks the sizes of a shape.
+struct Precision {
+  const std::string& what;
+  double farthest;
+
+  void operator()(const Sphere& s) const {
+    if (s.radius > 0.0) size("diameter", 2.0 * s.radius);
+  }
+  void operator()(const Cuboid& s) const {
+    size("length along x", s.size.x);
+    size("length along y", s.size.y);
+    size("length along z", s.size.z);
+  }
+  void operator()(const Cylinder& s) const {
+    size("diameter", 2.0 * s.radius);
+    size("length", s.length);
+  }
+  void operator()(const Capsule& s) const { size("diameter", 2.0 * s.radius); }
+  void operator()(const std::shared_ptr<const Mesh>& mesh) const {
+    const Vec3 extent = mesh->bounds().hi - mesh->bounds().lo;
+    size("extent", std::max({extent.x, extent.y, extent.z}));
+  }
+  void size(const char* name, double value) const { check_size(value, farthest, name, what); }
+};
+
 }  // namespace
+
+double farthest_of(const Box3& box) {
+  return std::max({std::abs(box.lo.x), std::abs(box.lo.y), std::abs(box.lo.z), std::abs(box.hi.x), std::abs(box.hi.y),
+                   std::abs(box.hi.z)});
+}
+
+void check_precision(const Solid& solid, double farthest, const std::string& what) {
+  std::visit(Precision{what, farthest}, solid.shape);
+}
 
 void check_solid(const Solid& solid, const std::string& what, bool point) {
   std::visit(Check{what, point}, solid.shape);
@@ -155,6 +190,7 @@ void check_solid(const Solid& solid, const std::string& what, bool point) {
                     "{}",
                     what, q.x, q.y, q.z, q.w, length));
   }
+  check_precision(solid, farthest_of(bounding_box(solid)), what);
 }
 
 Box3 bounding_box(const Solid& solid) { return std::visit(Bounds{solid.pose}, solid.shape); }

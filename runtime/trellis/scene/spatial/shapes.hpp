@@ -49,6 +49,11 @@ struct Solid {
 /// \param point  whether a sphere may have radius 0
 /// \throws Error that names the solid
 void check_solid(const Solid& solid, const std::string& what, bool point = false);
+/// \throws Error that starts with `what` for a solid below the precision of coordinates of up to `farthest` metres
+///     (check_size); a mesh may be flat
+void check_precision(const Solid& solid, double farthest, const std::string& what);
+/// Returns the greatest absolute coordinate of a box.
+double farthest_of(const Box3& box);
 
 /// Returns the smallest box along the axes that contains the solid.
 Box3 bounding_box(const Solid& solid);

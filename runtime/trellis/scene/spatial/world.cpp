@@ -24,6 +24,7 @@ void check_bounds(const Box3& box) {
     fail("xmin < xmax, ymin < ymax and zmin < zmax");
   }
   if (!in_range(box.lo) || !in_range(box.hi)) fail(fmt::format("coordinates within {:g} m of 0", most_distant));
+  check_precision({Cuboid{box.hi - box.lo}, {}}, farthest_of(box), "the world's boundary");
 }
 
 }  // namespace
@@ -33,9 +34,11 @@ World3::World3(Box3 bounds, std::vector<Obstacle3> obstacles, Contain contain, b
     throw Error(fmt::format("a world has at most {} obstacles, got {}", most_obstacles, obstacles.size()));
   }
   check_bounds(bounds);
+  const double farthest = farthest_of(bounds);
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (obstacles[i].name.empty()) obstacles[i].name = fmt::format("obstacle {}", i + 1);
     check_solid(obstacles[i].solid, obstacles[i].name);
+    check_precision(obstacles[i].solid, farthest, obstacles[i].name);
   }
   content_ = std::make_shared<const Content>(bounds, std::move(obstacles), contain, surface);
 }
