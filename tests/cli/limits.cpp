@@ -97,6 +97,66 @@ TEST_CASE("what a script can make large is limited, and the message names the li
   }
 }
 
+TEST_CASE("options out of the problem's scale are refused before the run, by name", "[limits]") {
+  const std::string driven = R"(
+local function driven(model)
+  return problem {
+    world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4} }, robot = robot.rectangle(0.6, 0.2), motion = model,
+    start = {1, 1, 0}, goal = {9, 9, 0},
+  }
+end
+local function measured(target) return experiment { problems = plain, strategies = { rrt {} }, measure = target } end
+local function weighted(weight)
+  return problem {
+    world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 4} }, robot = robot.rectangle(0.6, 0.2), weight = weight,
+    start = {1, 1, 0}, goal = {9, 9, 0},
+  }
+end
+)";
+  const std::vector<Limited> all = {
+      {"return lazy { sparse = 5e-324 } >> rrt {}, plain",
+       "lazy: option 'sparse' is 4.94066e-324 m in the metric, which divides the 14.2 m of problem 'problem' into more "
+       "than "
+       "1e+06 parts; expected at least 1.42e-05"},
+      {"return shrink(0.5) >> lazy { sparse = 1e-9 } >> rrt {}, plain", "lazy: option 'sparse' is 1e-09"},
+      {"return rrt { step = 2e-6 }, plain", "rrt: option 'step' is 2e-06"},
+      {"return kinodynamic_rrt { controls = math.maxinteger }, driven(motion.unicycle1 {})",
+       "kinodynamic_rrt: option 'controls' is 9223372036854775807 controls for each proposal; expected at most 1e+06"},
+      {"return measured(near_optimal { epsilon = 1e-9 })", "near_optimal: option 'epsilon' is 1e-09"},
+      {"return measured(tube { delta = 5e-324 })", "tube: option 'delta' is 4.94066e-324 m"},
+      {"return experiment { problems = plain, strategies = { rrt {} }, estimators = { histogram { bin = 1e-12 } } }",
+       "histogram: option 'bin' is 1e-12 m"},
+      {"return rrt {}, weighted(1e6)",
+       "problem 'problem': option 'weight' is 1e+06 m/rad, so that a turn is 6.28e+06 m long, more than 1e+06 times "
+       "the resolution of 0.05 m; expected at most 7.96e+03"},
+      {"return rrt {}, weighted(1e300)", "option 'weight' is 1e+300 m/rad"},
+      {"return kinodynamic_rrt {}, driven(motion.unicycle1 { max_speed = 1e-310 })",
+       "problem 'problem': unicycle1: option 'max_speed' is 1e-310 m/s"},
+      {"return kinodynamic_rrt {}, driven(motion.unicycle1 { max_angular_speed = 1e-12 })",
+       "unicycle1: option 'max_angular_speed' is 1e-12 rad/s"},
+  };
+  const Place place;
+  for (const Limited& one : all) {
+    place.script("scale.lua", helpers + driven + one.script + "\n");
+    for (const std::string verb : {"run", "check"}) {
+      const auto outcome = place.run({verb, "scale.lua"});
+      INFO(one.script << "\n" << outcome.err);
+      CHECK(outcome.status == 2);
+      CHECK_THAT(outcome.err, Contains(one.message));
+      CHECK(outcome.out.empty());
+    }
+  }
+  // What is within the scale runs.
+  for (const std::string fine :
+       {"return lazy { sparse = 0.01 } >> rrt { step = 0.5 }, plain", "return rrt { step = 0.5 }, weighted(100)",
+        "return kinodynamic_rrt { controls = 10, proposals = 10 }, driven(motion.unicycle1 { max_speed = 1 })"}) {
+    place.script("scale.lua", helpers + driven + fine + "\n");
+    const auto outcome = place.run({"run", "scale.lua", "--quiet"});
+    INFO(fine << "\n" << outcome.err);
+    CHECK(outcome.status == 0);
+  }
+}
+
 TEST_CASE("files are measured before they are read", "[limits]") {
   const Place place;
   const auto sparse = [&](const std::string& name) {

@@ -20,7 +20,9 @@
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/experiment/store.hpp>
+#include <trellis/measure/estimator.hpp>
 #include <trellis/strategy/ablation.hpp>
+#include <trellis/strategy/scale.hpp>
 
 namespace trellis {
 
@@ -41,25 +43,52 @@ void check(const Component& component, const std::vector<Options::Entry>& all) {
   static_cast<void>(Options::validate(component, given));
 }
 
+/// The options of a measure's target, of which its component has some.
+struct TargetOptions {
+  const Component* component = nullptr;
+  std::vector<Options::Entry> entries;
+};
+
+TargetOptions options_of(const TargetSpec& target) {
+  const TargetSettings& common = common_settings(target);
+  std::vector<Options::Entry> all = {{"delta", common.delta}, {"points", common.points}, {"pool", common.pool}};
+  const auto with = [&](const Component& component, std::vector<Options::Entry> own) -> TargetOptions {
+    all.insert(all.end(), own.begin(), own.end());
+    return {&component, all};
+  };
+  if (const auto* tube = std::get_if<TubeSettings>(&target)) {
+    return with(tube_settings().component(),
+                {{"distance", to_string(tube->distance)}, {"support", to_string(tube->support)}});
+  }
+  if (const auto* near = std::get_if<NearOptimalSettings>(&target)) {
+    return with(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
+  }
+  if (const auto* progress = std::get_if<ProgressSettings>(&target)) {
+    return with(progress_settings().component(), {{"step", progress->step}, {"controls", progress->controls}});
+  }
+  return {&tube_settings().component(), all};
+}
+
+/// Checks the scale of all options on all problems.
+void check_scales(const Experiment& experiment) {
+  for (const Problem& problem : experiment.problems) {
+    for (const auto& [name, strategy] : experiment.strategies) check_scale(strategy, problem);
+    if (!experiment.measure) continue;
+    const TargetOptions target = options_of(experiment.measure->target);
+    check_scale(*target.component, target.entries, problem);
+    for (const EstimatorSpec& estimator : experiment.measure->estimators) {
+      check_scale(*measure::find_estimator(estimator.name())->component, estimator.options().entries(), problem);
+    }
+  }
+}
+
 void check(const Measure& measure) {
   if (measure.cross < 0) throw Error(fmt::format("experiment: cross must be at least 0 paths, got {}", measure.cross));
   if (measure.estimators.empty()) throw Error("experiment: no estimator given");
-  const TargetSettings& common = common_settings(measure.target);
-  std::vector<Options::Entry> all = {{"delta", common.delta}, {"points", common.points}, {"pool", common.pool}};
-  const auto with = [&](const Component& component, std::vector<Options::Entry> own) {
-    all.insert(all.end(), own.begin(), own.end());
-    check(component, all);
-  };
-  if (const auto* tube = std::get_if<TubeSettings>(&measure.target)) {
-    with(tube_settings().component(), {{"distance", to_string(tube->distance)}, {"support", to_string(tube->support)}});
-  } else if (const auto* near = std::get_if<NearOptimalSettings>(&measure.target)) {
-    with(near_optimal_settings().component(), {{"epsilon", near->epsilon}, {"nodes", near->nodes}});
-  } else if (const auto* progress = std::get_if<ProgressSettings>(&measure.target)) {
-    with(progress_settings().component(), {{"step", progress->step}, {"controls", progress->controls}});
-  } else {
-    check(tube_settings().component(), all);
-    if (!std::get<UserTarget>(measure.target).make) throw Error("target: has no samples");
-  }
+  const TargetOptions target = options_of(measure.target);
+  check(*target.component, target.entries);
+  const auto* own = std::get_if<UserTarget>(&measure.target);
+  if (own != nullptr && !own->make) throw Error("target: has no samples");
 }
 
 /// The index of a cell in the fixed order of the result: by problem, strategy, seed.
@@ -199,6 +228,7 @@ void check(const Experiment& experiment) {
     throw Error(unknown_baseline(experiment.baseline, known));
   }
   for (const auto& problem : experiment.problems) check(problem);
+  check_scales(experiment);
   if (experiment.published) check(*experiment.published, problems, strategies);
 }
 

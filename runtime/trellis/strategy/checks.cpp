@@ -9,6 +9,7 @@
 #include <trellis/scene/planar/scene.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
+#include <trellis/strategy/scale.hpp>
 
 namespace trellis {
 
@@ -75,6 +76,7 @@ void check(const Problem& problem) {
     throw Error(fmt::format("problem '{}': goal_tolerance must be a number of at least 0, in m, got {}", problem.name,
                             problem.goal_tolerance));
   }
+  check_scale(problem);
   const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
   for (const auto& [what, q] : named_ends(problem)) {
     if (q.size() != axes.size()) {

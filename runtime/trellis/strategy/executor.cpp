@@ -92,6 +92,7 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
                   const ExecuteOptions& options) {
   check(problem);
   check_depth(strategy);
+  check_scale(strategy, problem);
   const auto begin = std::chrono::steady_clock::now();
   Run run;
   run.cpu_begin = thread_seconds();
