@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include <trellis/base/configurations.hpp>
 #include <trellis/base/error.hpp>
 #include <trellis/base/input_file.hpp>
+#include <trellis/base/polling.hpp>
 #include <trellis/base/printable.hpp>
 #include <trellis/base/random.hpp>
 
@@ -159,4 +162,27 @@ TEST_CASE("input files are regular files within a limit", "[input]") {
   InputFile grown("/proc/self/maps", 3);
   CHECK(grown.rest().empty());
   CHECK(grown.fault().find("at most 3 are read") != std::string::npos);
+}
+
+TEST_CASE("long work polls the function of the innermost scope of its thread", "[polling]") {
+  poll();  // without a scope it does nothing
+  int outer = 0;
+  int inner = 0;
+  const std::function<void()> count_outer = [&] { ++outer; };
+  const std::function<void()> count_inner = [&] { ++inner; };
+  const PollScope scope(count_outer);
+  poll();
+  {
+    const PollScope within(count_inner);
+    poll();
+  }
+  const std::function<void()> ends = [] { throw std::runtime_error("ended"); };
+  const auto work = [&] {
+    const PollScope ending(ends);
+    poll();
+  };
+  CHECK_THROWS_WITH(work(), "ended");
+  poll();
+  CHECK(outer == 2);
+  CHECK(inner == 1);
 }

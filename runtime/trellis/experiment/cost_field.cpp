@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/polling.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 
@@ -67,6 +68,7 @@ void CostField::sample(std::size_t count, std::uint64_t seed) {
   Configuration q(space.dimension());
   std::size_t taken = 0;
   for (std::size_t i = 0; i < count * tries_per_sample && taken < count; ++i) {
+    poll();
     sequence.next(unit);
     space.from_unit(unit, q);
     if (!instance_.valid(q)) continue;
@@ -102,6 +104,7 @@ void CostField::join(const std::vector<Configurations>& known) {
     if (a != b && !joined(a, b)) add(a, b);
   }
   for (std::uint32_t id = 0; id < nodes_.size(); ++id) {
+    poll();
     const View q = std::as_const(nodes_)[id];
     index_.k_nearest(q, neighbours_ + 1, near_);  // includes q itself
     for (const auto& near : near_) {
@@ -120,6 +123,7 @@ CostField::CostTree CostField::search(std::uint32_t root) const {
   tree.cost[root] = 0.0;
   queue.emplace(0.0, root);
   while (!queue.empty()) {
+    poll();
     const std::uint32_t v = queue.top().second;
     queue.pop();
     if (done[v] != 0) continue;

@@ -439,20 +439,33 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
     const Part part = largest_part(experiment, runner.finished());
     if (part.seeds.empty()) throw;
     ExperimentResult result = runner.take_unmeasured();
-    if (planned) {
-      finished = "all runs, without their efficiencies";
+    const auto without_scores = [&] {
+      finished += ", without their efficiencies";
       forget_scores(result);
       experiment.measure.reset();
       experiment.published.reset();
+    };
+    if (planned) {
+      finished = "all runs";
+      without_scores();
       return result;
     }
     finished = text_of(part, experiment);
     reduce(experiment, result, part);
     if (experiment.measure) {
+      // Whoever interrupts a run waits for its end.
+      constexpr double patience = 3.0;
       const auto begin = std::chrono::steady_clock::now();
-      score(
-          experiment, result, Runner::scoring_jobs(options), [] {}, [] { return false; }, nullptr);
-      result.measuring_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      const auto passed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      };
+      try {
+        score(
+            experiment, result, Runner::scoring_jobs(options), [] {}, [&] { return passed() > patience; }, nullptr);
+        result.measuring_seconds = passed();
+      } catch (const Interrupted&) {
+        without_scores();
+      }
     }
     for (RunResult& cell : result.runs) release(cell);
     return result;

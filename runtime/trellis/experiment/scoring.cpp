@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include <trellis/base/parallel.hpp>
+#include <trellis/base/polling.hpp>
 #include <trellis/experiment/targets.hpp>
 #include <trellis/measure/samples.hpp>
 
@@ -101,6 +102,7 @@ class ProblemScoring {
     choose_equal_number();
     make_shared_targets();
     in_parallel(missing.size(), jobs_, [&](std::size_t i) {
+      const PollScope polled(polled_);
       score_run(missing[i]);
       if (store_ != nullptr) store_->scored(*runs_[missing[i]]);
       progress_();
@@ -111,7 +113,10 @@ class ProblemScoring {
  private:
   void score_all_pooled(std::vector<PooledScores>& pooled) {
     std::vector<std::optional<PooledScores>> of_strategies(strategies_);
-    in_parallel(strategies_, jobs_, [&](std::size_t s) { of_strategies[s] = score_pooled(s); });
+    in_parallel(strategies_, jobs_, [&](std::size_t s) {
+      const PollScope polled(polled_);
+      of_strategies[s] = score_pooled(s);
+    });
     std::vector<PooledScores> found;
     for (auto& one : of_strategies) {
       if (one) found.push_back(std::move(*one));
@@ -214,6 +219,7 @@ class ProblemScoring {
       for (const std::size_t donor : donors) gives[donor] = 1;
     }
     in_parallel(runs_.size(), jobs_, [&](std::size_t i) {
+      const PollScope polled(polled_);
       poll();
       const RunResult& result = *runs_[i];
       if (gives[i] != 0) root_targets_[i] = own_target(result, result.levels.front());
@@ -655,6 +661,7 @@ class ProblemScoring {
   unsigned jobs_;
   const std::function<void()>& progress_;
   const std::function<bool()>& interrupted_;
+  const std::function<void()> polled_ = [this] { poll(); };  ///< by the loops of targets and estimators
   RunStore* store_;
   std::size_t seeds_;
   std::size_t strategies_;

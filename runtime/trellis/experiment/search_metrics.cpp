@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/polling.hpp>
 #include <trellis/base/random.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 #include <trellis/planner/nearest.hpp>
@@ -163,6 +164,7 @@ double information(const Space& space, const Configurations& samples, const std:
   NearestIndex index(space);
   std::vector<char> known;
   for (std::size_t i = 0; i < samples.size(); ++i) {
+    poll();
     if (index.size() > 0 && index.nearest(samples[i]).squared_distance == 0.0) continue;
     index.add(samples[i]);
     known.push_back(labels[i]);
@@ -172,6 +174,7 @@ double information(const Space& space, const Configurations& samples, const std:
   std::vector<NearestIndex::Neighbour> near;
   double loss = 0.0;
   for (std::size_t w = 0; w < settings.witnesses; ++w) {
+    poll();
     uniform.next(q);
     index.k_nearest(q, settings.model_neighbours, near);
     const bool is_valid = valid(q);
@@ -201,6 +204,7 @@ Configurations valid_witnesses(const Space& space, const std::function<bool(View
   Uniform uniform(space, seed, "roadmap witnesses");
   Configuration q(space.dimension());
   for (std::size_t i = 0; i < count * tries_per_witness && witnesses.size() < count; ++i) {
+    poll();
     uniform.next(q);
     if (valid(q)) witnesses.push(q);
   }
@@ -216,6 +220,7 @@ SearchMetrics search_metrics(const Space& space, const Search& search, const std
                            settings.neighbours);
     result.classes.reserve(search.nodes.size());
     for (std::size_t i = 0; i < search.nodes.size(); ++i) {
+      poll();
       result.classes.push_back(roadmap.add(search.nodes[i]));
       ++result.nodes[static_cast<std::size_t>(result.classes.back())];
     }
@@ -227,7 +232,10 @@ SearchMetrics search_metrics(const Space& space, const Search& search, const std
   if (n == 0) return result;
 
   std::vector<char> labels(n);
-  for (std::size_t i = 0; i < n; ++i) labels[i] = valid(search.proposals[i]) ? 1 : 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    poll();
+    labels[i] = valid(search.proposals[i]) ? 1 : 0;
+  }
   result.information = information(space, search.proposals, labels, valid, settings, seed);
   result.information_per_sample = result.information / static_cast<double>(n);
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/experiment/cost_field.hpp>
 #include <trellis/instance/instance.hpp>
 #include <trellis/measure/estimator.hpp>
@@ -162,6 +163,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
   std::vector<double> progressing;  // of each motion, the share of its rivals that end closer to the goal
   Configuration end(d);
   for (std::size_t i = 0; i < to.size(); ++i) {
+    poll();
     if (from[i] == no_node || (tree && from[i] == i)) continue;
     const View x = search.nodes[from[i]];
     const double wanted = space.distance(x, to[i]);
@@ -207,6 +209,7 @@ Ranks rank_motions(const LevelRecord& level, bool tree, const ProgressSettings& 
   std::vector<double> unit(2);
   const auto wanted = static_cast<std::size_t>(std::max(settings.points, settings.pool));
   for (std::size_t i = 0; i < wanted; ++i) {
+    poll();
     sequence.next(unit);
     const auto which = std::min(n - 1, static_cast<std::size_t>(unit[0] * static_cast<double>(n)));
     distribution.samples.push(std::vector<double>{progressing[which] * unit[1]});

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/along.hpp>
 #include <trellis/measure/evaluation.hpp>
 #include <trellis/measure/samples.hpp>
@@ -72,6 +73,7 @@ void cover(const measure::Evaluation& evaluation, Efficiency& result) {
   double half_expected = 0.0;
   double hits = 0.0;
   for (std::size_t i = 0; i < evaluation.points; ++i) {
+    poll();
     double nearest = evaluation.neighbours[i * measure::Evaluation::neighbour_count];
     if (nearest > 0.25 * square && atoms.size() > 0) {
       double atom = 0.0;
@@ -120,6 +122,7 @@ std::vector<char> unreachable_points(const Target& target, SampleSupport support
   if (support != SampleSupport::valid_only || !target.holds_invalid()) return unreachable;
   unreachable.reserve(target.pool().size());
   for (std::size_t i = 0; i < target.pool().size(); ++i) {
+    poll();
     unreachable.push_back(target.valid(target.pool()[i]) ? 0 : 1);
   }
   return unreachable;
@@ -220,6 +223,7 @@ Efficiency efficiency(const Target& target, const PreparedSamples& samples, cons
       scoring.kernel_points,
       scoring.pool > 0 ? std::min(scoring.pool, target.pool().size()) : target.pool().size()};
   for (std::size_t i = 0; i < points; ++i) {
+    poll();
     samples.tree().nearest(evaluation.at(i), std::span(squared).subspan(i * neighbours, neighbours));
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/evaluation.hpp>
 
 namespace trellis::measure {
@@ -24,6 +25,7 @@ Estimate estimate(const Options&, const Evaluation& evaluation) {
   std::vector<double> log_density(evaluation.pool);
   double mass = 0.0;
   for (std::size_t i = 0; i < evaluation.pool; ++i) {
+    poll();
     log_density[i] = std::log(evaluation.known_density(pool[i]));
     mass += std::exp(log_density[i] - evaluation.target.log_density(i));
   }

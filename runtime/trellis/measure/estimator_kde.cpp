@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/clones.hpp>
 #include <trellis/measure/evaluation.hpp>
 
@@ -292,6 +293,7 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
   std::vector<double> to_leaf(m * leaves.size());
   std::vector<double> to_other(m, std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < m; ++i) {
+    poll();
     for (std::size_t l = 0; l < leaves.size(); ++l) {
       const double nearest =
           nearest_of(frame, leaves[l], &points[i * d], l == places[i].leaf ? places[i].place : block);
@@ -309,6 +311,7 @@ double most_likely(const Frame& frame, const std::vector<double>& rows) {
     Kernels kernels(frame, m, bandwidth(step), negligible_choice);
     double likelihood = 0.0;
     for (std::size_t i = 0; i < m; ++i) {
+      poll();
       near.clear();
       LeftOut out;
       for (std::size_t l = 0; l < leaves.size(); ++l) {
@@ -352,6 +355,7 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
   std::vector<double> log_density(points);
   double mass = 0.0;
   for (std::size_t i = 0; i < points; ++i) {
+    poll();
     const double nearest = evaluation.neighbours[i * Evaluation::neighbour_count];
     evaluation.samples.tree().leaves_within(evaluation.at(i), kernels.horizon(nearest), leaves);
     log_density[i] = kernels.log_sum(evaluation.at(i), nearest, leaves) - log_total;

@@ -5,6 +5,7 @@
 #include <boost/math/special_functions/digamma.hpp>
 #include <cmath>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/evaluation.hpp>
 
@@ -169,7 +170,10 @@ Estimate estimate(const Options& options, const Evaluation& evaluation) {
     return result;
   }
   BlendedNeighbours density(settings, evaluation);
-  for (std::size_t i = 0; i < evaluation.points; ++i) log_density[i] = density.log_density(i);
+  for (std::size_t i = 0; i < evaluation.points; ++i) {
+    poll();
+    log_density[i] = density.log_density(i);
+  }
   const std::size_t found = inside.size() / d;
   return estimate_from(evaluation, log_density, static_cast<double>(found) / total);
 }

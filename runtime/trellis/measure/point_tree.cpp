@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include <trellis/base/error.hpp>
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/clones.hpp>
 #include <trellis/measure/vantage_tree.hpp>
 
@@ -46,6 +47,7 @@ PointTree::PointTree(const Frame& frame, std::span<const double> rows) : dimensi
 }
 
 std::uint32_t PointTree::build(std::span<const double> rows, std::span<std::uint32_t> ids) {
+  poll();
   const auto node = static_cast<std::uint32_t>(nodes_.size());
   nodes_.push_back({static_cast<std::uint32_t>(ids.size()), 0, 0});
   std::size_t widest = 0;

@@ -13,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include <trellis/base/polling.hpp>
 #include <trellis/measure/cut_ball.hpp>
 #include <trellis/measure/low_discrepancy.hpp>
 #include <trellis/measure/point_tree.hpp>
@@ -196,6 +197,7 @@ Target::Target(const Space& space, const Configurations& path, std::vector<std::
     return checked < patience * wanted || pool_.size() < std::min(enough, wanted);
   };
   while (drawn < std::max(least_cover, (filling() ? cover_limit : cover_share) * wanted)) {
+    poll();
     sequence.next(unit);
     ++drawn;
     if (!tube_->draw(unit, y)) continue;
@@ -234,6 +236,7 @@ Target Target::region(const Space& space, const TargetSettings& settings, const 
   std::vector<double> x(d);
   std::size_t drawn = 0;
   for (; drawn < region_limit * wanted && target.pool_.size() < wanted; ++drawn) {
+    poll();
     sequence.next(unit);
     frame.from_unit(unit, y);
     frame.to_raw(y, x);
@@ -260,6 +263,7 @@ Target Target::distribution(const Space& space, const TargetSettings& settings, 
                             space.name(), space.dimension()));
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
+    poll();
     if (!space.contains(samples[i])) {
       throw Error(fmt::format("target: draw {} lies outside of the space {}", i + 1, space.name()));
     }
@@ -282,6 +286,7 @@ void Target::finish() {
   const std::size_t d = space_.dimension();
   pool_rows_.resize(pool_.size() * d);
   for (std::size_t i = 0; i < pool_.size(); ++i) {
+    poll();
     frame.to_metric(std::as_const(pool_)[i], MutableView(pool_rows_).subspan(i * d, d));
   }
   pool_trees_ = std::make_shared<PoolTrees>();
@@ -306,6 +311,7 @@ void Target::finish() {
   log_half_misses_.reserve(evaluated);
   if (tube_) arcs_.reserve(evaluated);
   for (std::size_t i = 0; i < evaluated; ++i) {
+    poll();
     const View y = View(pool_rows_).subspan(i * d, d);
     hits_.push_back(chance(y, settings_.delta));
     log_misses_.push_back(std::log1p(-hits_.back()));
@@ -358,6 +364,7 @@ Configurations Target::draw(std::size_t count, Stream& stream) const {
   std::vector<double> x(d);
   const auto attempts = static_cast<std::size_t>(static_cast<double>(cover_limit * count) / free_share_);
   for (std::size_t tried = 0; tried < attempts && drawn.size() < count; ++tried) {
+    poll();
     for (double& u : unit) u = stream.uniform();
     if (tube_) {
       if (!tube_->draw(unit, y)) continue;
