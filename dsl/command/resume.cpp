@@ -45,16 +45,35 @@ Files files_in(const std::string& folder) {
 
 }  // namespace
 
-Resume::Resume(std::string folder, const Manifest& manifest, bool restart)
-    : folder_(std::move(folder)), runs_(folder_, runs_file, restart), scores_(folder_, scores_file, restart) {
-  if (restart || !Manifest::exists(folder_)) manifest.write(folder_);
+Resume::Resume(std::string folder, const Manifest& manifest, bool restart, bool others)
+    : folder_(std::move(folder)),
+      runs_(folder_, runs_file, restart),
+      scores_(folder_, scores_file, restart),
+      others_(others) {
+  if (restart || !Manifest::exists(folder_)) {
+    attempt([&] { manifest.write(folder_); });
+  }
+}
+
+void Resume::attempt(const std::function<void()>& write) {
+  {
+    const std::scoped_lock lock(failing_);
+    if (failure_) return;
+  }
+  try {
+    write();
+  } catch (const Error& error) {
+    if (!others_) throw;
+    const std::scoped_lock lock(failing_);
+    if (!failure_) failure_ = error;
+  }
 }
 
 void Resume::planned(RunResult& run) {
   const RunKey key = key_of(run);
   const auto stored = runs_.find(key);
   if (!stored) {
-    runs_.append(key, run_line(run));
+    attempt([&] { runs_.append(key, run_line(run)); });
     return;
   }
   restore_times(run, *stored);
@@ -73,7 +92,9 @@ bool Resume::restore_scores(RunResult& run) {
   return true;
 }
 
-void Resume::scored(const RunResult& run) { scores_.append(key_of(run), scores_line(run)); }
+void Resume::scored(const RunResult& run) {
+  attempt([&] { scores_.append(key_of(run), scores_line(run)); });
+}
 
 bool Resume::restore_pooled(const std::string& problem, std::vector<PooledScores>& pooled) {
   const auto stored = scores_.find(pooled_key(problem));
@@ -83,7 +104,7 @@ bool Resume::restore_pooled(const std::string& problem, std::vector<PooledScores
 }
 
 void Resume::pooled(const std::string& problem, const std::vector<PooledScores>& pooled) {
-  scores_.append(pooled_key(problem), pooled_line(problem, pooled));
+  attempt([&] { scores_.append(pooled_key(problem), pooled_line(problem, pooled)); });
 }
 
 void Resume::draw(const std::string& problem, const std::string& style, const std::string& folder,

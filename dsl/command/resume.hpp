@@ -4,10 +4,13 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <dsl/command/records.hpp>
+#include <trellis/base/error.hpp>
 #include <trellis/experiment/store.hpp>
 
 namespace trellis::command {
@@ -17,7 +20,9 @@ class Resume : public RunStore {
  public:
   /// Opens the records of a folder. \throws Error if they are of other runs
   /// \param restart  deletes them
-  Resume(std::string folder, const Manifest& manifest, bool restart);
+  /// \param others   whether the command has other outputs: then it goes on without the folder where that cannot be
+  ///                 written, and `failure` has the reason
+  Resume(std::string folder, const Manifest& manifest, bool restart, bool others);
 
   // RunStore
   void planned(RunResult& run) override;
@@ -25,6 +30,11 @@ class Resume : public RunStore {
   void scored(const RunResult& run) override;
   bool restore_pooled(const std::string& problem, std::vector<PooledScores>& pooled) override;
   void pooled(const std::string& problem, const std::vector<PooledScores>& pooled) override;
+
+  /// Calls `write`, which writes to the folder. After a failure it calls nothing. Thread-safe.
+  /// \throws Error where that fails and the command has no other output
+  void attempt(const std::function<void()>& write);
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
   /// Calls `draw` unless an earlier process has finished it and no file of the folder is missing since.
   /// \param style   the options that change the figures
@@ -44,6 +54,9 @@ class Resume : public RunStore {
   RecordFile runs_;
   RecordFile scores_;
   std::atomic<bool> restored_{false};
+  bool others_;
+  std::mutex failing_;  // guards the failure
+  std::optional<Error> failure_;
 };
 
 }  // namespace trellis::command

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -204,8 +205,10 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
       const std::string& name = one.problems.front().name;
       progress.show("drawing " + name);
       const std::filesystem::path figures = std::filesystem::path(options.out) / "figures";
-      resume.draw(name, style_text(options), (figures / Directories()(name)).string(),
-                  [&] { write_all_figures(one, found, figures.string(), drawing, options.quiet); });
+      resume.attempt([&] {
+        resume.draw(name, style_text(options), (figures / Directories()(name)).string(),
+                    [&] { write_all_figures(one, found, figures.string(), drawing, options.quiet); });
+      });
       std::move(found.runs.begin(), found.runs.end(), std::back_inserter(result.runs));
       std::move(found.pooled.begin(), found.pooled.end(), std::back_inserter(result.pooled));
       result.planning_seconds += found.planning_seconds;
@@ -217,8 +220,10 @@ ExperimentResult run_problems(const Experiment& experiment, unsigned jobs, const
     before += steps(one);
   }
   progress.show("writing the tables and the page");
-  write_out(experiment, result, options, drawing.style);
-  resume.finish(result);
+  resume.attempt([&] {
+    write_out(experiment, result, options, drawing.style);
+    resume.finish(result);
+  });
   return result;
 }
 
@@ -295,6 +300,13 @@ void check_combination(const Options& options) {
   check_format(options.style, !options.out.empty());
 }
 
+/// Whether there is an output beside that of --out.
+bool has_other_outputs(const Options& options) {
+  const std::array outputs = {&options.json,    &options.html, &options.samples,
+                              &options.figures, &options.gltf, &options.learn};
+  return std::any_of(outputs.begin(), outputs.end(), [](const std::string* output) { return !output->empty(); });
+}
+
 /// Loads the script and applies the options to its experiment.
 dsl::Program program_of(const Options& options, dsl::SessionOptions session) {
   session.seed = options.seed.value_or(session.seed);
@@ -363,7 +375,7 @@ int run(const Options& options) {
     check(experiment);
     const Manifest manifest = files.manifest(options.script, options_text(options), {}, experiment);
     if (!options.restart) require_same(options.out, manifest);
-    resume.emplace(options.out, manifest, options.restart);
+    resume.emplace(options.out, manifest, options.restart, has_other_outputs(options));
     if (resume->runs() > 0 && !options.quiet) {
       print_message(fmt::format("continues '{}', which holds {} of {} runs; --restart starts again", options.out,
                                 resume->runs(), keys_of(manifest.experiment).size()));
@@ -385,6 +397,7 @@ int run(const Options& options) {
   if (resume) tell_unsolved(experiment, result);
 
   Writers writers;
+  writers.attempt(resume && resume->failure(), [&] { throw Error(*resume->failure()); });
   writers.attempt(!options.quiet, [&] { print_report(experiment, result, kind, options.width); });
   if (options.quiet) warn_of_guides(experiment, result);
   writers.attempt(!options.json.empty(),

@@ -290,3 +290,45 @@ TEST_CASE("a library of another robot has no path to guide by") {
   CHECK(levels.at(0).at("solved").get<bool>());
   CHECK_FALSE(levels.at(1).at("solved").get<bool>());
 }
+
+TEST_CASE("a failing --out loses no other output") {
+  const Place place;
+  place.script("quick.lua", quick);
+  // A folder where a file belongs: the last outputs of --out fail.
+  fs::create_directories(place / "results/report.html");
+  const Outcome outcome = place.run({"run", "quick.lua", "--quiet", "--out", "results", "--json", "all.json", "--html",
+                                     "page.html", "--samples", "samples"});
+  INFO(outcome.err);
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err == "trellis: cannot write 'results/report.html': Is a directory\n");
+  CHECK_THAT(content(place / "all.json"), Catch::Matchers::EndsWith("}\n"));
+  CHECK_THAT(content(place / "page.html"), Catch::Matchers::EndsWith("</html>\n"));
+  CHECK_FALSE(fs::is_empty(place / "samples"));
+  // Alone it ends the command, and the next one continues.
+  const Outcome alone = place.run({"run", "quick.lua", "--quiet", "--out", "results"});
+  CHECK(alone.status == 2);
+  fs::remove(place / "results/report.html");
+  CHECK(place.run({"run", "quick.lua", "--quiet", "--out", "results"}).status == 0);
+}
+
+TEST_CASE("a disk that fills up under --out loses no other output", "[slow]") {
+  const Place place;
+  place.script("quick.lua", quick);
+  fs::create_directories(place / "disk");
+  if (place.shell("unshare -m mount -t tmpfs -o size=32k none disk").status != 0) {
+    WARN("skipped: only a privileged user can mount a small file system");
+    return;
+  }
+  for (const std::string size : {"4k", "16k", "64k", "128k"}) {
+    const Outcome outcome = place.shell("unshare -m bash -c \"mount -t tmpfs -o size=" + size +
+                                        " none disk; '$T' run quick.lua --seeds 3 --quiet --out disk/out --json "
+                                        "all.json --html page.html\"");
+    INFO(size << "\n" << outcome.err);
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.err, Contains("cannot write 'disk/out/") && Contains("No space left on device"));
+    CHECK_THAT(content(place / "all.json"), Catch::Matchers::EndsWith("}\n"));
+    CHECK_THAT(content(place / "page.html"), Catch::Matchers::EndsWith("</html>\n"));
+    fs::remove(place / "all.json");
+    fs::remove(place / "page.html");
+  }
+}
