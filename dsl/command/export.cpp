@@ -22,6 +22,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/memory/database.hpp>
+#include <trellis/report/csv.hpp>
 #include <trellis/report/directories.hpp>
 #include <trellis/report/report.hpp>
 
@@ -359,13 +360,6 @@ class Draft {
 
 // PDT -----------------------------------------------------------------------------------------------------------------
 
-std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? "\"\"" : std::string(1, c);
-  return text + '"';
-}
-
 std::string number(double x) { return std::isinf(x) ? "inf" : fmt::format("{}", x); }
 
 /// The cost of a run over time, as steps. PDT interpolates between points, so each step has a point before it.
@@ -388,7 +382,7 @@ std::string pdt_lines(const Json& run, double end) {
   }
   add(std::nextafter(end, 0.0), cost);
   add(end, cost);
-  std::string times = quoted(run.at("strategy").get<std::string>());
+  std::string times = csv_text(run.at("strategy").get<std::string>());
   std::string costs = times;
   for (const auto& [time, value] : points) {
     times += ", " + number(time);

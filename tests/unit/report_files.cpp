@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include <trellis/base/error.hpp>
+#include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include "report_fixture.hpp"
 #include "support/catch.hpp"
@@ -179,4 +180,20 @@ TEST_CASE("a new file has the permissions that a file should have", "[report][fi
   ::umask(before);
   CHECK(fs::status(folder.path() / "out").permissions() ==
         (fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read | fs::perms::others_read));
+}
+
+TEST_CASE("names in CSV files are no formulas", "[report][files]") {
+  CHECK(csv_text("rrt") == "rrt");
+  CHECK(csv_text("a, \"b\"") == "\"a, \"\"b\"\"\"");
+  CHECK(csv_text("two\nlines") == "\"two\nlines\"");
+  CHECK(csv_text("=HYPERLINK(\"x\")") == "\"'=HYPERLINK(\"\"x\"\")\"");
+  CHECK(csv_text("+1 better") == "\"'+1 better\"");
+  CHECK(csv_text("-cmd") == "\"'-cmd\"");
+  CHECK(csv_text("@SUM(A1)") == "\"'@SUM(A1)\"");
+  CHECK(csv_text("\t=1") == "\"'\t=1\"");
+  CHECK(csv_text("\r=1") == "\"'\r=1\"");
+  // A number is no formula.
+  CHECK(csv_text("-5") == "-5");
+  CHECK(csv_text("-1.5e3") == "-1.5e3");
+  CHECK(csv_text("a-b") == "a-b");
 }

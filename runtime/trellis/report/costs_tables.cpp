@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <trellis/report/costs.hpp>
+#include <trellis/report/csv.hpp>
 #include <trellis/report/table.hpp>
 #include <trellis/report/words.hpp>
 
@@ -314,13 +315,6 @@ std::string csv_number(double x) {
   if (std::isnan(x)) return "";
   if (std::isinf(x)) return x > 0.0 ? "inf" : "-inf";
   return fmt::format("{}", x);
-}
-
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + '"';
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/report/csv.hpp>
 #include <trellis/report/report.hpp>
 #include <trellis/report/summary.hpp>
 #include <trellis/report/words.hpp>
@@ -204,8 +205,8 @@ class Tables {
     std::string text = "problem,strategy,role,path,estimator,quantity,value,lo,hi,n,infinite\n";
     const auto add = [&](const std::string& problem, const std::string& strategy, const char* role, const char* path,
                          const std::string& estimator, const char* quantity, const Interval& x) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", quoted(problem), quoted(strategy), role, path,
-                          quoted(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(problem), csv_text(strategy), role, path,
+                          csv_text(estimator), quantity, number(x.value), number(x.lo), number(x.hi), x.n, x.infinite);
     };
     for (const Problem& problem : experiment_.problems) {
       for (const auto& [name, spec] : experiment_.strategies) {
@@ -261,12 +262,6 @@ class Tables {
     return all;
   }
 
-  static std::string quoted(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string result = "\"";
-    for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return result + "\"";
-  }
   static std::string number(double x) {
     if (std::isnan(x)) return "";
     if (std::isinf(x)) return x > 0 ? "inf" : "-inf";
