@@ -20,7 +20,9 @@
 #include <variant>
 #include <vector>
 
+#include <dsl/command/interrupt.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/experiment.hpp>
 #include <trellis/memory/database.hpp>
 #include <trellis/report/csv.hpp>
 #include <trellis/report/directories.hpp>
@@ -117,6 +119,7 @@ void for_each_entry(const Json& experiment, const Manifest& manifest, const Reco
   const auto strategies = static_cast<std::int64_t>(experiment.at("strategies").size());
   const auto seeds = static_cast<std::int64_t>(experiment.at("seeds").size());
   for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (InterruptibleRun::requested()) throw Interrupted();
     const auto at = static_cast<std::int64_t>(i);
     const std::string& line = records.at(keys[i]);
     body(Entry{at + 1, at / seeds / strategies + 1, at / seeds % strategies + 1, Json::parse(line), &line});
@@ -402,6 +405,7 @@ void require_replaceable_database(const std::string& path) {
 }
 
 void write_database(const std::string& path, const Manifest& manifest, const Records& records) {
+  const InterruptibleRun interruptible;  // else a signal leaves the draft
   const Draft draft(path);
   {
     const Json experiment = Json::parse(manifest.experiment);

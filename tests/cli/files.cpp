@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/image.hpp"
 #include "support/process.hpp"
 
 using Catch::Matchers::Contains;
@@ -331,4 +332,87 @@ TEST_CASE("a disk that fills up under --out loses no other output", "[slow]") {
     fs::remove(place / "all.json");
     fs::remove(place / "page.html");
   }
+}
+
+TEST_CASE("SIGINT while runs are scored ends the run by itself, with what was planned") {
+  const Place place;
+  // Scoring takes minutes: the pool of each run's target is as large as it may be.
+  const std::string scored =
+      "return experiment { problems = scenes.cup(), strategies = { skeleton() >> rrt { step = 0.5 } }, seeds = 2, "
+      "cross = 0, measure = ";
+  place.script("tube.lua", scored + "tube { pool = 1e7, points = 1e7 } }\n");
+  place.script("near.lua", scored + "near_optimal { nodes = 1e6 } }\n");
+  for (const std::string script : {"tube.lua", "near.lua"}) {
+    for (const std::string more : {"", " --ablate"}) {
+      // The planning takes milliseconds.
+      const Outcome outcome =
+          place.shell("(sleep 3; kill -INT $$) & exec $T run " + script + more + " --jobs 2 --json all.json");
+      INFO(script << more << "\n" << outcome.err);
+      CHECK(outcome.status == 130);
+      CHECK_THAT(outcome.err, Contains("interrupted; what is finished, and is kept: all runs, without their "
+                                       "efficiencies"));
+      CHECK_THAT(content(place / "all.json"), Catch::Matchers::EndsWith("}\n"));
+      fs::remove(place / "all.json");
+    }
+  }
+}
+
+TEST_CASE("signals, closed pipes and full disks end train, merge, ablations and sessions as other commands", "[slow]") {
+  const Place place;
+  place.script("solve.lua", solve);
+  place.script("endless.lua", endless);
+  place.script("ablated.lua",
+               "return experiment { problems = problem { world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, "
+               "robot = robot.point(), start = {1, 1}, goal = {9, 9} }, measure = false, seeds = 1000, strategies = { "
+               "both = (goal_bias(0.1) + bridge_test()) >> rrt { step = 0.001, proposals = 1e6 } } }\n");
+  place.script(
+      "inputs",
+      "closed = problem { world = world { bounds = {0, 0, 10, 10}, box {4, 0, 6, 10} }, robot = robot.point(), "
+      "start = {1, 1}, goal = {9, 9} }\nplan(rrt { step = 0.001, proposals = 1e9 }, closed)\n");
+  REQUIRE(place.shell("for k in 1 2; do $T sweep solve.lua --out shard-$k --shard $k/2; done").status == 0);
+  for (const char* split : {"train", "validation"}) {
+    fs::create_directories(place / ("data/family/" + std::string(split)));
+    for (int i = 0; i < 4; ++i) {
+      trellis::test::write_image((place / ("data/family/" + std::string(split) + "/" + std::to_string(i) + ".png")), 60,
+                                 60, [&](std::size_t column, std::size_t row) {
+                                   return column >= 28 && column < 32 && row / 12 != static_cast<std::size_t>(i);
+                                 });
+    }
+  }
+  const auto before = names_in(place / "");
+  for (const auto& [name, number] : {std::pair{"INT", SIGINT}, std::pair{"TERM", SIGTERM}, std::pair{"HUP", SIGHUP}}) {
+    for (const std::string command :
+         {"run ablated.lua --ablate --json all.json", "train --data data --out a.model --samples 1000000",
+          "train --data data --search --out a.model --rounds 1000", "repl < inputs"}) {
+      const Outcome outcome = place.shell(std::string("(sleep 0.5; kill -") + name + " $$) & exec $T " + command);
+      INFO(command << " " << name << "\n" << outcome.err);
+      CHECK(outcome.status == 128 + number);
+      CHECK(names_in(place / "") == before);
+    }
+  }
+  const std::string train = "train --data data --samples 50 --out ";
+  REQUIRE(place.shell("$T " + train + "good.model").status == 0);
+  for (const std::string command : {train + "good.model", std::string("merge shard-1 shard-2 --sqlite all.sqlite"),
+                                    std::string("run solve.lua --seeds 2")}) {
+    const Outcome full = place.shell("$T " + command + " > /dev/full");
+    INFO(command << "\n" << full.err);
+    CHECK(full.status == 2);
+    CHECK(full.err == "trellis: cannot write 'standard output': No space left on device\n");
+    const Outcome closed = place.shell("mkfifo pipe; sleep 0 < pipe & exec 3> pipe; wait $!; $T " + command + " >&3");
+    CHECK(closed.status == 141);
+    CHECK(closed.err == "trellis: cannot write 'standard output': Broken pipe\n");
+    fs::remove(place / "pipe");
+  }
+  const std::string model = content(place / "good.model");
+  const auto kept = names_in(place / "");
+  for (const std::string command :
+       {train + "good.model", std::string("merge shard-1 shard-2 --out merged"),
+        std::string("merge shard-1 shard-2 --pdt pdt"), std::string("merge shard-1 shard-2 --sqlite new.sqlite")}) {
+    const Outcome limited = place.shell("ulimit -f 1; $T " + command);
+    INFO(command << "\n" << limited.err);
+    CHECK(limited.status == 2);
+    CHECK(lines(limited.err) == 1);
+    CHECK(names_in(place / "") == kept);
+  }
+  CHECK(content(place / "good.model") == model);
 }
