@@ -399,6 +399,34 @@ TEST_CASE("the page shows what its address says, as the other files have it, and
   }
 }
 
+TEST_CASE("control characters, quotes and markup in names are text on the page", "[browser][slow]") {
+  if (!browser_is_here()) return;
+  const Place place;
+  place.script("script.lua", R"(
+local name = [[</script><img src=x onerror="document.title = 'taken'"><b>'"&amp;]] .. '\27[2J\0\7'
+return experiment {
+  problems = problem {
+    name = 'p' .. name, robot = robot.disc(0.48), start = {1, 1}, goal = {9, 9},
+    world = world { bounds = {0, 0, 10, 10}, disc {5, 5, 1, name = 'o' .. name} },
+  },
+  strategies = { { 's' .. name, skeleton() >> rrt { step = 0.5 } }, { 't' .. name, rrt { step = 0.5 } } },
+  measure = false,
+}
+)");
+  const auto outcome = place.run({"run", "script.lua", "--quiet", "--html", "report.html"});
+  INFO(outcome.err);
+  REQUIRE(outcome.status == 0);
+  const std::string looked = R"(
+        view.dataset.images = document.querySelectorAll('img[onerror]').length;
+        const cells = [...document.querySelectorAll('td, th, button, option, h2, h3')];
+        view.dataset.named = cells.some(cell => cell.textContent.includes('</' + 'script><img src=x'));)";
+  const auto shown = perform(place, {{"looked", "", looked}});
+  const Shown& page = shown.at("looked");
+  CHECK(page["images"] == "0");
+  CHECK(page["named"] == "true");
+  CHECK(page.title.find("taken") == std::string::npos);
+}
+
 TEST_CASE("the page of a world of discs can be drawn while it has no width", "[browser][slow]") {
   if (!browser_is_here()) return;
   const Place place;
