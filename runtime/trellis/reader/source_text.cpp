@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -90,11 +91,10 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 std::string first_bytes(const std::string& path) {
   constexpr std::size_t enough = 64;
-  std::string bytes(enough, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(bytes.data(), static_cast<std::streamsize>(enough));
-  bytes.resize(static_cast<std::size_t>(in.gcount()));
-  return bytes;
+  InputFile file(path, std::numeric_limits<std::uintmax_t>::max());
+  std::string block;
+  if (!file.fault().empty() || !file.next(block)) return "";
+  return block.substr(0, enough);
 }
 
 double number_in(const SourceText& text, std::size_t line, const std::string& word, const char* what) {
