@@ -15,6 +15,7 @@
 #include <dsl/command/script_options.hpp>
 #include <dsl/language/session.hpp>
 #include <trellis/base/error.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/report/explanation.hpp>
 #include <trellis/report/report.hpp>
 
@@ -66,6 +67,9 @@ int explain(const Options& options) {
   choose_strategy(experiment, options.strategy);
   choose_problem(experiment, options.problem);
 
+  for (const std::string& sentence : input_warnings(experiment)) {
+    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+  }
   int status = success;
   std::vector<ExplainedStrategy> explained;
   const std::vector<Similar> groups = similar_problems(experiment.problems);

@@ -181,6 +181,8 @@ std::vector<Column> run_columns() {
           {"validity_checks", "INTEGER NOT NULL", "/validity_checks"},
           {"motion_checks", "INTEGER NOT NULL", "/motion_checks"},
           {"shortcut_checks", "INTEGER NOT NULL", "/shortcut_checks"},
+          {"certified", "INTEGER NOT NULL", "/certified"},
+          {"clearance", "REAL", "/clearance"},
           {"path_checks", "INTEGER NOT NULL", "/path_checks"},
           {"refuted_paths", "INTEGER NOT NULL", "/refuted_paths"}};
 }

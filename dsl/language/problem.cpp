@@ -20,6 +20,7 @@
 #include <trellis/base/input_file.hpp>
 #include <trellis/collision/checker.hpp>
 #include <trellis/experiment/input_warnings.hpp>
+#include <trellis/instance/path_fault.hpp>
 #include <trellis/instance/resolve_goal.hpp>
 #include <trellis/reader/readers.hpp>
 #include <trellis/strategy/executor.hpp>
@@ -35,6 +36,7 @@ using lua::Value;
 struct LoadSettings {
   double weight = 1.0 / std::numbers::pi;
   double resolution = Problem{}.resolution;
+  double contact_tolerance = Problem{}.contact_tolerance;
   std::string collision = "auto";
   std::string map_server = "nav2";
   bool motion = true;
@@ -43,6 +45,7 @@ struct LoadSettings {
 struct ProblemSettings {
   double weight = LoadSettings{}.weight;
   double resolution = LoadSettings{}.resolution;
+  double contact_tolerance = LoadSettings{}.contact_tolerance;
   std::string collision = "auto";
   double goal_tolerance = Problem{}.goal_tolerance;
 };
@@ -55,6 +58,10 @@ Settings<S> with_scene_options(Settings<S> settings) {
           "metres of the metric per radian of turning; of a body in space its bounding radius, if this is not given")
       .number("resolution", &S::resolution, "m", Range::positive(),
               "how far the robot's fastest point moves between two checked configurations")
+      .number(
+          "contact_tolerance", &S::contact_tolerance, "m", Range::non_negative(),
+          "how finely the certificate of a path divides its motions: a motion that is undecided at this displacement "
+          "of the robot's points counts as contact; 0: a millionth of resolution")
       .choice(
           "collision", &S::collision, {"auto", "planar", "fcl", "fcl_plain"},
           "the collision backend: in the plane \"planar\" or \"fcl\"; in space \"fcl\", which decides what it can by "
@@ -187,6 +194,7 @@ void read_scene(const Arguments& arguments, Problem& problem, lua::Faults& fault
   problem.goal_tolerance = motion != nullptr && !arguments["goal_tolerance"].given() ? ReadOptions{}.goal_tolerance
                                                                                      : settings.goal_tolerance;
   problem.resolution = settings.resolution;
+  problem.contact_tolerance = settings.contact_tolerance;
   faults.attempt([&] { problem.collision = backend_of(*problem.scene, settings.collision); });
 }
 
@@ -254,6 +262,7 @@ const std::map<std::string, void (*)(Stack&, const Problem&)>& readable() {
          }
        }},
       {"goal_tolerance", [](Stack& call, const Problem& p) { call.push(p.goal_tolerance); }},
+      {"contact_tolerance", [](Stack& call, const Problem& p) { call.push(certificate_tolerance(p)); }},
       {"resolution", [](Stack& call, const Problem& p) { call.push(p.resolution); }},
       {"collision", [](Stack& call, const Problem& p) { call.push(p.collision); }}};
   return fields;
@@ -547,6 +556,7 @@ lua::Callback scene_loader(ScriptPlace place, std::shared_ptr<std::vector<std::s
       ++count;
       if (name) problem.name = problems.size() == 1 ? *name : fmt::format("{}/{}", *name, count);
       problem.collision = backend_of(*problem.scene, settings.collision);
+      problem.contact_tolerance = settings.contact_tolerance;
       resolve_goal(problem);
       call.push_object(std::move(problem));
       call.append(list);

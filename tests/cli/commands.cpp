@@ -362,6 +362,26 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
   }
 }
 
+TEST_CASE("a resolution that is coarser than an obstacle is thick is warned of, by check, run and explain") {
+  const Place place;
+  const auto script = [&](const char* robot, const char* resolution) {
+    place.script("coarse.lua", std::string("return rrt { proposals = 10 }, problem { name = 'thin', world = world { bounds = {0, "
+                                           "0, 8, 8}, box {4, 0, 4.1, 6} }, robot = ") +
+                                   robot + ", start = {1, 1, 0}, goal = {7, 1, 0}, resolution = " + resolution + " }");
+  };
+  script("robot.rectangle(0.6, 0.2)", "2");
+  for (const char* verb : {"check", "run", "explain"}) {
+    const Outcome outcome = place.run({verb, "coarse.lua"});
+    CAPTURE(verb, outcome.err);
+    CHECK(outcome.err.find("warning: problem 'thin': between two configurations that are checked the robot moves by up "
+                           "to resolution = 2 m, and obstacle 1 (box 4 0 4.1 6) is 0.1 m thick, the largest disc") !=
+          std::string::npos);
+    CHECK(outcome.err.find("with resolution = 0.3 it does not") != std::string::npos);
+  }
+  script("robot.rectangle(0.6, 0.2)", "0.3");
+  CHECK(place.run({"check", "coarse.lua"}).err.find("thick") == std::string::npos);
+}
+
 TEST_CASE("a script alone is run, and a misspelt command is named with the nearest one") {
   const Place place;
   place.script("quick.lua", quick);

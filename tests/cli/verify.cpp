@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis verify: paths of results are validated again.
+#include <algorithm>
+#include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -44,11 +46,47 @@ struct Results {
 
 }  // namespace
 
-TEST_CASE("paths of a run are valid more finely and by the other backend") {
+TEST_CASE("paths of a run are certified, and their smallest clearance is that of the document") {
   const Results results;
+  double least = 1.0;
+  for (const Json& run : results.document()["runs"]) {
+    CHECK(run["certified"] == true);
+    CHECK(run["clearance"] > 0.0);
+    least = std::min(least, run["clearance"].get<double>());
+  }
   const Outcome outcome = results.verify();
   CHECK(outcome.status == 0);
-  CHECK(outcome.out == "12 of 12 paths valid at 4 times the resolution, by the other collision backend\n");
+  CHECK(outcome.out == fmt::format("12 of 12 paths certified, smallest clearance {:.3g} m\n", least));
+}
+
+TEST_CASE("paths in space are certified") {
+  const Results results(R"(
+return rrt_connect { step = 0.5 }, problem {
+  name = "plate", world = world { bounds = {0, 0, 0, 4, 4, 4}, box {1.9, 0, 0, 1.92, 3, 4} },
+  robot = robot.rigid { box {-0.2, -0.1, -0.1, 0.2, 0.1, 0.1} },
+  start = pose {1, 1, 1}, goal = pose {3, 1, 1},
+}
+)");
+  const Outcome outcome = results.verify();
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.find(" of 1 paths certified, smallest clearance ") == 1);
+}
+
+TEST_CASE("a path through a wall that is thinner than the resolution is refuted") {
+  const Results results(R"(
+return rrt_connect {}, problem {
+  name = "thin", world = world { bounds = {0, 0, 1, 1}, box {0.5, 0, 0.503, 0.9}, box {0.25, 0.1, 0.253, 1} },
+  robot = robot.point(), start = {0.1, 0.1}, goal = {0.9, 0.1},
+}
+)");
+  Json json = results.document();
+  json["runs"][0]["path"] = Json::parse("[[0.1, 0.1], [0.9, 0.1]]");
+  results.write(json);
+  const Outcome outcome = results.verify();
+  CHECK(outcome.status == 1);
+  CAPTURE(outcome.out);
+  CHECK(outcome.out.find("the path is invalid between the points 1 and 2: (") != std::string::npos);
+  CHECK(outcome.out.find("touches obstacle ") != std::string::npos);
 }
 
 TEST_CASE("a path through an obstacle is named, with the place and the obstacle") {
@@ -68,7 +106,7 @@ TEST_CASE("a path through an obstacle is named, with the place and the obstacle"
   CHECK(outcome.out.find("touches obstacle") != std::string::npos);
   CHECK(outcome.out.find("cup: guided, seed 2: the path does not end at the goal\n") != std::string::npos);
   CHECK(outcome.out.find("cup: guided, seed 3: the path does not begin at the start\n") != std::string::npos);
-  CHECK(outcome.out.find("9 of 12 paths valid") != std::string::npos);
+  CHECK(outcome.out.find("9 of 12 paths certified") != std::string::npos);
 }
 
 TEST_CASE("a trajectory must drive the robot along its path") {

@@ -11,6 +11,7 @@ void remove_times(Json& json) {
   if (json.is_object()) {
     json.erase("time_s");
     json.erase("cpu_s");
+    json.erase("path_cpu_s");
   }
   if (json.is_structured()) {
     for (Json& part : json) remove_times(part);

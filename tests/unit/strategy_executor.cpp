@@ -38,7 +38,7 @@ ConvexShape rectangle_polygon(const Box2& box) { return Polygon{rectangle_vertic
 std::uint64_t resolves(const LevelRecord& level) {
   const Resolves& of = level.resolves;
   return of.invalid_path + of.rejections + of.lost_place + of.presumed_valid + of.changed_world + of.further_path +
-         of.finer_check;
+         of.refuted_path;
 }
 
 void check_run(const Problem& problem, const RunRecord& run) {

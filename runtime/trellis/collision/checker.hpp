@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <trellis/collision/certificate.hpp>
 #include <trellis/scene/planar/scene.hpp>
 
 namespace trellis {
@@ -19,7 +20,8 @@ struct MotionReport {
   /// middle, the quarters, ...): up to and including the first invalid one, or all of a valid motion. Every backend
   /// gives the same number, however many configurations it checks in one step.
   std::uint32_t checks = 0;
-  /// The parameter on [0, 1] from a to b of the first invalid configuration (in that order); NaN for a valid motion.
+  /// The parameter on [0, 1] from a to b of the first invalid configuration (in that order); NaN for a valid motion. Of
+  /// a point it may lie between the checked configurations.
   double invalid_at = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -38,7 +40,9 @@ struct Contact {
 ///
 /// The checker validates a motion from a to b at n = max(1, ceil(displacement_bound(a, b) / resolution))
 /// configurations, interpolate(a, b, i / n), i = 1..n: b is one of them, and the caller has validated a. It visits them
-/// in bisection order: n first, then the midpoints of [0, n], level by level from the left.
+/// in bisection order: n first, then the midpoints of [0, n], level by level from the left. The motion of a point is a
+/// segment: it is valid where these configurations are and the segment touches no closed obstacle anywhere, exactly; it
+/// counts n checks too. Of other robots `certify` decides the places between the configurations.
 ///
 /// Configurations have the space's `dimension` numbers, which is not checked: another size is undefined behaviour.
 ///
@@ -50,6 +54,9 @@ class Checker {
 
   [[nodiscard]] virtual bool valid(View q) const = 0;
   [[nodiscard]] virtual MotionReport motion(View a, View b) const = 0;
+  /// Adds the motion from a to b, both included, to a certificate that is valid so far. What has no collision geometry,
+  /// the bounds of the space and limits of a motion model, is not part of it.
+  virtual void certify(View a, View b, Certificate& certificate) const = 0;
   /// Returns the distance in metres from the robot at q to the nearest obstacle or, from inside, to the boundary, and
   /// between the bodies of self-collision pairs; 0 in collision.
   [[nodiscard]] virtual double clearance(View q) const = 0;

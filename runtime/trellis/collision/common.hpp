@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <trellis/scene/scene.hpp>
 
@@ -16,6 +17,10 @@ void check_fits(const Scene& scene, const Space& space, double resolution);
 /// Returns the gap in metres below which bodies count as touching; also how far the robot may leave the boundary. It
 /// bounds the accumulated rounding error in a world of this size.
 double touching_slack(const Scene& scene);
+
+/// Returns the parameters in (0, 1), ascending, at which the shortest motion from a passes an end of a periodic axis of
+/// a flat space: only there can a robot jump. \param difference  Space::difference of the motion's ends
+std::vector<double> wraps(const Space& space, View a, View difference);
 
 /// Whether the first `dimension` coordinates, which move the robot, are finite. A configuration with another coordinate
 /// is invalid.

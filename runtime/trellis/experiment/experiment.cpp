@@ -17,6 +17,7 @@
 #include <trellis/base/random.hpp>
 #include <trellis/experiment/baseline.hpp>
 #include <trellis/experiment/cell.hpp>
+#include <trellis/experiment/input_warnings.hpp>
 #include <trellis/experiment/partial.hpp>
 #include <trellis/experiment/scoring.hpp>
 #include <trellis/experiment/store.hpp>
@@ -275,6 +276,7 @@ class Runner {
         throw;
       }
     });
+    refuse_impossible();
     planned_ = std::chrono::steady_clock::now();
     result_.planning_seconds = std::chrono::duration<double>(planned_ - begin_).count();
   }
@@ -304,6 +306,18 @@ class Runner {
   }
 
  private:
+  /// A path where none can be is a fault of the program: nothing that it reports can then be believed.
+  void refuse_impossible() const {
+    for (const Problem& problem : experiment_.problems) {
+      const auto solved = std::find_if(result_.runs.begin(), result_.runs.end(), [&](const RunResult& run) {
+        return run.run.solved && run.problem == problem.name;
+      });
+      if (solved == result_.runs.end() || !separated(problem)) continue;
+      throw Fault(fmt::format("problem '{}': {}, seed {}, reports a path, and obstacles separate start and goal",
+                              problem.name, solved->strategy, solved->seed));
+    }
+  }
+
   [[nodiscard]] bool interrupted() const {
     return stop_.load(std::memory_order_relaxed) || (options_.interrupted && options_.interrupted());
   }

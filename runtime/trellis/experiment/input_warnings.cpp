@@ -62,9 +62,28 @@ std::vector<bool> connected(const Triangulation& free, std::uint32_t from) {
 /// Whether the robot covers its reference point, which then must stay in free space.
 bool covers_reference(const Robot& robot) { return robot.is_point() || robot.inscribed_radius() > 0.0; }
 
-/// Warns of a start and goal that obstacles separate for a point, and so for every robot that has it.
-void find_separation(const Problem& problem, std::vector<std::string>& warnings) {
-  if (problem.scene->planar() == nullptr) return;
+/// Warns of a resolution at which the search steps over an obstacle.
+void find_coarse_resolution(const Problem& problem, std::vector<std::string>& warnings) {
+  // The motions of a point are exact at any resolution.
+  if (problem.scene->is_point()) return;
+  const auto thinnest = problem.scene->thinnest_obstacle();
+  if (!thinnest) return;
+  const double body = 2.0 * problem.scene->inscribed_radius();
+  const double enough = thinnest->thickness + body;
+  if (problem.resolution <= enough || enough == 0.0) return;
+  warnings.push_back(fmt::format(
+      "problem '{}': between two configurations that are checked the robot moves by up to resolution = {:g} m, and {} "
+      "is {:.3g} m thick{}: a search passes through it and its paths are refuted, which costs time; with resolution = "
+      "{:.2g} it does not",
+      problem.name, problem.resolution, problem.scene->obstacle_name(thinnest->obstacle), thinnest->thickness,
+      body > 0.0 ? fmt::format(", the largest disc or ball about the robot's reference point {:.3g} m", body) : "",
+      enough));
+}
+
+}  // namespace
+
+bool separated(const Problem& problem) {
+  if (problem.scene->planar() == nullptr) return false;
   const PlanarScene& scene = *problem.scene->planar();
   const auto& obstacles = scene.world.obstacles();
   // Polygons about discs may close a gap.
@@ -72,19 +91,28 @@ void find_separation(const Problem& problem, std::vector<std::string>& warnings)
     return !std::holds_alternative<Disc>(obstacle.shape);
   });
   constexpr std::size_t most_obstacles = 1000;  // a tenth of a second
-  if (!polygons || obstacles.size() > most_obstacles || problem.reach || problem.goals.size() != 1) return;
-  if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return;
+  if (!polygons || obstacles.size() > most_obstacles || problem.reach || problem.goals.size() != 1) return false;
+  if (problem.space.dimension() < 2 || !scene.robot.translates() || !covers_reference(scene.robot)) return false;
+  if (!problem.space.flat() || problem.space.axes()[0].periodic || problem.space.axes()[1].periodic) return false;
   const auto [lo, hi] = scene.world.bounds();
   try {
     const Triangulation free(scene.world, std::max(hi.x - lo.x, hi.y - lo.y));
     const auto start = free.find({problem.start[0], problem.start[1]});
     const auto goal = free.find({problem.goal()[0], problem.goal()[1]});
-    if (!start || !goal || connected(free, *start)[*goal]) return;
-    warnings.push_back(fmt::format(
-        "problem '{}': obstacles separate start and goal: not even a point has a path, so no run can succeed",
-        problem.name));
-  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): a world that has no such triangulation gets no warning
+    return start && goal && !connected(free, *start)[*goal];
+  } catch (const Error&) {
+    return false;  // a world that has no such triangulation
   }
+}
+
+namespace {
+
+/// Warns of a start and goal that obstacles separate for a point, and so for every robot that has it.
+void find_separation(const Problem& problem, std::vector<std::string>& warnings) {
+  if (!separated(problem)) return;
+  warnings.push_back(
+      fmt::format("problem '{}': obstacles separate start and goal: not even a point has a path, so no run can succeed",
+                  problem.name));
 }
 
 /// The longest side of a box.
@@ -236,6 +264,7 @@ std::vector<std::string> input_warnings(const Experiment& experiment) {
   std::vector<std::string> warnings;
   for (const Problem& problem : experiment.problems) {
     find_degrees(problem, warnings);
+    find_coarse_resolution(problem, warnings);
     find_separation(problem, warnings);
     if (const std::string warning = unit_warning(problem); !warning.empty()) {
       warnings.push_back(fmt::format("problem '{}': {}", problem.name, warning));

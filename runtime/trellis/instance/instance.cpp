@@ -20,6 +20,13 @@ class StateValidity final : public Validity {
     if (!keeps_limits(b)) return {false, 1, 1.0};
     return configurations_->motion(a, b);
   }
+  void certify(View a, View b, Certificate& certificate) override {
+    if (!keeps_limits(b)) {
+      certificate.refuted_at = 1.0;
+      return;
+    }
+    configurations_->certify(a, b, certificate);
+  }
   [[nodiscard]] double clearance(View x) override { return configurations_->clearance(x); }
   [[nodiscard]] std::optional<Contact> contact(View x) override { return configurations_->contact(x); }
 

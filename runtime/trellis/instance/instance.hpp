@@ -26,6 +26,13 @@ class Validity {
   [[nodiscard]] virtual bool state(View q) = 0;
   /// Checks the motion from a valid `a` to `b`, with the ends as in Checker::motion.
   [[nodiscard]] virtual MotionReport motion(View a, View b) = 0;
+  /// Adds the motion from a to b, both included, to a certificate that is valid so far. Where no collision check
+  /// decides validity, a motion is checked as `motion` checks it.
+  virtual void certify(View a, View b, Certificate& certificate) {
+    const MotionReport report = motion(a, b);
+    certificate.checks += report.checks;
+    if (!report.valid) certificate.refuted_at = report.invalid_at;
+  }
   /// Returns the clearance in metres of the workspace; infinity where the space presumes q free.
   [[nodiscard]] virtual double clearance(View q) = 0;
   /// False where deciding costs no collision checks (presumed validity): the instance then counts none.
@@ -77,6 +84,7 @@ class CollisionValidity final : public Validity {
   explicit CollisionValidity(std::unique_ptr<Checker> checker) : checker_(std::move(checker)) {}
   [[nodiscard]] bool state(View q) override { return checker_->valid(q); }
   [[nodiscard]] MotionReport motion(View a, View b) override { return checker_->motion(a, b); }
+  void certify(View a, View b, Certificate& certificate) override { checker_->certify(a, b, certificate); }
   [[nodiscard]] double clearance(View q) override { return checker_->clearance(q); }
   [[nodiscard]] std::optional<Contact> contact(View q) override { return checker_->contact(q); }
   [[nodiscard]] double invalid_radius(View q) override { return checker_->invalid_radius(q); }

@@ -153,9 +153,8 @@ const PlannerKind* find_planner(std::string_view name);
 
 /// Shortcuts a path: in each round, tries to replace the part between two random points of the path by a straight
 /// motion. The result is never longer. The instance counts the checks.
-/// \param finer  the same instance with a finer resolution of motion checks, which new motions must also pass; nullptr:
-///     none
+/// \param certified  if not empty: whether a part of the path that would be new is certified; else it is not taken
 Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
-                        Instance* finer = nullptr);
+                        const std::function<bool(const Configurations&)>& certified = {});
 
 }  // namespace trellis

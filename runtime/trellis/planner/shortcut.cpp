@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <functional>
 #include <utility>
 
-#include <trellis/instance/path_fault.hpp>
 #include <trellis/planner/planner.hpp>
 
 namespace trellis {
 
 Configurations shortcut(Instance& instance, const Configurations& path, std::int64_t rounds, Stream& stream,
-                        Instance* finer) {
+                        const std::function<bool(const Configurations&)>& certified) {
   const auto& space = instance.space;
   const std::size_t d = space.dimension();
   Configurations current = path;
@@ -45,12 +45,12 @@ Configurations shortcut(Instance& instance, const Configurations& path, std::int
         !instance.motion(b, std::as_const(current)[j + 1]).valid) {
       continue;
     }
-    if (finer != nullptr) {
+    if (certified) {
       Configurations changed(d);
       for (const View q : {std::as_const(current)[i], View(a), View(b), std::as_const(current)[j + 1]}) {
         changed.push(q);
       }
-      if (first_invalid_place(*finer, changed)) continue;
+      if (!certified(changed)) continue;
     }
     Configurations next(d);
     for (std::size_t k = 0; k <= i; ++k) next.push(std::as_const(current)[k]);

@@ -10,6 +10,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/base/version.hpp>
+#include <trellis/instance/path_fault.hpp>
 #include <trellis/report/measures.hpp>
 #include <trellis/report/records.hpp>
 #include <trellis/report/report.hpp>
@@ -298,7 +299,10 @@ Json run_json(const RunResult& run) {
                {"validity_checks", run.run.validity_checks},
                {"motion_checks", run.run.motion_checks},
                {"shortcut_checks", run.run.shortcut_checks},
+               {"certified", run.run.certified},
+               {"clearance", run.run.certified ? number(run.run.clearance) : Json(nullptr)},
                {"path_checks", run.run.path_checks},
+               {"path_cpu_s", number(run.run.path_seconds)},
                {"refuted_paths", run.run.refuted_paths},
                {"improvements", improvements_json(run.run.improvements)},
                {"levels", std::move(levels)}};
@@ -534,6 +538,7 @@ Json experiment_json(const Experiment& experiment) {
                         {"goal", array(View(p.goal()))},
                         {"goal_tolerance", number(p.goal_tolerance)},
                         {"resolution", number(p.resolution)},
+                        {"contact_tolerance", number(certificate_tolerance(p))},
                         {"collision", p.collision}});
     const auto group = std::find_if(experiment.groups.begin(), experiment.groups.end(), [&](const ProblemGroup& g) {
       return std::find(g.problems.begin(), g.problems.end(), p.name) != g.problems.end();

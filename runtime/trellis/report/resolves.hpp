@@ -24,7 +24,7 @@ inline constexpr std::array<ResolveReason, 7> resolve_reasons = {{
     {"presumed_valid", "a configuration that it presumes valid is invalid", &Resolves::presumed_valid},
     {"changed_world", "its obstacles changed", &Resolves::changed_world},
     {"further_path", "its guide asked for another path", &Resolves::further_path},
-    {"finer_check", "its path proved invalid in a finer check", &Resolves::finer_check},
+    {"refuted_path", "its path could not be certified", &Resolves::refuted_path},
 }};
 
 /// Returns "solved again 12 times: its path proved invalid in C (9), C rejected guided proposals (3); no other path in

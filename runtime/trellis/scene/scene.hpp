@@ -17,6 +17,12 @@ namespace trellis {
 class PlanarScene;
 class SpatialScene;
 
+/// The obstacle of a world that a motion passes most easily between two configurations.
+struct ThinnestObstacle {
+  std::size_t obstacle = 0;
+  double thickness = 0.0;  ///< metres: the least distance between two parallel lines, or planes, that enclose it
+};
+
 /// The world and the robot of a problem. Immutable, shared between runs and threads. PlanarScene and SpatialScene
 /// implement it. Planners, guides and the measure use what it declares; code for one kind of geometry asks for the
 /// scene as that kind (`planar`, `spatial`).
@@ -38,6 +44,9 @@ class Scene {
   [[nodiscard]] virtual std::size_t obstacle_count() const = 0;
   /// Returns the obstacle's name in messages: "obstacle 3 (box 4 0 6 4.75)".
   [[nodiscard]] virtual const std::string& obstacle_name(std::size_t obstacle) const = 0;
+  /// Returns the obstacle with the least thickness, of the parts of a planar polygon that is not convex the least one;
+  /// of a mesh along its axes. Surfaces have none. None without obstacles.
+  [[nodiscard]] virtual std::optional<ThinnestObstacle> thinnest_obstacle() const = 0;
   /// Returns a pointer that identifies the world: scenes with copies of one world have the same.
   [[nodiscard]] virtual std::shared_ptr<const void> world_identity() const = 0;
 
@@ -107,8 +116,11 @@ struct Problem {
   Configuration start;
   std::vector<Configuration> goals = {};  ///< each solves the problem; the first is the one of guides and statistics
   std::optional<Reach> reach = {};        ///< the goal region from which the goals were chosen
-  double goal_tolerance = 1e-6;      ///< a configuration within this distance (metric) of the goal counts as the goal
-  double resolution = 0.05;          ///< metres that the robot's fastest point moves between two checked configurations
+  double goal_tolerance = 1e-6;  ///< a configuration within this distance (metric) of the goal counts as the goal
+  double resolution = 0.05;      ///< metres that the robot's fastest point moves between two checked configurations
+  /// Metres: the displacement below which the certificate of a path no longer divides motions; what is undecided there
+  /// counts as contact. 0: a millionth of `resolution`.
+  double contact_tolerance = 0.0;
   std::string collision = "planar";  ///< the backend: "planar" or "fcl"
   /// nullptr: the robot moves straight between any two configurations. Else `space` is its state space.
   std::shared_ptr<const MotionModel> motion_model = nullptr;

@@ -23,7 +23,7 @@ struct Resolves {
   std::uint64_t presumed_valid = 0;  ///< a configuration that its path presumed valid is invalid
   std::uint64_t changed_world = 0;   ///< the instance that it is projected from has other obstacles
   std::uint64_t further_path = 0;    ///< its guide requested another path
-  std::uint64_t finer_check = 0;     ///< for the root: a finer check found the path invalid
+  std::uint64_t refuted_path = 0;    ///< for the root: the path could not be certified
   /// Whether a search for a path to replace a refuted one found none. The instance is then not solved again.
   bool exhausted = false;
   /// Whether its path was refuted after the maximum number of solves that its guide allows.
@@ -122,9 +122,14 @@ struct RunRecord {
   Trajectory trajectory;     ///< controls of the path if the problem has a motion model
   std::uint64_t validity_checks = 0;  ///< over all levels
   std::uint64_t motion_checks = 0;
-  std::uint64_t shortcut_checks = 0;      ///< validity checks of shortcutting; the sums above exclude them
-  std::uint64_t refuted_paths = 0;        ///< paths found before `path` that the finer check refuted
-  std::uint64_t path_checks = 0;          ///< validity checks of the finer check; the sums and times above exclude them
+  std::uint64_t shortcut_checks = 0;  ///< validity checks of shortcutting; the sums above exclude them
+  /// Whether `path` is certified: everywhere on it the robot is free of contact (PathCertificate). Every path that is
+  /// reported is.
+  bool certified = false;
+  double clearance = 0.0;  ///< of a certified path, in metres: a lower bound on the robot's distance from contact
+  std::uint64_t refuted_paths = 0;  ///< paths found before `path` that could not be certified
+  std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
+  double path_seconds = 0.0;  ///< CPU time of the thread for certificates; not in the times above
   std::vector<Improvement> improvements;  ///< the root's paths before shortcutting: the first one and each shorter one
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in chronological order

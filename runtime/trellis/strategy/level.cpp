@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <trellis/guide/excluded.hpp>
+#include <trellis/instance/certified_validity.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 
@@ -139,19 +140,18 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
   return advance;
 }
 
-void Level::refute(View invalid, const Instance& finer) {
+void Level::refute(View invalid, const std::shared_ptr<Validity>& validity, double tolerance) {
   // As many paths are refuted before the resolution counts as too coarse for the world.
   constexpr std::uint64_t at_most = 4;
   Instance& instance = *instance_;
   const std::uint64_t epoch = instance.epoch();
-  if (++record_.resolves.finer_check > at_most) {
-    instance.validity = finer.validity;
-    instance.resolution = finer.resolution;
+  if (++record_.resolves.refuted_path > at_most) {
+    instance.validity = std::make_shared<CertifiedValidity>(validity, tolerance);
   } else {
     // Start and goals remain valid.
     const double nearest = std::min(instance.space.distance(invalid, instance.start), instance.to_goal(invalid));
     const auto excluding = std::make_shared<ExcludingValidity>(instance.validity, instance.space,
-                                                               std::min(finer.resolution, 0.5 * nearest));
+                                                               std::min(0.25 * instance.resolution, 0.5 * nearest));
     Configurations points(instance.space.dimension());
     points.push(invalid);
     excluding->exclude_points(points);

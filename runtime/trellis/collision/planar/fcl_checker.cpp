@@ -232,8 +232,13 @@ class FclChecker final : public Checker {
         if (meeting(pair)) return {false, rank + 1, order.share(rank)};
       }
     }
+    // FCL has no segments.
+    if (robot_.is_point()) return exact().motion(a, b);
     return {true, n, std::numeric_limits<double>::quiet_NaN()};
   }
+
+  /// FCL's distances have errors of about 1e-6 m, too large for a certificate.
+  void certify(View a, View b, Certificate& certificate) const override { exact().certify(a, b, certificate); }
 
   [[nodiscard]] double clearance(View q) const override {
     if (!valid(q)) return 0.0;
@@ -311,6 +316,12 @@ class FclChecker final : public Checker {
     const Transform3* frame = nullptr;
     bool hit = false;
   };
+
+  /// Returns Trellis' own checker.
+  [[nodiscard]] const Checker& exact() const {
+    if (!exact_) exact_ = make_planar_checker(scene_, space_, resolution_);
+    return *exact_;
+  }
 
   static bool on_pair(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second, void* data) {
     auto& query = *static_cast<Query*>(data);
@@ -411,6 +422,8 @@ class FclChecker final : public Checker {
   std::vector<std::unique_ptr<fcl::CollisionObjectd>> objects_;
   std::vector<Pair> pairs_;
   fcl::CollisionRequestd request_;
+
+  mutable std::unique_ptr<Checker> exact_;  ///< made at the first call of `exact`
 
   // Scratch.
   mutable fcl::DynamicAABBTreeCollisionManagerd tree_;

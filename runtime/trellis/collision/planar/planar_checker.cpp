@@ -15,6 +15,7 @@
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/planar/distance.hpp>
 #include <trellis/collision/planar/part_index.hpp>
+#include <trellis/collision/planar/segment.hpp>
 
 namespace trellis {
 
@@ -56,6 +57,21 @@ class Pieces {
     pieces_.push_back(piece);
   }
 
+  void clear() {
+    pieces_.clear();
+    edges_.clear();
+  }
+  /// Adds a rectangle or disc that is larger than another piece on all sides.
+  void add_larger(Piece piece, double by) {
+    piece.hx += by;
+    piece.hy += by;
+    piece.xlo -= by;
+    piece.xhi += by;
+    piece.ylo -= by;
+    piece.yhi += by;
+    if (piece.kind == Kind::disc) piece.radius += by;
+    pieces_.push_back(piece);
+  }
   [[nodiscard]] const Piece* data() const { return pieces_.data(); }
   [[nodiscard]] std::size_t size() const { return pieces_.size(); }
   const Piece& operator[](std::size_t i) const { return pieces_[i]; }
@@ -116,13 +132,15 @@ class PlanarChecker final : public Checker {
     }
     for (const auto& [first, second] : robot_.pairs()) add_pairs(first, second);
     hulls_.resize(pairs_.empty() ? 0 : pieces_.size());
-    corners_.resize(corners);
+    // Of an inflated polygon too: it has one more edge at each sharp corner.
+    corners_.resize(2 * corners);
     placed_.corners = corners_.data();
     poses_.resize(bodies.size());
     frames_.resize(bodies.size());
     q_.resize(space_.dimension());
     difference_.resize(space_.dimension());
 
+    point_ = robot_.is_point();
     // On a periodic axis a position wraps, so no box around the ends contains the whole motion.
     const bool jumps = robot_.translates() && (space_.axes()[0].periodic || space_.axes()[1].periodic);
     rigid_ = bodies.size() == 1 && !jumps;
@@ -141,7 +159,7 @@ class PlanarChecker final : public Checker {
 
   [[nodiscard]] bool valid(View q) const override {
     pose_at(q);
-    return (touched(false, cull_each, 1) & 1U) == 0;
+    return (touched(pieces_, false, cull_each, 1) & 1U) == 0;
   }
 
   [[nodiscard]] MotionReport motion(View a, View b) const override {
@@ -156,6 +174,9 @@ class PlanarChecker final : public Checker {
           bounds_.xlo <= swept.xlo && swept.xhi <= bounds_.xhi && bounds_.ylo <= swept.ylo && swept.yhi <= bounds_.yhi;
       candidates = index_.query(swept, candidates_.data());
       if (inside && candidates == 0 && pairs_.empty()) return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      if (inside && point_ && !segment_contact(segment_between(a, b), candidates)) {
+        return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      }
       // A box around several bodies is much larger than they are: cull each body by its own box.
       if (candidates > 0 && poses_.size() > 1) candidates = cull_each;
     }
@@ -168,41 +189,45 @@ class PlanarChecker final : public Checker {
       } else {
         poses_between(a, b, shares, wanted);
       }
-      const unsigned hit = touched(inside, candidates, wanted) & ((1U << wanted) - 1U);
+      const unsigned hit = touched(pieces_, inside, candidates, wanted) & ((1U << wanted) - 1U);
       if (hit != 0) {
         const std::uint32_t rank = first + static_cast<std::uint32_t>(std::countr_zero(hit));
         return {false, rank + 1, order.share(rank)};
       }
     }
+    if (point_) {
+      if (const auto at = between_configurations(a, b)) return {false, n, *at};
+    }
     return {true, n, std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  void certify(View a, View b, Certificate& certificate) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
+      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
+      return;
+    }
+    space_.difference(a, b, difference_);
+    const std::vector<double> breaks = wraps(space_, a, difference_);
+    if (sweeps_freely(a, b, certificate)) return;
+    if (rigid_ && certify_sweep(a, certificate)) return;
+    Clearances& motion = clearances_;
+    motion.begin(*this, a, b);
+    const double first =
+        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
+    add_motion(certificate, motion, motion.displacement(), first, breaks);
   }
 
   [[nodiscard]] double clearance(View q) const override {
     if (!valid(q)) return 0.0;
     robot_.place(q, frames_);
-    const auto& world = scene_->world;
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < robot_.bodies().size(); ++i) {
       for (const auto& part : robot_.bodies()[i].parts) {
         move_shape(part, frames_[i], moved_);
-        const Box2 box = bounding_box(moved_);
-        best = std::min(best, margin_inside(box, world.bounds()));
-        for (std::size_t k = 0; k < obstacles_.size(); ++k) {
-          const Piece& o = obstacles_[k];
-          if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) >= best) continue;
-          best = std::min(best, distance(moved_, world.parts()[k].shape));
-        }
+        best = std::min(best, distance_in_world(moved_, best));
       }
     }
-    for (const auto& [first, second] : robot_.pairs()) {
-      for (const auto& part : robot_.bodies()[first].parts) {
-        move_shape(part, frames_[first], moved_);
-        for (const auto& other : robot_.bodies()[second].parts) {
-          move_shape(other, frames_[second], other_);
-          best = std::min(best, distance(moved_, other_));
-        }
-      }
-    }
+    for (const auto& [first, second] : robot_.pairs()) best = std::min(best, distance_between(first, second));
     return std::max(best, 0.0);
   }
 
@@ -262,7 +287,7 @@ class PlanarChecker final : public Checker {
       if (nearest || out) return Contact{body, nearest};
     }
     for (const auto& pair : pairs_) {
-      if ((meeting(pair) & 1U) != 0) return Contact{body_of_[pair.first], std::nullopt, body_of_[pair.second]};
+      if ((meeting(pair, pieces_) & 1U) != 0) return Contact{body_of_[pair.first], std::nullopt, body_of_[pair.second]};
     }
     return std::nullopt;
   }
@@ -276,6 +301,243 @@ class PlanarChecker final : public Checker {
     std::size_t first;
     std::size_t second;
   };
+
+  /// The distances on a motion: inflated pieces decide eight configurations in a step, exact distances the others.
+  class Clearances final : public MotionClearance {
+   public:
+    /// Begins a motion, whose difference the checker holds.
+    void begin(const PlanarChecker& checker, View a, View b) {
+      checker_ = &checker;
+      a_ = a;
+      b_ = b;
+      displacements_.clear();
+      relative_.clear();
+      displacement_ = 0.0;
+      half_ = -1.0;
+      const Robot& robot = checker.robot_;
+      const View difference = checker.difference_;
+      const double translation = robot.translates() ? norm(Vec2{difference[0], difference[1]}) : 0.0;
+      for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
+        displacements_.push_back(translation + robot.displacement_of(i, -1, difference));
+        displacement_ = std::max(displacement_, displacements_.back());
+      }
+      for (const auto& [first, second] : robot.pairs()) {
+        const int ancestor = checker.common_ancestor(first, second);
+        relative_.push_back(robot.displacement_of(first, ancestor, difference) +
+                            robot.displacement_of(second, ancestor, difference));
+      }
+      in_line_ = checker.rigid_ && checker.line_between(a, b);
+    }
+
+    /// Of all bodies on the whole motion, in metres.
+    [[nodiscard]] double displacement() const { return displacement_; }
+
+    [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
+      inflate(half, margin);
+      unsigned found = 0;
+      // The kernels stop when the first configuration is in contact: the next call begins after it.
+      for (std::size_t first = 0; first < shares.size();) {
+        const auto count = static_cast<unsigned>(shares.size() - first);
+        kernel::Lanes at;
+        for (unsigned lane = 0; lane < kernel::lanes; ++lane) at.v[lane] = shares[first + std::min(lane, count - 1)];
+        if (in_line_) {
+          checker_->kernels_.poses(checker_->line_, at.v, checker_->poses_[0]);
+        } else {
+          checker_->poses_between(a_, b_, at, count);
+        }
+        const unsigned hit = checker_->touched(checker_->wide_, false, cull_each, count);
+        if ((hit & 1U) != 0) {
+          ++first;
+          continue;
+        }
+        found |= (~hit & ((1U << count) - 1U)) << first;
+        break;
+      }
+      return found;
+    }
+
+    [[nodiscard]] Near near(double share, double half, double at_most) override {
+      checker_->space_.interpolate(a_, b_, share, checker_->q_);
+      checker_->robot_.place(checker_->q_, checker_->frames_);
+      Near all{at_most, at_most};
+      const auto& bodies = checker_->robot_.bodies();
+      const auto add = [&](double distance, double displacement) {
+        if (distance <= checker_->slack_) distance = 0.0;
+        all.distance = std::min(all.distance, distance);
+        all.sure = std::min(all.sure, distance - displacement);
+      };
+      for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double displacement = half * displacements_[i];
+        for (const auto& part : bodies[i].parts) {
+          move_shape(part, checker_->frames_[i], checker_->moved_);
+          add(checker_->distance_in_world(checker_->moved_, at_most + displacement), displacement);
+        }
+      }
+      for (std::size_t k = 0; k < relative_.size(); ++k) {
+        const auto& [first, second] = checker_->robot_.pairs()[k];
+        add(checker_->distance_between(first, second), half * relative_[k]);
+      }
+      return all;
+    }
+
+   private:
+    /// Makes the pieces of the robot, each with what its body moves by on `half` of the motion and `margin` about it.
+    void inflate(double half, double margin) {
+      if (half == half_ && margin == margin_) return;
+      half_ = half;
+      margin_ = margin;
+      checker_->wide_.clear();
+      const auto& bodies = checker_->robot_.bodies();
+      std::size_t piece = 0;
+      for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double by = margin + half * displacements_[i];
+        for (const auto& part : bodies[i].parts) {
+          const Piece& own = checker_->pieces_[piece++];
+          if (own.kind == Kind::polygon) {
+            checker_->wide_.add(inflated(part, by), checker_->slack_);
+          } else {
+            checker_->wide_.add_larger(own, by + checker_->slack_);
+          }
+        }
+      }
+    }
+
+    const PlanarChecker* checker_ = nullptr;
+    View a_;
+    View b_;
+    std::vector<double> displacements_;  ///< of each body on the whole motion, in metres
+    std::vector<double> relative_;       ///< of the bodies of each self-collision pair to each other
+    double displacement_ = 0.0;
+    bool in_line_ = false;
+    double half_ = -1.0;  ///< of the inflated pieces
+    double margin_ = -1.0;
+  };
+
+  /// Adds a motion if the box that it sweeps is farther from everything than the certificate's bound so far; returns
+  /// whether it is.
+  bool sweeps_freely(View a, View b, Certificate& certificate) const {
+    if (!sweepable_ || !pairs_.empty() || !std::isfinite(certificate.nearest)) return false;
+    const Box swept = swept_box(a, b);
+    const double by = certificate.nearest;
+    const Box box{swept.xlo - by, swept.xhi + by, swept.ylo - by, swept.yhi + by};
+    const Box2& bounds = scene_->world.bounds();
+    if (box.xlo < bounds.lo.x || box.xhi > bounds.hi.x || box.ylo < bounds.lo.y || box.yhi > bounds.hi.y) return false;
+    if (index_.query(box, candidates_.data()) > 0) return false;
+    ++certificate.checks;
+    return true;
+  }
+
+  /// Adds a motion without turns, by the areas that the pieces sweep; returns false where the motion turns, or where
+  /// these areas are in contact, so that the place remains to be found.
+  bool certify_sweep(View a, Certificate& certificate) const {
+    const Body& body = robot_.bodies()[0];
+    if (body.angle_axis >= 0 && difference_[static_cast<std::size_t>(body.angle_axis)] != 0.0) return false;
+    robot_.place(a, frames_);
+    const Vec2 along = robot_.translates() ? Vec2{difference_[0], difference_[1]} : Vec2{};
+    double least = certificate.nearest;
+    for (const auto& part : body.parts) {
+      move_shape(part, frames_[0], moved_);
+      if (const auto* disc = std::get_if<Disc>(&moved_)) {
+        const Segment2 path{disc->centre, along};
+        const Box2 box = swept_box_of(moved_, along);
+        const double radius = disc->radius;
+        least = std::min(least, nearest_part(box, least, [&](const ConvexShape& obstacle) {
+                           return std::max(0.0, distance(path, obstacle) - radius);
+                         }));
+      } else {
+        if (along != Vec2{}) moved_ = swept(std::get<Polygon>(moved_), along);
+        least = std::min(least, distance_in_world(moved_, least));
+      }
+      if (least <= slack_) return false;
+    }
+    ++certificate.checks;
+    certificate.nearest = least;
+    certificate.clearance = std::min(certificate.clearance, least);
+    return true;
+  }
+
+  static Box2 swept_box_of(const ConvexShape& shape, Vec2 along) {
+    const Box2 box = bounding_box(shape);
+    return {{box.lo.x + std::min(along.x, 0.0), box.lo.y + std::min(along.y, 0.0)},
+            {box.hi.x + std::max(along.x, 0.0), box.hi.y + std::max(along.y, 0.0)}};
+  }
+
+  /// Returns the least distance of a shape with this bounding box from obstacles and boundary; `at_most` where it is
+  /// not less, 0 beyond the boundary. \param of  returns its distance from an obstacle's part
+  template <class Of>
+  [[nodiscard]] double nearest_part(const Box2& box, double at_most, const Of& of) const {
+    const Box2& bounds = scene_->world.bounds();
+    double best = std::min(at_most, margin_inside(box, bounds));
+    if (best <= 0.0) return 0.0;
+    // Without a limit, the search grows until it has found something or contains the world.
+    double radius = best;
+    const double farthest = norm(bounds.hi - bounds.lo);
+    if (radius > 0.25 * farthest) radius = std::min(radius, std::max(norm(box.hi - box.lo), 0.03 * farthest));
+    for (;;) {
+      const unsigned count = index_.query({box.lo.x - radius, box.hi.x + radius, box.lo.y - radius, box.hi.y + radius},
+                                          candidates_.data());
+      for (unsigned k = 0; k < count; ++k) {
+        const Piece& o = obstacles_[candidates_[k]];
+        if (box_distance(box, {{o.xlo, o.ylo}, {o.xhi, o.yhi}}) >= best) continue;
+        best = std::min(best, of(scene_->world.parts()[candidates_[k]].shape));
+      }
+      if (best <= radius || radius >= farthest) return std::max(best, 0.0);
+      radius = std::min(4.0 * radius, best);
+    }
+  }
+
+  /// Returns the least distance of a placed shape from obstacles and boundary; `at_most` where it is not less.
+  [[nodiscard]] double distance_in_world(const ConvexShape& shape, double at_most) const {
+    return nearest_part(bounding_box(shape), at_most,
+                        [&](const ConvexShape& obstacle) { return distance(shape, obstacle); });
+  }
+
+  /// Returns the least distance between two bodies at the current frames.
+  [[nodiscard]] double distance_between(std::size_t first, std::size_t second) const {
+    double best = std::numeric_limits<double>::infinity();
+    for (const auto& part : robot_.bodies()[first].parts) {
+      move_shape(part, frames_[first], moved_);
+      for (const auto& other : robot_.bodies()[second].parts) {
+        move_shape(other, frames_[second], other_);
+        best = std::min(best, distance(moved_, other_));
+      }
+    }
+    return best;
+  }
+
+  [[nodiscard]] Segment2 segment_between(View a, View b) const { return {{a[0], a[1]}, {b[0] - a[0], b[1] - a[1]}}; }
+
+  /// Returns the parameter of a contact of a point's motion with one of the first candidates.
+  [[nodiscard]] std::optional<double> segment_contact(const Segment2& segment, unsigned candidates) const {
+    for (unsigned k = 0; k < candidates; ++k) {
+      if (const auto at = trellis::contact(segment, obstacles_[candidates_[k]], 0.5 * slack_)) return at;
+    }
+    return std::nullopt;
+  }
+
+  /// Returns the parameter of a contact of a point's motion, whose checked configurations are free.
+  [[nodiscard]] std::optional<double> between_configurations(View a, View b) const {
+    // Between two ends of a period the motion is one segment.
+    space_.difference(a, b, difference_);
+    std::vector<double> ends = sweepable_ ? std::vector<double>{} : wraps(space_, a, difference_);
+    ends.push_back(1.0);
+    double from = 0.0;
+    for (const double to : ends) {
+      space_.interpolate(a, b, 0.5 * (from + to), q_);
+      const double half = 0.5 * (to - from);
+      const Vec2 along = sweepable_ ? Vec2{b[0] - a[0], b[1] - a[1]} : Vec2{difference_[0], difference_[1]};
+      const Segment2 segment =
+          sweepable_ ? segment_between(a, b) : Segment2{Vec2{q_[0], q_[1]} - half * along, 2.0 * half * along};
+      const Vec2 end = segment.from + segment.along;
+      const unsigned candidates =
+          index_.query({std::min(segment.from.x, end.x) - slack_, std::max(segment.from.x, end.x) + slack_,
+                        std::min(segment.from.y, end.y) - slack_, std::max(segment.from.y, end.y) + slack_},
+                       candidates_.data());
+      if (const auto at = segment_contact(segment, candidates)) return from + *at * (to - from);
+      from = to;
+    }
+    return std::nullopt;
+  }
 
   /// Returns the penetration depth of a shape in an obstacle, or its distance beyond the boundary; the greatest of
   /// these.
@@ -361,7 +623,7 @@ class PlanarChecker final : public Checker {
 
   /// Returns the lanes in which the pieces collide; the first takes the role of the obstacle, and the frame is that of
   /// its body.
-  [[nodiscard]] unsigned meeting(const Pair& pair) const {
+  [[nodiscard]] unsigned meeting(const Pair& pair, const Pieces& pieces) const {
     const kernel::Poses& from = poses_[body_of_[pair.first]];
     const kernel::Poses& to = poses_[body_of_[pair.second]];
     for (unsigned lane = 0; lane < kernel::lanes; ++lane) {
@@ -374,10 +636,10 @@ class PlanarChecker final : public Checker {
       seen_.c.v[lane] = c * to.c.v[lane] + s * to.s.v[lane];
       seen_.s.v[lane] = c * to.s.v[lane] - s * to.c.v[lane];
     }
-    const Piece& piece = pieces_[pair.second];
+    const Piece& piece = pieces[pair.second];
     kernels_.place(seen_, piece, placed_);
     const auto first = static_cast<unsigned>(pair.first);
-    return kernels_.collide(placed_, piece, pieces_.data(), &first, 1);
+    return kernels_.collide(placed_, piece, pieces.data(), &first, 1);
   }
 
   void set_reach() {
@@ -463,10 +725,11 @@ class PlanarChecker final : public Checker {
 
   /// Returns the lanes in which the robot touches an obstacle or leaves the world; only the first `lanes` matter. May
   /// stop early once the first lane does.
-  [[nodiscard]] unsigned touched(bool inside, unsigned candidates, unsigned lanes) const {
+  /// \param pieces  the robot's, or larger ones in their place
+  [[nodiscard]] unsigned touched(const Pieces& pieces, bool inside, unsigned candidates, unsigned lanes) const {
     unsigned hit = 0;
-    for (std::size_t i = 0; i < pieces_.size() && (hit & 1U) == 0; ++i) {
-      const Piece& piece = pieces_[i];
+    for (std::size_t i = 0; i < pieces.size() && (hit & 1U) == 0; ++i) {
+      const Piece& piece = pieces[i];
       kernels_.place(poses_[body_of_[i]], piece, placed_);
       if (!inside) hit |= kernels_.outside(placed_, bounds_);
       if ((hit & 1U) != 0) break;
@@ -477,7 +740,7 @@ class PlanarChecker final : public Checker {
       if (count > 0) hit |= kernels_.collide(placed_, piece, obstacles_.data(), candidates_.data(), count);
     }
     for (std::size_t i = 0; i < pairs_.size() && (hit & 1U) == 0; ++i) {
-      if (overlap(hulls_[pairs_[i].first], hulls_[pairs_[i].second])) hit |= meeting(pairs_[i]);
+      if (overlap(hulls_[pairs_[i].first], hulls_[pairs_[i].second])) hit |= meeting(pairs_[i], pieces);
     }
     return hit;
   }
@@ -511,6 +774,7 @@ class PlanarChecker final : public Checker {
   std::vector<std::size_t> body_of_;
   std::vector<Pair> pairs_;
   Box reach_{};              ///< contains the robot about its reference point at any angle
+  bool point_ = false;       ///< the robot is a point
   bool rigid_ = false;       ///< one body that moves on a line
   bool sweepable_ = false;   ///< the reference point stays in the box around a motion's ends
   bool continuous_ = false;  ///< motions on a periodic axis wrap without a jump of the robot
@@ -527,6 +791,8 @@ class PlanarChecker final : public Checker {
   mutable Configuration difference_;
   mutable ConvexShape moved_;
   mutable ConvexShape other_;
+  mutable Pieces wide_;                ///< the robot's pieces, inflated
+  mutable Clearances clearances_;      ///< on the motion that is certified
   mutable std::vector<Box> hulls_;     ///< of the pieces, where there are pairs
   mutable kernel::Poses seen_{};       ///< a body in another body's frame
   mutable std::vector<double> rates_;  ///< metres that points move per radian of each axis

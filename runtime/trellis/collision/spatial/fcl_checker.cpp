@@ -20,6 +20,7 @@
 #include <trellis/collision/common.hpp>
 #include <trellis/collision/orders.hpp>
 #include <trellis/collision/spatial/near_filter.hpp>
+#include <trellis/collision/spatial/segment.hpp>
 #include <trellis/collision/spatial/shared_cache.hpp>
 #include <trellis/collision/spatial/surface_pair.hpp>
 #include <trellis/scene/spatial/box_tree.hpp>
@@ -87,6 +88,17 @@ std::shared_ptr<const MeshModel> model_of(const std::shared_ptr<const Mesh>& mes
   constexpr std::size_t small = 20'000;
   return cache.get({mesh->hash(), scale}, mesh->triangles().size() <= small, [&] { return MeshModel(mesh, scale); });
 }
+
+/// Returns a shape that contains all points within `by` metres of a shape that is no mesh.
+struct Inflate {
+  double by;
+
+  Shape3 operator()(const Sphere& sphere) const { return Sphere{sphere.radius + by}; }
+  Shape3 operator()(const Cuboid& cuboid) const { return Cuboid{cuboid.size + Vec3{2.0 * by, 2.0 * by, 2.0 * by}}; }
+  Shape3 operator()(const Cylinder& c) const { return Cylinder{c.radius + by, c.length + 2.0 * by}; }
+  Shape3 operator()(const Capsule& c) const { return Capsule{c.radius + by, c.length}; }
+  Shape3 operator()(const std::shared_ptr<const Mesh>& mesh) const { return mesh; }
+};
 
 struct MakeGeometry {
   Geometry operator()(const Sphere& sphere) const { return std::make_shared<fcl::Sphered>(sphere.radius); }
@@ -195,6 +207,15 @@ bool overlap(const Box3& a, const Box3& b) {
          b.lo.z <= a.hi.z;
 }
 
+/// Returns the distance between two boxes, 0 where they overlap.
+double gap_between(const Box3& a, const Box3& b) {
+  const auto gap = [](double a_lo, double a_hi, double b_lo, double b_hi) {
+    return std::max({0.0, a_lo - b_hi, b_lo - a_hi});
+  };
+  return norm(
+      {gap(a.lo.x, a.hi.x, b.lo.x, b.hi.x), gap(a.lo.y, a.hi.y, b.lo.y, b.hi.y), gap(a.lo.z, a.hi.z, b.lo.z, b.hi.z)});
+}
+
 /// Returns the least distance from a box to the sides of one that contains it; negative where it does not.
 double margin_inside(const Box3& box, const Box3& bounds) {
   const Vec3 low = box.lo - bounds.lo, high = bounds.hi - box.hi;
@@ -263,7 +284,7 @@ class SpatialFclChecker final : public Checker {
         space_.interpolate(a, b, order.share(rank), q_);
         if (!valid(q_)) return {false, rank + 1, order.share(rank)};
       }
-      return {true, n, std::numeric_limits<double>::quiet_NaN()};
+      return between_configurations(a, b, n);
     }
     // By index: whether the clearance of another configuration shows that this one is free.
     free_.assign(n + std::size_t{1}, 0);
@@ -288,7 +309,31 @@ class SpatialFclChecker final : public Checker {
         std::fill(free_.begin() + first, free_.begin() + last + 1, char{1});
       }
     }
-    return {true, n, std::numeric_limits<double>::quiet_NaN()};
+    return between_configurations(a, b, n);
+  }
+
+  void certify(View a, View b, Certificate& certificate) const override {
+    if (!is_finite(a, robot_.dimension()) || !is_finite(b, robot_.dimension())) {
+      certificate.refuted_at = is_finite(a, robot_.dimension()) ? 1.0 : 0.0;
+      return;
+    }
+    Clearances motion(*this, a, b);
+    const double first =
+        std::isfinite(certificate.nearest) ? std::max(resolution_, 2.0 * certificate.nearest) : resolution_;
+    if (!robot_.is_point()) {
+      add_motion(certificate, motion, motion.displacement(), first);
+      return;
+    }
+    if (const MotionReport exact = between_configurations(a, b, 1); !exact.valid) {
+      certificate.refuted_at = exact.invalid_at;
+      return;
+    }
+    // The segment decides; distances only tell the clearance.
+    Certificate measured = certificate;
+    add_motion(measured, motion, motion.displacement(), first);
+    certificate = measured;
+    if (std::exchange(certificate.refuted_at, std::nullopt))
+      certificate.clearance = std::min(certificate.clearance, slack_);
   }
 
   [[nodiscard]] double clearance(View q) const override {
@@ -298,19 +343,13 @@ class SpatialFclChecker final : public Checker {
     if (world_.contain() == Contain::reference) {
       best = margin_inside({pose.position, pose.position}, world_.bounds());
     }
-    fcl::DistanceRequestd request;
-    for (const Piece& piece : pieces_) {
-      const Solid placed{piece.solid.shape, pose * piece.solid.pose};
-      if (world_.contain() == Contain::robot)
+    if (world_.contain() == Contain::robot) {
+      for (const Piece& piece : pieces_) {
+        const Solid placed{piece.solid.shape, pose * piece.solid.pose};
         best = std::min(best, margin_inside(bounding_box(placed), world_.bounds()));
-      const Transform3 frame = transform(placed.pose, scale_);
-      for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-        fcl::DistanceResultd result;
-        fcl::distance(piece.geometry.get(), frame, obstacles_[i].geometry.get(), frames_[i], request, result);
-        best = std::min(best, result.min_distance / scale_);
       }
     }
-    return std::max(best, 0.0);
+    return std::max(obstacle_distance(pose, best), 0.0);
   }
 
   [[nodiscard]] std::optional<Contact> contact(View q) const override {
@@ -345,6 +384,155 @@ class SpatialFclChecker final : public Checker {
       if (!(margin >= -slack_)) return margin;
     }
     return margin;
+  }
+
+  /// The distances on a motion. What FCL's distances cannot certify, since their iterations end early, is decided by
+  /// contact with inflated shapes and by distances of triangles.
+  class Clearances final : public MotionClearance {
+   public:
+    Clearances(const SpatialFclChecker& checker, View a, View b)
+        : checker_(checker), a_(a), b_(b), displacement_(checker.robot_.displacement_bound(a, b)) {}
+
+    /// Of the whole motion, in metres.
+    [[nodiscard]] double displacement() const { return displacement_; }
+
+    [[nodiscard]] unsigned apart(std::span<const double> shares, double half, double margin) override {
+      const double by = half * displacement_ + margin;
+      unsigned found = 0;
+      for (std::size_t i = 0; i < shares.size(); ++i) {
+        const Pose3 pose = pose_at(shares[i]);
+        if (checker_.boundary_margin(pose, by) >= by && certainly_apart(pose, by)) found |= 1U << i;
+      }
+      return found;
+    }
+
+    [[nodiscard]] Near near(double share, double half, double at_most) override {
+      const double displacement = half * displacement_;
+      const double cut = at_most + displacement;
+      const Pose3 pose = pose_at(share);
+      const double margin = checker_.boundary_margin(pose, cut);
+      if (margin <= checker_.slack_ || checker_.free_of_obstacles(pose, Turn(pose), 0.0) < 0.0) {
+        return {0.0, -displacement};
+      }
+      const double limit = std::min(cut, margin);
+      if (checker_.robot_.is_point()) {
+        const double found = checker_.distance_of_point(pose.position, limit);
+        return {std::min(found, at_most), std::min(found - displacement, at_most)};
+      }
+      // What FCL's iterations may leave out.
+      constexpr double relative = 1e-4;
+      const double absolute = 1e-5 / checker_.scale_;
+      const double reach = limit * (1.0 + 2.0 * relative) + 2.0 * absolute;
+      const double found = checker_.obstacle_distance(pose, reach);
+      if (found >= reach) return {std::min(limit, at_most), std::min(limit - displacement, at_most)};
+      double sure = std::min(found * (1.0 - relative) - absolute, margin) - displacement;
+      if (sure <= 0.0 && displacement < margin && certainly_apart(pose, displacement)) sure = checker_.slack_;
+      return {std::min(std::max(found, checker_.slack_), at_most), std::min(sure, at_most)};
+    }
+
+   private:
+    [[nodiscard]] Pose3 pose_at(double share) const {
+      checker_.space_.interpolate(a_, b_, share, checker_.q_);
+      return checker_.robot_.pose(checker_.q_);
+    }
+
+    /// Whether all obstacles are certainly farther than `by` metres from the robot. Decides nothing about a body inside
+    /// a mesh: on a motion that begins outside, all surfaces stay apart.
+    [[nodiscard]] bool certainly_apart(const Pose3& pose, double by) const {
+      if (checker_.filter_) {
+        const NearFilter::Answer answer = checker_.filter_->decide(Turn(pose), by);
+        if (answer.verdict == NearFilter::Verdict::meets) return false;
+        if (answer.verdict == NearFilter::Verdict::free && answer.clearance > by) return true;
+      }
+      const Vec3 margin{by, by, by};
+      return std::all_of(checker_.pieces_.begin(), checker_.pieces_.end(), [&](const Piece& piece) {
+        const Pose3 at = pose * piece.solid.pose;
+        const Box3 tight = box_at(piece, Turn(at));
+        const Box3 box{tight.lo - margin, tight.hi + margin};
+        bool all = true;
+        checker_.tree_.each(
+            [&](const Box3& other) { return all && overlap(box, other); },
+            [&](std::uint32_t i) { all = all && (!overlap(box, checker_.boxes_[i]) || pair_apart(piece, at, i, by)); });
+        return all;
+      });
+    }
+
+    [[nodiscard]] bool pair_apart(const Piece& piece, const Pose3& pose, std::size_t i, double by) const {
+      const Piece& obstacle = checker_.obstacles_[i];
+      if (piece.model == nullptr) return !meet_inflated(piece, pose, obstacle, obstacle.solid.pose, by);
+      if (obstacle.model == nullptr) return !meet_inflated(obstacle, obstacle.solid.pose, piece, pose, by);
+      const Turn place(checker_.inverses_[i] * pose);
+      const double margin = std::max(by, checker_.slack_);
+      TrianglePair guess;
+      return compare_surfaces(*piece.surface, *obstacle.surface, place, margin, guess) == SurfacePair::apart;
+    }
+
+    [[nodiscard]] bool meet_inflated(const Piece& inflated, const Pose3& pose, const Piece& other,
+                                     const Pose3& other_pose, double by) const {
+      const double scale = checker_.scale_;
+      const Shape3 larger = std::visit(Inflate{by + checker_.slack_}, inflated.solid.shape);
+      const Geometry geometry = std::visit(MakeGeometry(), scaled({larger, {}}, scale).shape);
+      checker_.result_.clear();
+      return fcl::collide(geometry.get(), transform(pose, scale), other.geometry.get(), transform(other_pose, scale),
+                          checker_.request_, checker_.result_) > 0;
+    }
+
+    const SpatialFclChecker& checker_;
+    View a_;
+    View b_;
+    double displacement_;
+  };
+
+  /// Returns the report of a motion whose n checked configurations are valid: of a point's, what its segment touches
+  /// between them.
+  [[nodiscard]] MotionReport between_configurations(View a, View b, std::uint32_t n) const {
+    const MotionReport valid{true, n, std::numeric_limits<double>::quiet_NaN()};
+    if (!robot_.is_point()) return valid;
+    const Vec3 from{a[0], a[1], a[2]};
+    const Vec3 to{b[0], b[1], b[2]};
+    const Segment3 segment{from, to - from};
+    const Box3 box{least_of(from, to), greatest_of(from, to)};
+    std::optional<double> found;
+    tree_.each([&](const Box3& other) { return !found && overlap(box, other); },
+               [&](std::uint32_t i) {
+                 if (found || !overlap(box, boxes_[i])) return;
+                 const Segment3 seen = seen_from(inverses_[i], segment);
+                 const Piece& obstacle = obstacles_[i];
+                 found = obstacle.model != nullptr ? trellis::contact(seen, obstacle.model->distance, slack_)
+                                                   : trellis::contact(seen, obstacle.solid.shape, slack_);
+               });
+    return found ? MotionReport{false, n, *found} : valid;
+  }
+
+  /// Returns the distance of a point from the obstacles, in metres; `at_most` where it is not less.
+  [[nodiscard]] double distance_of_point(const Vec3& p, double at_most) const {
+    double best = at_most;
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      if (gap_between({p, p}, boxes_[i]) >= best) continue;
+      const Piece& obstacle = obstacles_[i];
+      best = std::min(best, obstacle.model != nullptr ? obstacle.model->distance.to_surface(inverses_[i](p), best)
+                                                      : distance_to(obstacle.solid, p));
+    }
+    return best;
+  }
+
+  /// Returns the distance of the robot at a free pose from the obstacles by FCL, in metres; `at_most` where it is not
+  /// less.
+  [[nodiscard]] double obstacle_distance(const Pose3& pose, double at_most) const {
+    double best = at_most;
+    fcl::DistanceRequestd request;
+    for (const Piece& piece : pieces_) {
+      const Pose3 at = pose * piece.solid.pose;
+      const Box3 box = box_at(piece, Turn(at));
+      const Transform3 frame = transform(at, scale_);
+      for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+        if (gap_between(box, boxes_[i]) >= best) continue;
+        fcl::DistanceResultd result;
+        fcl::distance(piece.geometry.get(), frame, obstacles_[i].geometry.get(), frames_[i], request, result);
+        best = std::min(best, result.min_distance / scale_);
+      }
+    }
+    return best;
   }
 
   /// Returns a distance that the robot at a pose certainly has from all obstacles, 0 where it is unknown; -1 where it

@@ -428,4 +428,22 @@ double Robot::displacement_bound(const Space& space, View a, View b) const {
   return bound;
 }
 
+double Robot::displacement_of(std::size_t body, int ancestor, View difference) const {
+  struct Moved {
+    double distance = 0.0;  ///< of a body's origin
+    double turn = 0.0;
+  };
+  const auto moved = [&](const auto& of, int at) -> Moved {
+    if (at < 0 || at == ancestor) return {};
+    const Body& carried = bodies_[static_cast<std::size_t>(at)];
+    auto [distance, turn] = of(of, carried.parent);
+    if (turn > 0.0) distance += norm(carried.joint) * turn;
+    if (carried.angle_axis < 0) return {distance, turn};
+    const double own = std::abs(difference[static_cast<std::size_t>(carried.angle_axis)]);
+    return {distance, carried.absolute ? own : turn + own};
+  };
+  const auto [distance, turn] = moved(moved, static_cast<int>(body));
+  return distance + body_radius_[body] * turn;
+}
+
 }  // namespace trellis

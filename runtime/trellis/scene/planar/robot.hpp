@@ -90,6 +90,10 @@ class Robot {
   /// the space: translation plus radius times turn, summed along the chain.
   /// \param a, b  configurations of `space`
   [[nodiscard]] double displacement_bound(const Space& space, View a, View b) const;
+  /// Returns a bound, in metres, on the displacement of the points of one body on a straight motion, seen from the
+  /// frame of a body that carries it. \param difference  Space::difference of the ends \param ancestor  the carrying
+  /// body; -1: a frame that moves with the reference point and does not turn
+  [[nodiscard]] double displacement_of(std::size_t body, int ancestor, View difference) const;
 
  private:
   std::string name_;

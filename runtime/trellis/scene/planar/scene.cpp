@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <trellis/base/error.hpp>
@@ -17,6 +18,33 @@ namespace trellis {
 double PlanarScene::magnitude() const {
   const auto& [lo, hi] = world.bounds();
   return std::max({std::abs(lo.x), std::abs(lo.y), std::abs(hi.x), std::abs(hi.y), robot.bounding_radius()});
+}
+
+namespace {
+
+/// The least distance between two parallel lines that enclose a convex shape.
+double thickness(const ConvexShape& shape) {
+  if (const auto* disc = std::get_if<Disc>(&shape)) return 2.0 * disc->radius;
+  const auto& v = std::get<Polygon>(shape).vertices;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const Vec2 edge = v[(i + 1) % v.size()] - v[i];
+    double most = 0.0;
+    for (const Vec2 p : v) most = std::max(most, cross(edge, p - v[i]) / norm(edge));
+    least = std::min(least, most);
+  }
+  return least;
+}
+
+}  // namespace
+
+std::optional<ThinnestObstacle> PlanarScene::thinnest_obstacle() const {
+  std::optional<ThinnestObstacle> found;
+  for (const World::Part& part : world.parts()) {
+    const double thin = thickness(part.shape);
+    if (!found || thin < found->thickness) found = {part.obstacle, thin};
+  }
+  return found;
 }
 
 Space PlanarScene::default_space(double weight) const { return trellis::default_space(robot, world, weight); }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,7 @@ class PlanarScene final : public Scene {
   [[nodiscard]] const std::string& obstacle_name(std::size_t obstacle) const override {
     return world.obstacles().at(obstacle).name;
   }
+  [[nodiscard]] std::optional<ThinnestObstacle> thinnest_obstacle() const override;
   [[nodiscard]] std::shared_ptr<const void> world_identity() const override { return world.identity(); }
   [[nodiscard]] const std::string& robot_name() const override { return robot.name(); }
   [[nodiscard]] std::size_t robot_dimension() const override { return robot.dimension(); }

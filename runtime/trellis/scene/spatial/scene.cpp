@@ -21,6 +21,28 @@ double SpatialScene::magnitude() const {
 
 std::string SpatialScene::body_name(std::size_t body) const { return fmt::format("body {}", body + 1); }
 
+namespace {
+
+/// The least distance between two parallel planes that enclose a solid; of a mesh along its axes.
+double thickness(const Solid& solid, bool surface) {
+  const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&solid.shape);
+  if (mesh != nullptr && (surface || !(*mesh)->closed())) return 0.0;
+  const Box3 box = bounding_box({solid.shape, {}});
+  const Vec3 extent = box.hi - box.lo;
+  return std::min({extent.x, extent.y, extent.z});
+}
+
+}  // namespace
+
+std::optional<ThinnestObstacle> SpatialScene::thinnest_obstacle() const {
+  std::optional<ThinnestObstacle> found;
+  for (std::size_t i = 0; i < world.obstacles().size(); ++i) {
+    const double thin = thickness(world.obstacles()[i].solid, world.surface());
+    if (!found || thin < found->thickness) found = {i, thin};
+  }
+  return found;
+}
+
 Space SpatialScene::default_space(double weight) const {
   const auto& [lo, hi] = world.bounds();
   if (robot.rotates()) return Space::se3({{{lo.x, hi.x}, {lo.y, hi.y}, {lo.z, hi.z}}}, weight);

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <trellis/collision/certificate.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace trellis {
+
+namespace {
+
+/// The bound that is certified is this share of the least distance found, so that few intervals are divided for it
+/// alone.
+constexpr double certified_share = 0.9;
+/// So many configurations decide a motion, or it is refuted.
+constexpr std::uint64_t most_checks = std::uint64_t{1} << 21U;
+
+/// A part of a motion, by its middle and half its length, as shares of the motion.
+struct Interval {
+  double middle;
+  double half;
+};
+
+void divide(std::vector<Interval>& intervals, double from, double to, double displacement, double first) {
+  const double parts = std::clamp(std::ceil((to - from) * displacement / first), 1.0, 65536.0);
+  const double half = 0.5 * (to - from) / parts;
+  for (double i = 0.0; i < parts; ++i) intervals.push_back({from + (2.0 * i + 1.0) * half, half});
+}
+
+}  // namespace
+
+void add_motion(Certificate& certificate, MotionClearance& motion, double displacement, double first,
+                std::span<const double> breaks) {
+  // Generations of intervals, each about half as long as those before it.
+  thread_local std::vector<Interval> intervals;
+  thread_local std::vector<Interval> next;
+  intervals.clear();
+  double from = 0.0;
+  for (const double at : breaks) {
+    divide(intervals, from, at, displacement, first);
+    from = at;
+  }
+  divide(intervals, from, 1.0, displacement, first);
+  const std::uint64_t limit = certificate.checks + most_checks;
+  const auto keep = [&] { return certified_share * certificate.nearest; };
+  const auto refute = [&](double at) { certificate.refuted_at = at; };
+  while (!intervals.empty()) {
+    next.clear();
+    for (std::size_t begin = 0; begin < intervals.size(); begin += MotionClearance::lanes) {
+      const std::span batch(&intervals[begin], std::min<std::size_t>(MotionClearance::lanes, intervals.size() - begin));
+      std::array<double, MotionClearance::lanes> middles{};
+      double longest = 0.0;
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        middles.at(i) = batch[i].middle;
+        longest = std::max(longest, batch[i].half);
+      }
+      certificate.checks += batch.size();
+      const unsigned apart =
+          std::isfinite(keep()) ? motion.apart(std::span(middles).first(batch.size()), longest, keep()) : 0U;
+      // Contact on a whole batch is found early.
+      const std::size_t sure_to_measure = apart == 0 ? batch.size() / 2 : batch.size();
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        if (((apart >> i) & 1U) != 0) continue;
+        const auto [middle, half] = batch[i];
+        // A distance costs as much as many configurations that `apart` decides: it is computed where the interval is so
+        // short that it decides.
+        const double decisive = std::max((1.0 - certified_share) * certificate.nearest, certificate.tolerance);
+        if (i != sure_to_measure && std::isfinite(decisive) && half * displacement > decisive) {
+          next.push_back({middle - 0.5 * half, 0.5 * half});
+          next.push_back({middle + 0.5 * half, 0.5 * half});
+          continue;
+        }
+        const auto near = motion.near(middle, half, certificate.nearest);
+        if (near.distance <= 0.0 || certificate.checks > limit) return refute(middle);
+        certificate.nearest = std::min(certificate.nearest, near.distance);
+        if (near.sure >= keep()) {
+          certificate.clearance = std::min(certificate.clearance, near.sure);
+          continue;
+        }
+        if (half * displacement <= certificate.tolerance) {
+          // Also certain where the configuration alone shows it.
+          if (near.sure > 0.0) {
+            certificate.clearance = std::min(certificate.clearance, near.sure);
+            continue;
+          }
+          return refute(middle);
+        }
+        next.push_back({middle - 0.5 * half, 0.5 * half});
+        next.push_back({middle + 0.5 * half, 0.5 * half});
+      }
+    }
+    std::swap(intervals, next);
+  }
+  certificate.clearance = std::min(certificate.clearance, keep());
+}
+
+}  // namespace trellis

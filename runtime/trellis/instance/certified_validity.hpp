@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include <trellis/instance/instance.hpp>
+
+namespace trellis {
+
+/// A validity whose motions are certified one by one (Certificate), for worlds in which the resolution is too coarse:
+/// no obstacle is thin enough to pass between two configurations.
+class CertifiedValidity final : public Validity {
+ public:
+  /// \param tolerance  metres, see Certificate::tolerance
+  CertifiedValidity(std::shared_ptr<Validity> inner, double tolerance)
+      : inner_(std::move(inner)), tolerance_(tolerance) {}
+
+  [[nodiscard]] bool state(View q) override { return inner_->state(q); }
+  /// The configurations that the certificate needs count as checks.
+  [[nodiscard]] MotionReport motion(View a, View b) override {
+    MotionReport report = inner_->motion(a, b);
+    if (!report.valid) return report;
+    Certificate certificate{tolerance_};
+    inner_->certify(a, b, certificate);
+    report.checks += static_cast<std::uint32_t>(certificate.checks);
+    if (certificate.valid()) return report;
+    return {false, report.checks, *certificate.refuted_at};
+  }
+  void certify(View a, View b, Certificate& certificate) override { inner_->certify(a, b, certificate); }
+  [[nodiscard]] double clearance(View q) override { return inner_->clearance(q); }
+  [[nodiscard]] bool spends_checks() const override { return inner_->spends_checks(); }
+  [[nodiscard]] bool needed(View q) override { return inner_->needed(q); }
+  [[nodiscard]] std::optional<Contact> contact(View q) override { return inner_->contact(q); }
+  [[nodiscard]] std::uint64_t epoch() const override { return inner_->epoch(); }
+  [[nodiscard]] double invalid_radius(View q) override { return inner_->invalid_radius(q); }
+
+ private:
+  std::shared_ptr<Validity> inner_;
+  double tolerance_;
+};
+
+}  // namespace trellis
