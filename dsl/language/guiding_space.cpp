@@ -69,10 +69,11 @@ const Construct& guiding_space_construct() {
             "checked for collisions in S; by default C's"},
            {"world", "trellis.World|" + by_instance + "trellis.World", "a world, or a function that returns one",
             "that the robot is checked in; by default C's"},
-           {"graph", by_instance + "{ vertices: number[][], edges: number[][], start: integer, goal: integer }",
+           {"graph",
+            by_instance + "{ vertices: number[][], edges: number[][], start: integer, goal: integer|integer[] }",
             "a function",
             "returns an explicit graph in S, searched exactly: edges are {i, j} or {i, j, cost}, straight and as long "
-            "as they are by default"},
+            "as they are by default; 'goal' is a vertex, or a list of vertices any of which will do"},
            {"planner", "trellis.Planner", "a planner", "searches S", false, "rrt(), graph_search() of a graph"},
            {"heuristic", "fun(found?: trellis.Found, instance: trellis.Instance): trellis.Guide|function, function?",
             "a function",
@@ -457,7 +458,8 @@ std::vector<ObjectType> guiding_space_types() {
   types.back().members = {
       {"space", "trellis.Space", "", "its configuration space"},
       {"start", configuration, "", "the start"},
-      {"goal", configuration, "", "the goal"},
+      {"goal", configuration, "", "the goal, of several the first"},
+      {"goals", configuration + "[]", "", "all goals: a path to any of them solves the instance"},
       {"robot", "trellis.Robot", "", "what moves"},
       {"world", "trellis.World", "", "the workspace"},
       {"goal_tolerance", "number", "", "a configuration this near to the goal in the metric is the goal"},

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <dsl/language/motion.hpp>
@@ -99,14 +100,23 @@ std::string axes_of(const Space& space) {
 }
 
 /// Returns a pose as a configuration.
-Configuration configuration_of(const Pose3& pose, const std::string& what, const Space& space) {
+/// \param what  names it in messages: "problem: field 'start'"
+Configuration configuration_of(const Pose3& pose, const std::string& what, const Scene& scene, const Space& space) {
   const auto& [x, y, z] = pose.position;
+  if (scene.planar() != nullptr) {
+    throw Error(
+        fmt::format("{} is a pose, which places a body in space, and this world is the plane: give a list of {} "
+                    "numbers ({}){}",
+                    what, space.dimension(), axes_of(space),
+                    scene.translates() && space.dimension() == 3
+                        ? fmt::format(", as {{{:g}, {:g}, 0}} with the angle in radians", x, y)
+                        : ""));
+  }
   const Quaternion& turn = pose.orientation;
   if (space.dimension() == 7 && !space.flat()) return {x, y, z, turn.x, turn.y, turn.z, turn.w};
   if (space.dimension() == 3 && turn == Quaternion{}) return {x, y, z};
-  throw Error(
-      fmt::format("problem: {} is a pose, which a configuration of this robot is not: it has {} coordinates ({})", what,
-                  space.dimension(), axes_of(space)));
+  throw Error(fmt::format("{} is a pose, which a configuration of this robot is not: it has {} coordinates ({})", what,
+                          space.dimension(), axes_of(space)));
 }
 
 /// Brings quaternions that were written with few decimals to norm 1.
@@ -129,8 +139,11 @@ void normalise_quaternions(MutableView q, const std::string& what, const Space& 
   space.normalise(q);
 }
 
-Configuration read_configuration(Value value, const std::string& what, const Space& space) {
-  if (const auto* pose = value.get<Pose3>()) return configuration_of(*pose, what, space);
+Configuration read_configuration(Value value, const std::string& what, const Problem& problem) {
+  const Space& space = problem.space;
+  if (const auto* pose = value.get<Pose3>()) {
+    return configuration_of(*pose, "problem: " + what, *problem.scene, space);
+  }
   auto q = read_numbers(value, fmt::format("problem: {}", what));
   if (q.size() != space.dimension()) {
     throw Error(fmt::format("problem: {} must have {} coordinates ({}), got {}", what, space.dimension(),
@@ -164,11 +177,11 @@ void read_goals(Value value, Problem& problem) {
     });
   }
   if (!several) {
-    problem.goals = {read_configuration(value, "field 'goal'", problem.space)};
+    problem.goals = {read_configuration(value, "field 'goal'", problem)};
     return;
   }
   value.each([&](std::size_t i, Value element) {
-    problem.goals.push_back(read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem.space));
+    problem.goals.push_back(read_configuration(element, fmt::format("goal {} of field 'goal'", i), problem));
   });
 }
 
@@ -211,7 +224,7 @@ int make_problem(Stack& call) {
   const bool motion = arguments["motion"].given();
   if (problem.scene && motion == static_cast<bool>(problem.motion_model)) {
     if (const Value start = arguments["start"]; start.given()) {
-      faults.attempt([&] { problem.start = read_configuration(start, "field 'start'", problem.space); });
+      faults.attempt([&] { problem.start = read_configuration(start, "field 'start'", problem); });
     }
     if (const Value goal = arguments["goal"]; goal.given()) {
       faults.attempt([&] { read_goals(goal, problem); });
@@ -376,8 +389,10 @@ std::vector<Field> load_fields() {
            "how the report calls the problem, in place of the file's name for it; of n problems name/1 to name/n"},
           {"robot", "trellis.Robot", "a robot",
            "moves in the world of a file that has no robot; without it a point, or in BARN a disc of 0.215 m"},
-          {"start", "number[]", "a list of numbers", "the start, in place of the file's or where it has none"},
-          {"goal", "number[]", "a list of numbers", "the goal, in place of the file's or where it has none"}};
+          {"start", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+           "the start, in place of the file's or where it has none"},
+          {"goal", "number[]|trellis.Pose", "a list of numbers, or a pose of a body in space",
+           "the goal, in place of the file's or where it has none"}};
 }
 
 }  // namespace
@@ -501,19 +516,19 @@ ReadOptions read_load_fields(Stack& call, std::vector<Options::Entry>& given, st
       if (!options.robot) throw Error("scenes.load: option 'robot' must be a robot of the plane");
     });
   }
-  for (const auto& [name, end] : {std::pair{"start", &options.start}, {"goal", &options.goal}}) {
+  const auto read_end = [&](const char* name, Configuration& end, std::optional<Pose3>& as_pose) {
     const Value value = call[2].field(name);
-    if (!value.given()) continue;
-    faults.attempt([&, name = name, end = end] {
+    if (!value.given()) return;
+    faults.attempt([&] {
       if (const auto* pose = value.get<Pose3>()) {
-        const auto& [x, y, z] = pose->position;
-        const Quaternion& turn = pose->orientation;
-        *end = {x, y, z, turn.x, turn.y, turn.z, turn.w};
+        as_pose = *pose;
       } else {
-        *end = read_numbers(value, fmt::format("scenes.load: option '{}'", name));
+        end = read_numbers(value, fmt::format("scenes.load: option '{}'", name));
       }
     });
-  }
+  };
+  read_end("start", options.start, options.start_pose);
+  read_end("goal", options.goal, options.goal_pose);
   faults.raise();
   return options;
 }

@@ -17,6 +17,7 @@
 #include <dsl/language/guiding_space.hpp>
 #include <dsl/language/scene_values.hpp>
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/lifted.hpp>
 #include <trellis/guide/pieces.hpp>
 #include <trellis/guide/reached_nodes.hpp>
@@ -107,6 +108,12 @@ void push_instance(Stack& stack, const Instance& instance, const std::shared_ptr
   set("start");
   push_numbers(stack, instance.goal());
   set("goal");
+  const Value goals = stack.push_table();
+  for (const Configuration& goal : instance.goals) {
+    push_numbers(stack, goal);
+    stack.append(goals);
+  }
+  set("goals");
   push_robot(stack, *instance.scene);
   set("robot");
   push_world(stack, *instance.scene);
@@ -768,7 +775,15 @@ void ScriptGuide::make_graph(Instance& parent, Instance& sub) const {
       graph->edges.push_back(std::move(made));
     });
     graph->start = vertex_of(value.field("start"), "'start'");
-    graph->goal = vertex_of(value.field("goal"), "'goal'");
+    const Value goal = value.field("goal");
+    if (goal.type() == Type::table) {
+      goal.each([&](std::size_t i, Value entry) {
+        graph->goals.push_back(vertex_of(entry, fmt::format("entry {} of 'goal'", i)));
+      });
+      if (graph->goals.empty()) throw Located("its field 'goal' is an empty list; give the number of a vertex");
+    } else {
+      graph->goals = {vertex_of(goal, "'goal'")};
+    }
   });
   sub.graph = std::move(graph);
 }
@@ -926,9 +941,11 @@ std::unique_ptr<Heuristic> ScriptGuide::component(const GuideSpec& spec, bool in
   }
   if (in_s) throw Error("lifted within lifted: it is over S already");
   if (!projection_) throw Error("lifted: S = {0}, so there is nothing to lift from");
-  return std::make_unique<LiftedHeuristic>(projection_, *s_, compose(lift->distribution(), true), parent_->start,
-                                           parent_->goal(), LiftedHeuristic::Points::unknown,
-                                           calls_->definition().name);
+  auto inner = compose(lift->distribution(), true);
+  const Configuration goal = GoalChoice().choose(
+      *parent_, [this](View q, MutableView s) { project(q, s); }, *s_, inner->lifted_path());
+  return std::make_unique<LiftedHeuristic>(projection_, *s_, std::move(inner), parent_->start, goal,
+                                           LiftedHeuristic::Points::unknown, calls_->definition().name);
 }
 
 std::unique_ptr<Heuristic> ScriptGuide::heuristic(Instance& parent, const Instance*, const Solution* found) {

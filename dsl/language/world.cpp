@@ -189,14 +189,14 @@ const Construct& arm_construct() {
           "link before",
       .list = "",
       .element = "",
-      .fields = {{"links", "number[]", "a list of numbers", "the lengths of the links from the base on, in metres",
-                  true},
-                 {"widths", "number[]", "a list of numbers", "the width of each link, in metres"},
-                 {"base", "number[]", "a list of 2 numbers: x, y", "where the first joint is fixed, in metres", false,
-                  "{0, 0}"},
-                 {"limits", "(number[]|false)[]", "a list with {lo, hi} or false for each joint",
-                  "the least and the greatest angle of each joint, in radians; false, or beyond the list's end: full "
-                  "turns"}},
+      .fields =
+          {{"links", "number[]", "a list of numbers", "the lengths of the links from the base on, in metres", true},
+           {"widths", "number[]", "a list of numbers", "the width of each link, in metres"},
+           {"base", "number[]", "a list of 2 numbers: x, y", "where the first joint is fixed, in metres", false,
+            "{0, 0}"},
+           {"limits", "(number[]|false)[]", "a list with {lo, hi} or false for each joint",
+            "the least and the greatest angle of each joint, in radians, up to 20 turns from 0; such an angle does "
+            "not wrap, so that two a turn apart differ; false, or beyond the list's end: it wraps"}},
       .options = arm_settings().component(),
       .returns = "trellis.Robot"};
   return construct;

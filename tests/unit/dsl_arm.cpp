@@ -40,6 +40,20 @@ TEST_CASE("an arm is a robot of links, with limits where they are given") {
   CHECK(value("robot.arm { links = {1} }") == "robot 'arm'");
 }
 
+TEST_CASE("limits of joints of more than a turn are lengths of their axes") {
+  const Problem p =
+      problem(problem_of("robot.arm { links = {1, 1}, base = {5, 5}, limits = { {math.rad(-270), math.rad(270)}, "
+                         "{math.rad(-360), math.rad(360)} } }",
+                         "start = {-4, 0}, goal = {4, -6}"));
+  CHECK(p.space.name() == "R^2");
+  CHECK(p.space.axes()[0].hi == Approx(4.712389));
+  CHECK(p.space.axes()[1].lo == Approx(-6.283185));
+  CHECK(p.start == Configuration{-4, 0});
+  CHECK(p.goal() == Configuration{4, -6});
+  CHECK_THAT(failure("robot.arm { links = {1}, limits = { {-270, 270} } }"),
+             Contains("limits of joint 1") && Contains("math.rad"));
+}
+
 TEST_CASE("a start in which an arm meets itself names the links") {
   CHECK_THAT(failure("return " + problem_of(arm, "start = {0, 2.6, 2.6}, goal = {1, 1, 1}")),
              Contains("start (0, 2.6, 2.6) is in collision with itself (link 1 meets link 3)") &&

@@ -208,6 +208,26 @@ TEST_CASE("S may be an explicit graph, searched exactly") {
   CHECK(all(run.levels[1].solution.path) == std::vector<double>{1, 1, 5, 9, 9, 1});
 }
 
+TEST_CASE("a graph of S may have several goals, and an instance lists all") {
+  const std::string map =
+      "guiding_space { name = 'map', space = {'x', 'y'}, graph = function(instance)\n"
+      "  assert(#instance.goals == 1 and instance.goals[1][1] == instance.goal[1])\n"
+      "  local s, t = instance.start, instance.goals[1]\n"
+      "  return { vertices = { {s[1], s[2]}, {5, 8}, {t[1], t[2]}, {2, 9} },\n"
+      "    edges = { {1, 2}, {2, 3}, {1, 4} }, start = 1, goal = GOALS } end,\n"
+      "  heuristic = function(found) return lifted(along(found.path, { radius = 0.7 })) end }";
+  const auto with = [&](const std::string& goals) {
+    std::string text = map;
+    return text.replace(text.find("GOALS"), 5, goals);
+  };
+  const RunRecord run = run_of(with("{3, 4}"));
+  CHECK(run.solved);
+  REQUIRE(run.levels.size() == 2);
+  CHECK(all(run.levels[1].solution.path) == std::vector<double>{1, 1, 2, 9});
+  CHECK_THAT(run_failure(with("{3, 5}")), Contains("entry 2 of 'goal' must be the number of a vertex, from 1 to 4"));
+  CHECK_THAT(run_failure(with("{}")), Contains("'goal' is an empty list"));
+}
+
 TEST_CASE("h may be a function that draws, with its density") {
   const std::string box =
       "guiding_space { name = 'box', space = {}, heuristic = function(found, instance)\n"

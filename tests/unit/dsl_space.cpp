@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <trellis/collision/checker.hpp>
 #include <trellis/scene/spatial/scene.hpp>
@@ -61,6 +62,27 @@ TEST_CASE("several goals in space, as poses") {
   const Problem p = problem("start = pose {1.5, 5, 3}, goal = { pose {8, 5, 3}, pose {8, 6, 3} }");
   REQUIRE(p.goals.size() == 2);
   CHECK(p.goals[1][1] == 6);
+}
+
+TEST_CASE("a pose places a body in space: in the plane it is an error, and a point in space has no orientation") {
+  const auto plane = [](const std::string& robot, const std::string& ends) {
+    return failure("return problem { world = world { bounds = {0, 0, 10, 10} }, robot = " + robot + ", " + ends + " }");
+  };
+  CHECK_THAT(plane("robot.rectangle(0.6, 0.2)", "start = pose {1, 2, 0.5}, goal = {9, 9, 0}"),
+             Contains("problem: field 'start' is a pose, which places a body in space, and this world is the plane") &&
+                 Contains("give a list of 3 numbers (x, y, theta), as {1, 2, 0}"));
+  CHECK_THAT(plane("robot.rectangle(0.6, 0.2)", "start = {1, 2, 0.5}, goal = pose {9, 9, 0}"),
+             Contains("field 'goal' is a pose"));
+  CHECK_THAT(plane("robot.rectangle(0.6, 0.2)", "start = {1, 2, 0.5}, goal = { {9, 9, 0}, pose {9, 8, 0} }"),
+             Contains("goal 2 of field 'goal' is a pose"));
+  CHECK_THAT(plane("robot.point()", "start = pose {1, 2, 0}, goal = {9, 9}"),
+             Contains("field 'start' is a pose") && Contains("2 numbers (x, y)"));
+  CHECK_THAT(plane("robot.arm { links = {1, 1, 1}, base = {5, 5} }", "start = pose {0, 1, 1}, goal = {1, 1, 1}"),
+             Contains("3 numbers (theta, theta2, theta3)") && !Contains("as {"));
+  CHECK(values("local p = problem { world = world { bounds = {0, 0, 0, 9, 9, 9} }, robot = robot.rigid { box {-.1, "
+               "-.1, -.1, .1, .1, .1}, rotates = false }, "
+               "start = pose {1, 2, 3}, goal = { {2, 2, 2}, pose {4, 5, 6} } } return p.start[3], p.goal[2][1]") ==
+        std::vector<std::string>{"3.0", "4.0"});
 }
 
 TEST_CASE("a start in collision in space names the obstacle, and a place beside it") {

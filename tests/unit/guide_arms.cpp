@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Guides in the workspace, for arms with a fixed base: inverse kinematics is the lift.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -344,4 +345,26 @@ TEST_CASE("what has no tip that moves in the plane is refused with the reason", 
         "learned: needs a robot whose reference point moves in the plane; this space (SO(2)^2) has no position");
   CHECK_THAT(refusal("workspace", {{"lift", std::string("handles")}}, Robot("arm", {link, second}, false, {5, 5})),
              Catch::Contains("decide where its tip is"));
+}
+
+TEST_CASE("limits of more than a turn: every turn of a joint is drawn, and brings the tip there", "[guide][arm]") {
+  Arm arm = arm_of({1.5, 1.2});
+  arm.limits = {std::pair(-2.0 * pi, 2.0 * pi), std::pair(-1.5 * pi, 1.5 * pi)};
+  const auto problem = problem_of(Robot::arm(arm));
+  const auto parent = make_instance(problem);
+  const PositionProjection position("skeleton", *parent);
+  Stream stream(8, "0", "turns");
+  Configuration q(2);
+  Configuration back(2);
+  const Configuration s = {6.5, 5.8};
+  std::array<int, 4> turns{};
+  for (int i = 0; i < 400; ++i) {
+    position.lift(s, stream, q);
+    REQUIRE(parent->space.contains(q));
+    position.project(q, back);
+    CHECK(position.space().distance(s, back) < 1e-9);
+    ++turns.at(static_cast<std::size_t>(std::floor(q[0] / pi) + 2.0));
+  }
+  // Both solutions have the first joint between -pi and pi, and again a turn away.
+  for (const int drawn : turns) CHECK(drawn > 20);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Properties of the guides of the catalogue beyond the laws of all guides.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -324,6 +325,50 @@ TEST_CASE("informed samples lie where a shorter path could pass, and cover it", 
     const double mean = sum / points;
     CHECK(std::abs(mean - 1.0) < 4.0 * std::sqrt((squares / points - mean * mean) / points));
   }
+}
+
+TEST_CASE("of several goals informed samples lie where a shorter path to any of them could pass",
+          "[guide][informed][goals]") {
+  auto problem = test::make_problem("corner", test::rectangle_world({{4, 4, 5, 5}}), test::rectangle_robot(),
+                                    {0.5, 0.7, 3.0}, {2.5, 0.4, -2.9});
+  problem.goals.push_back({0.7, 2.0, 2.0});
+  problem.goals.push_back({9, 9, 0});
+  const Space& space = problem.space;
+  for (const double cost : {1.6, 2.4, 4.0}) {
+    CAPTURE(cost);
+    const Work w = work("informed", {{"cost", cost}}, problem);
+    const auto detour = [&](View q, std::size_t goal) {
+      return space.distance(problem.start, q) + space.distance(q, problem.goals[goal]);
+    };
+    const auto inside = [&](View q) { return detour(q, 0) <= cost || detour(q, 1) <= cost; };
+    Stream stream(3, "", "informed");
+    Configuration q(3);
+    std::array<int, 3> near{};
+    for (int i = 0; i < 3000; ++i) {
+      w.h->sample(stream, q);
+      REQUIRE(space.contains(q));
+      for (std::size_t goal = 0; goal < 3; ++goal) near.at(goal) += detour(q, goal) <= cost * (1.0 + 1e-12) ? 1 : 0;
+      REQUIRE(test::record_of(*w.h).at(q) > 0.0);
+    }
+    // The first goal is farther than the least cost, and the last one than all.
+    CHECK((near[0] > 300) == (cost > 2.1));
+    CHECK(near[1] > 300);
+    CHECK(near[2] == 0);
+    const DensityRecord now = test::record_of(*w.h);
+    double sum = 0.0;
+    double squares = 0.0;
+    constexpr int points = 100000;
+    for (int i = 0; i < points; ++i) {
+      space.sample_uniform(stream, q);
+      const double p = now.at(q) * std::exp(space.log_volume());
+      REQUIRE((p > 0.0) == inside(q));
+      sum += p;
+      squares += p * p;
+    }
+    const double mean = sum / points;
+    CHECK(std::abs(mean - 1.0) < 4.0 * std::sqrt((squares / points - mean * mean) / points));
+  }
+  CHECK_THROWS_WITH(work("informed", {{"cost", 1.0}}, problem), Catch::Contains("to the nearest goal is 1.3"));
 }
 
 TEST_CASE("informed uses the best reported path as long as it is valid", "[guide][informed]") {

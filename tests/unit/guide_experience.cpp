@@ -140,6 +140,29 @@ TEST_CASE("a stored path is followed from the query's start to its goal, in eith
   }
 }
 
+TEST_CASE("of several goals a stored path leads to the one that it reaches, whatever their order",
+          "[guide][experience][goals]") {
+  const Problem stored = plane({}, {1, 1}, {9, 1});
+  const Stored library({{stored, path_of(over)}});
+  Problem query = plane({{4, 0, 6, 3}}, {1.2, 1.1}, {8.9, 1.3});
+  query.goals = {{5, 8.9}, {8.9, 1.3}, {1.1, 9.1}};
+  std::ranges::sort(query.goals);
+  Configurations first;
+  do {
+    const auto r = retrieve(query, {{"db", library.file()}, {"join", 0.3}});
+    REQUIRE(r.found.solved());
+    const Configurations path = r.h->lifted_path();
+    CHECK(std::ranges::equal(path.front(), query.start));
+    // The goal beside the first corner of the stored path.
+    CHECK(std::ranges::equal(path.back(), Configuration{1.1, 9.1}));
+    if (first.empty()) first = path;
+    CHECK(std::ranges::equal(path.values(), first.values()));
+  } while (std::ranges::next_permutation(query.goals).found);
+  query.goals = {{9.5, 9.5}, {8.9, 1.3}};
+  const auto r = retrieve(query, {{"db", library.file()}});
+  REQUIRE(r.found.solved());
+}
+
 TEST_CASE("of several paths the one is followed that the present world violates least", "[guide][experience]") {
   const Problem stored = plane({}, {1, 1}, {9, 1});
   const Stored library({{stored, path_of(over)}, {stored, path_of(under)}});

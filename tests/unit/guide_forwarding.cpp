@@ -257,7 +257,7 @@ TEST_CASE("a guide that lost the planner's nodes guides as one that never had an
       if (sub->graph) {
         found.path = Configurations(sub->graph->vertices.dimension());
         found.path.push(sub->graph->vertices[sub->graph->start]);
-        found.path.push(sub->graph->vertices[sub->graph->goal]);
+        found.path.push(sub->graph->vertices[sub->graph->goals.front()]);
       } else {
         found.path.push(sub->start);
         found.path.push(middle);

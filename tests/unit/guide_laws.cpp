@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <trellis/collision/checker.hpp>
 #include <trellis/guide/guide.hpp>
 #include <trellis/guide/path_steps.hpp>
 
@@ -499,4 +500,98 @@ TEST_CASE("regions travel along the skeleton as the planner's nodes enter them",
     solved.h->observe(outcome, false);
   }
   CHECK(mean_x() > before + 0.5);
+}
+
+namespace {
+
+/// The problem with two more goals, one nearer to the start than its own.
+Problem with_more_goals(Problem problem) {
+  const auto checker = make_checker(problem.collision, problem.scene, problem.space, problem.resolution);
+  Stream stream(12, problem.name, "goals");
+  Configuration q(problem.space.dimension());
+  Configuration nearer;
+  Configuration other;
+  while (nearer.empty() || other.empty()) {
+    problem.space.sample_uniform(stream, q);
+    if (!problem.space.contains(q) || !checker->valid(q)) continue;
+    const double own = problem.space.distance(problem.start, problem.goals.front());
+    Configuration& end = problem.space.distance(problem.start, q) < 0.5 * own ? nearer : other;
+    if (end.empty()) end = q;
+  }
+  problem.goals.insert(problem.goals.end(), {nearer, other});
+  return problem;
+}
+
+/// What h draws from a fixed stream.
+Configurations draws(Heuristic& h, const Space& space) {
+  Stream stream(13, "0", "draws");
+  Configurations drawn(space.dimension());
+  Configuration q(space.dimension());
+  for (int i = 0; i < 50; ++i) {
+    h.sample(stream, q);
+    drawn.push(q);
+  }
+  return drawn;
+}
+
+bool same(const Configurations& a, const Configurations& b) { return std::ranges::equal(a.values(), b.values()); }
+
+}  // namespace
+
+TEST_CASE("S, the path found in it and h serve all goals, whatever their order", "[guide][goals]") {
+  for (const auto& kind : guide_kinds()) {
+    for (const auto& problem : problems(kind)) {
+      CAPTURE(kind.component->name, problem.name);
+      Problem permuted = with_more_goals(problem);
+      std::ranges::sort(permuted.goals);
+      Solved first = solve(kind, permuted);
+      const Configurations drawn = draws(*first.h, permuted.space);
+      while (std::ranges::next_permutation(permuted.goals).found) {
+        Solved again = solve(kind, permuted);
+        if (first.sub) {
+          CHECK(again.sub->start == first.sub->start);
+          CHECK(again.sub->goals == first.sub->goals);
+          CHECK(again.found.status == first.found.status);
+          CHECK(same(again.found.path, first.found.path));
+          CHECK(same(again.h->lifted_path(), first.h->lifted_path()));
+        }
+        // The goal itself is drawn by its number.
+        if (kind.component->name != "goal_bias") CHECK(same(draws(*again.h, permuted.space), drawn));
+        again.h->found(0.9 * permuted.space.diameter());
+        first.h->found(0.9 * permuted.space.diameter());
+        const DensityRecord here = test::record_of(*first.h);
+        const DensityRecord there = test::record_of(*again.h);
+        CHECK(there.atoms() == Approx(here.atoms()));
+        Stream stream(14, "0", "density");
+        Configuration q(permuted.space.dimension());
+        for (int i = 0; i < 50; ++i) {
+          permuted.space.sample_uniform(stream, q);
+          const double density = here.at(q);
+          if (std::isnan(density)) {
+            CHECK(std::isnan(there.at(q)));
+          } else {
+            CHECK(there.at(q) == Approx(density).margin(1e-300));
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a path in S leads to the goal that is nearest there", "[guide][goals]") {
+  for (const auto& kind : guide_kinds()) {
+    if (kind.default_planner.empty() || !find_planner(kind.default_planner)->graph) continue;
+    if (kind.component->name == "experience") continue;  // its library is empty
+    CAPTURE(kind.component->name);
+    Problem problem = test::cup_problem();
+    problem.goals = {{9, 5, 0}, {1.5, 9, 1}};
+    Solved solved = solve(kind, problem);
+    REQUIRE(solved.found.solved());
+    Configuration s(solved.sub->space.dimension());
+    solved.guide->project(problem.goals[1], s);
+    CHECK(std::ranges::equal(solved.found.path.back(), s));
+    const Configurations lifted = solved.h->lifted_path();
+    REQUIRE_FALSE(lifted.empty());
+    CHECK(std::ranges::equal(lifted.back(), problem.goals[1]));
+  }
 }

@@ -63,11 +63,11 @@ TEST_CASE("principal axes are those of the points, the longest first", "[guide][
   CHECK(inner(axes[1], {0.0, 0.0, 1.0}) > 0.999);
 
   SECTION("a first direction comes first, and the others are orthogonal to it") {
-    const auto given = principal_axes(points, {0.0, 0.0, 7.0}, 3);
+    const auto given = principal_axes(points, {{0.0, 0.0, 7.0}}, 3);
     check_orthonormal(given);
     CHECK(inner(given[0], {0.0, 0.0, 1.0}) == Approx(1.0));
     CHECK(inner(given[1], {0.6, 0.8, 0.0}) > 0.999);
-    CHECK(principal_axes(points, {0.0, 0.0, 0.0}, 3) == axes);
+    CHECK(principal_axes(points, {{0.0, 0.0, 0.0}}, 3) == axes);
   }
 }
 
@@ -96,6 +96,33 @@ TEST_CASE("with its ends on it, a path of the subspace is one of C", "[guide][pc
   CHECK(problem.space.distance(path.back(), problem.goal()) < 1e-9);
   const auto checker = make_checker("planar", problem.scene, problem.space, problem.resolution);
   for (std::size_t i = 1; i < path.size(); ++i) CHECK(checker->motion(path[i - 1], path[i]).valid);
+}
+
+TEST_CASE("a subspace goes through the nearest of several goals, as many as it has dimensions", "[guide][pca][goals]") {
+  auto problem = arm_problem();
+  const Configuration own = problem.goal();
+  problem.goals = {own, {problem.start[0] + 0.3, problem.start[1], problem.start[2]}};
+  for (int order = 0; order < 2; ++order) {
+    auto parent = make_instance(problem);
+    const auto guide = guide_of({{"dimensions", std::int64_t{2}}, {"samples", std::int64_t{100}}});
+    const auto sub = guide->project(*parent);
+    REQUIRE(sub->goals.size() == 2);
+    CHECK(sub->goal()[1] == Approx(sub->start[1]).margin(1e-9));  // the nearer one is along the first axis
+    for (const Configuration& goal : problem.goals) {
+      Configuration s(2);
+      Configuration q(3);
+      Configuration back(2);
+      guide->project(goal, s);
+      CHECK(std::ranges::any_of(sub->goals, [&](const Configuration& other) { return other == s; }));
+      // The start, the goal and the points between them lie on the subspace.
+      problem.space.interpolate(problem.start, goal, 0.5, q);
+      guide->project(q, back);
+      const double whole = problem.space.distance(problem.start, goal);
+      CHECK(sub->space.distance(s, sub->start) == Approx(whole));
+      CHECK(sub->space.distance(back, sub->start) == Approx(0.5 * whole));
+    }
+    std::swap(problem.goals[0], problem.goals[1]);
+  }
 }
 
 TEST_CASE("motions of the subspace are those of C, round an axis as well", "[guide][pca]") {

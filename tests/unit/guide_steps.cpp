@@ -172,12 +172,12 @@ TEST_CASE("a path is validated at points that are the spacing apart, and each is
   const auto instance = make_instance(
       test::make_problem("open", test::rectangle_world({}), test::rectangle_robot(), {1, 5, 0}, {9, 5, 0}));
   SparseValidation sparse(instance->space, 0.5);
-  const SparsePath path = sparse.validate(*instance, straight(), true, as_it_is);
+  const SparsePath path = sparse.validate(*instance, straight(), instance->goal(), as_it_is);
   CHECK_FALSE(path.refuted);
   // 16 pieces of 8 m, with valid ends.
   CHECK(path.waypoints.size() == 17);
   CHECK(instance->checks.validity == 15);
-  sparse.validate(*instance, straight(), true, as_it_is);
+  sparse.validate(*instance, straight(), instance->goal(), as_it_is);
   CHECK(instance->checks.validity == 15);
 }
 
@@ -186,12 +186,12 @@ TEST_CASE("a point without a valid lift refutes a path, another lift repairs it"
                                           {1, 5, 0}, {9, 5, 0});
   const auto instance = make_instance(problem);
   SparseValidation sparse(instance->space, 0.4);
-  const SparsePath path = sparse.validate(*instance, straight(), true, as_it_is);
+  const SparsePath path = sparse.validate(*instance, straight(), instance->goal(), as_it_is);
   REQUIRE(path.refuted);
   CHECK_FALSE(instance->valid(*path.refuted));
   const auto spent = instance->checks.validity;
   // The same point again is known to be refuted.
-  const SparsePath again = sparse.validate(*instance, straight(), true, as_it_is);
+  const SparsePath again = sparse.validate(*instance, straight(), instance->goal(), as_it_is);
   REQUIRE(again.refuted);
   CHECK(instance->checks.validity == spent);
   // Lifts that go round it: all waypoints are valid then.
@@ -201,7 +201,7 @@ TEST_CASE("a point without a valid lift refutes a path, another lift repairs it"
     q[1] += 0.25 * attempt;
     return attempt < 10;
   };
-  const SparsePath round = fresh.validate(*instance, straight(), true, aside);
+  const SparsePath round = fresh.validate(*instance, straight(), instance->goal(), aside);
   CHECK_FALSE(round.refuted);
   for (std::size_t i = 0; i < round.waypoints.size(); ++i) CHECK(instance->valid(round.waypoints[i]));
 }
@@ -456,7 +456,7 @@ TEST_CASE("a path through an excluded place is refuted without a check", "[guide
   SparseValidation sparse(problem.space, 0.8);
   instance->start = {1, 9.5, 0};
   instance->goals = {{9, 9.5, 0}};
-  const SparsePath found = sparse.validate(*instance, path, true, as_it_is);
+  const SparsePath found = sparse.validate(*instance, path, instance->goal(), as_it_is);
   REQUIRE(found.refuted);
   CHECK((*found.refuted)[0] == Approx(2.6).margin(0.06));
   CHECK(found.refuted_at == Approx(1.6).margin(0.06));

@@ -43,12 +43,12 @@ const SearchModel& learnt() {
 }
 
 void run(BestFirstSearch& search) {
-  while (!search.reached_goal() && !search.open().empty()) search.expand(*search.open().begin());
+  while (!search.goal() && !search.open().empty()) search.expand(*search.open().begin());
 }
 
 double euclidean(const SearchState& state, std::uint32_t v) {
   const Graph& graph = state.graph();
-  return norm(SearchState::position(graph.vertices[graph.goal]) - SearchState::position(graph.vertices[v]));
+  return norm(SearchState::position(graph.vertices[graph.goals.front()]) - SearchState::position(graph.vertices[v]));
 }
 
 /// The vertices from the start to `v` along the tree.
@@ -153,7 +153,7 @@ TEST_CASE("the features are numbers of the search's state", "[memory][search]") 
   CHECK(state.scale() == Approx(std::hypot(10.0, 10.0)));
   double mean_edge = 0.0;
   for (const auto& edge : graph.edges) mean_edge += edge.cost / static_cast<double>(graph.edges.size());
-  const Vec2 goal = SearchState::position(graph.vertices[graph.goal]);
+  const Vec2 goal = SearchState::position(graph.vertices[graph.goals.front()]);
   for (const auto& entry : search.open()) {
     const auto features = state.features(entry.vertex);
     const Vec2 p = SearchState::position(graph.vertices[entry.vertex]);
@@ -196,14 +196,14 @@ TEST_CASE("a search evaluates each edge at most once, and at selection fewer", "
     for (const auto evaluation : {BestFirstSearch::Evaluation::expansion, BestFirstSearch::Evaluation::selection}) {
       BestFirstSearch search = world.search(euclidean, {.evaluation = evaluation});
       run(search);
-      REQUIRE(search.reached_goal());
+      REQUIRE(search.goal());
       CHECK(search.evaluations() <= world.graph().edges.size());
       evaluations.push_back(static_cast<double>(search.evaluations()));
       // The path found leads from start to goal over valid edges, and its length is what the search says.
-      const auto vertices = branch(search.state(), world.graph().goal);
+      const auto vertices = branch(search.state(), world.graph().goals.front());
       CHECK(vertices.front() == world.graph().start);
       for (const std::uint32_t v : vertices) CHECK(std::isfinite(world.cost_to_go()[v]));
-      CHECK(search.state().at(world.graph().goal).cost >= world.cost_to_go()[world.graph().start] - 1e-9);
+      CHECK(search.state().at(world.graph().goals.front()).cost >= world.cost_to_go()[world.graph().start] - 1e-9);
     }
     CHECK(evaluations[1] < evaluations[0]);
   }
@@ -217,7 +217,7 @@ TEST_CASE("A* over the grid finds the oracle's cost, with the edges evaluated at
           world.search([](const SearchState& state, std::uint32_t v) { return state.at(v).cost + euclidean(state, v); },
                        {.evaluation = evaluation, .ends = BestFirstSearch::Ends::expanded});
       run(search);
-      CHECK(search.state().at(world.graph().goal).cost == Approx(world.cost_to_go()[world.graph().start]));
+      CHECK(search.state().at(world.graph().goals.front()).cost == Approx(world.cost_to_go()[world.graph().start]));
     }
   }
 }
@@ -230,8 +230,8 @@ TEST_CASE("with the oracle in place of the learner a search expands one path", "
     BestFirstSearch greedy = world.search([&](const SearchState&, std::uint32_t v) { return oracle[v]; });
     run(greedy);
     // Each vertex expanded lies on the path found.
-    CHECK(greedy.expansions() + 1 == branch(greedy.state(), world.graph().goal).size());
-    CHECK(greedy.state().at(world.graph().goal).cost <= 1.05 * shortest);
+    CHECK(greedy.expansions() + 1 == branch(greedy.state(), world.graph().goals.front()).size());
+    CHECK(greedy.state().at(world.graph().goals.front()).cost <= 1.05 * shortest);
     BestFirstSearch exact =
         world.search([&](const SearchState& state, std::uint32_t v) { return state.at(v).cost + oracle[v]; },
                      {.ends = BestFirstSearch::Ends::expanded});

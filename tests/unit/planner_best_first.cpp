@@ -88,13 +88,13 @@ TEST_CASE("best_first finds valid paths of a grid and evaluates what the search 
       check_path(run, solution);
       BestFirstSearch expected = world.search(
           [&](const SearchState& state, std::uint32_t v) {
-            return norm(SearchState::position(state.graph().vertices[state.graph().goal]) -
+            return norm(SearchState::position(state.graph().vertices[state.graph().goals.front()]) -
                         SearchState::position(state.graph().vertices[v]));
           },
           {.evaluation = evaluation});
-      while (!expected.reached_goal()) expected.expand(*expected.open().begin());
+      while (!expected.goal()) expected.expand(*expected.open().begin());
       CHECK(spent.motion == expected.evaluations());
-      const bool goal_is_expanded = expected.state().at(world.graph().goal).expanded;
+      const bool goal_is_expanded = expected.state().at(world.graph().goals.front()).expanded;
       CHECK(run.search.nodes.size() == expected.expansions() + (goal_is_expanded ? 0 : 1));
       // Each edge found invalid is reported.
       CHECK(std::all_of(run.guidance->outcomes.begin(), run.guidance->outcomes.end(),
@@ -179,8 +179,8 @@ TEST_CASE("best_first searches by a model, and says which models it cannot use",
   std::vector<LearningTask> tasks;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) tasks.push_back(task_of(test::upper_gaps(seed)));
   SearchTrainingSettings settings;
-  settings.rounds = 3;
-  settings.forest.trees = 10;
+  settings.rounds = 6;
+  settings.forest.trees = 20;
   const SearchModel model = SearchModel::train(tasks, settings, "upper gaps");
   const test::Folder folder;
   std::ofstream(folder.file("gaps.model"), std::ios::binary) << model.bytes();
@@ -206,7 +206,7 @@ TEST_CASE("best_first searches by a model, and says which models it cannot use",
   auto graph = std::make_shared<Graph>();
   graph->vertices = Configurations(3);
   graph->start = graph->vertices.push(instance->start);
-  graph->goal = graph->vertices.push(instance->goal());
+  graph->goals = {graph->vertices.push(instance->goal())};
   graph->edges.push_back({0, 1, 8.0, Configurations()});
   instance->graph = graph;
   test::RecordingGuidance guidance(*instance);

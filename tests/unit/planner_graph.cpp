@@ -130,3 +130,40 @@ TEST_CASE("a search of a graph begins again where the world or the costs changed
     }
   }
 }
+
+TEST_CASE("a search of a graph ends at the nearest of several goals, whatever their order", "[planner][graph][goals]") {
+  for (const Kind& kind : kinds()) {
+    CAPTURE(kind.planner);
+    Problem problem = test::point_problem(4);
+    problem.goals = {{9.5, 9.5}, {0.6, 3.0}, {5.0, 9.8}};
+    std::ranges::sort(problem.goals);
+    Configurations first;
+    do {
+      PlannerRun run(kind.planner, problem, 1, kind.options);
+      run.instance->graph = std::make_shared<Graph>(grid_graph(*run.instance, 0.25));
+      CHECK(run.instance->graph->goals.size() == 3);
+      const Solution found = run.solve();
+      REQUIRE(found.solved());
+      CHECK(std::ranges::equal(found.path.back(), Configuration{0.6, 3.0}));
+      if (first.empty()) first = found.path;
+      CHECK(equal(found.path, first));
+    } while (std::ranges::next_permutation(problem.goals).found);
+  }
+}
+
+TEST_CASE("a search of a graph passes by a goal that is invalid or shut in", "[planner][graph][goals]") {
+  for (const Kind& kind : kinds()) {
+    CAPTURE(kind.planner);
+    // The first goal lies in a box, the second in an obstacle.
+    Problem problem = test::make_problem(
+        "shut in",
+        test::rectangle_world({{2, 2, 4, 2.2}, {2, 3.8, 4, 4}, {2, 2, 2.2, 4}, {3.8, 2, 4, 4}, {0, 2, 1, 3}}),
+        Robot::point(), {1, 1}, {3, 3});
+    problem.goals.insert(problem.goals.end(), {{0.5, 2.5}, {9, 9}});
+    PlannerRun run(kind.planner, problem, 1, kind.options);
+    run.instance->graph = std::make_shared<Graph>(grid_graph(*run.instance, 0.25));
+    const Solution found = run.solve();
+    REQUIRE(found.solved());
+    CHECK(std::ranges::equal(found.path.back(), Configuration{9, 9}));
+  }
+}

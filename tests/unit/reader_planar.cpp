@@ -78,6 +78,10 @@ TEST_CASE("a grid map's blocked cells are obstacles, row 0 at the top", "[reader
   CHECK(placed.at(0).goal() == Configuration{1.5, 1.5});
   CHECK_THAT(fault_of(folder.file("small.map"), {.start = {1}, .goal = {1, 1}}),
              Contains("the start has 1 coordinates, expected 2"));
+  CHECK_THAT(
+      fault_of(folder.file("small.map"), {.start = {0.5, 2.5}, .goal_pose = Pose3{{1.5, 1.5, 0}, {}}}),
+      Contains("small.map: the goal is a pose, which places a body in space, and the file's world is the plane") &&
+          Contains("a list of 2 numbers (R^2)"));
 }
 
 TEST_CASE("queries of a grid map go from cell to cell", "[reader][moving_ai]") {
@@ -411,7 +415,8 @@ TEST_CASE("the yaw of a map's origin turns it about its lower left corner", "[re
     const double turned = exact == origin ? std::stod(std::to_string(yaw)) : 0.0;
     for (std::size_t row = 0; row < 4; ++row) {
       for (std::size_t column = 0; column < 6; ++column) {
-        // The centre, and a point near each side, which a turn the other way or about another point would miss.
+        // The centre, and a point near each side, which a turn in the other direction or about another point would
+        // miss.
         for (const Vec2 within : {Vec2{0.5, 0.5}, {0.05, 0.5}, {0.95, 0.5}, {0.5, 0.05}, {0.5, 0.95}}) {
           const Vec2 p{0.5 * (static_cast<double>(column) + within.x),
                        0.5 * (3.0 - static_cast<double>(row) + within.y)};

@@ -323,6 +323,10 @@ TEST_CASE("OMPL.app: meshes, bounds and poses of a configuration", "[reader][omp
   CHECK(fault(changed(good, "name =", "sampler=obstacle_based\nname =")).empty());
   CHECK_THAT(fault(changed(good, "name =", "statespace=dubins\nname =")),
              Contains("a.cfg:2: 'statespace' is of robots in the plane"));
+  const Problem placed =
+      read_problems(folder.write("a.cfg", good), {.start_pose = Pose3{{4, 3, 2}, {0, 0, 1, 0}}}).at(0);
+  CHECK(placed.start == Configuration{4, 3, 2, 0, 0, 1, 0});
+  CHECK(placed.goal() == problem.goal());
   CHECK_THAT(fault(changed(good, "start.theta", "start.thetta")),
              Contains("a.cfg:8: unknown key 'start.thetta' in [problem] (did you mean 'start.theta'?)"));
   CHECK_THAT(fault(changed(good, "volume.max.z=9\n", "")), Contains("'volume.max.z' is missing"));

@@ -383,6 +383,28 @@ TEST_CASE("an arm is a chain of links with limits, whose distant links are self-
   CHECK(Robot::arm(description).pairs().empty());
 }
 
+TEST_CASE("an axis with limits may be longer than a turn, and does not wrap", "[scene][robot]") {
+  const World world({{-5, -5}, {5, 5}}, {});
+  for (const double degrees : {270.0, 360.0, 720.0}) {
+    CAPTURE(degrees);
+    const double most = degrees * pi / 180.0;
+    Arm description{.links = {2, 1}, .widths = {0.2, 0.1}};
+    description.limits = {std::pair(-most, most)};
+    const Space space = default_space(Robot::arm(description), world, 0.5);
+    CHECK(space.name() == "R x SO(2)");
+    CHECK(space.axes()[0] == Axis{"theta", -most, most, 0.5, false});
+    // Angles a turn apart are different configurations, half the extent of a motion as far as its angle is long.
+    const Configuration a = {-0.5 * most, 0};
+    const Configuration b = {0.5 * most, 0};
+    CHECK(space.distance(a, b) == Approx(0.5 * most));
+    CHECK(Robot::arm(description).displacement_bound(space, a, b) >= 3.0 * most);
+    CHECK(space.diameter() == Approx(std::hypot(most, 0.5 * pi)));
+    Configuration middle(2);
+    space.interpolate(a, b, 0.5, middle);
+    CHECK(middle[0] == 0.0);
+  }
+}
+
 TEST_CASE("an impossible arm is an error", "[scene][robot]") {
   const auto fault = [](const Arm& arm) { return fault_of([&] { static_cast<void>(Robot::arm(arm)); }); };
   CHECK_THAT(fault({}), Contains("at least one link"));
@@ -391,7 +413,9 @@ TEST_CASE("an impossible arm is an error", "[scene][robot]") {
   CHECK_THAT(fault({.links = {1, 1}, .widths = {1}}), Contains("2 links and 1 widths"));
   CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {std::pair(1.0, -1.0)}}),
              Contains("limits of joint 1") && Contains("got 1 and -1"));
-  CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {std::pair(-4.0, 4.0)}}), Contains("full turn"));
+  CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {std::pair(-180.0, 180.0)}}),
+             Contains("limits of joint 1") && Contains("in radians, within 20 turns (125.7 rad) of 0") &&
+                 Contains("got -180 and 180") && Contains("math.rad"));
   CHECK_THAT(fault({.links = {1}, .widths = {1}, .base = {}, .limits = {{}, {}}}), Contains("limits of 2"));
   CHECK_THAT(fault_of([] { static_cast<void>(Robot::disc(1).apart({{0, 1}})); }), Contains("bodies 1 and 2"));
 }

@@ -411,3 +411,22 @@ TEST_CASE("a run with any combinator can be stopped at any proposal", "[combinat
     }
   }
 }
+
+TEST_CASE("a split whose start is its goal has the trivial path", "[combinators][split]") {
+  for (const bool within : {false, true}) {
+    auto problem = test::trap_problem();
+    problem.goals = {{9, 4, 0}, problem.start};
+    if (within) problem.goals[1][0] += 0.5 * problem.goal_tolerance;
+    for (const auto& strategy : {StrategySpec(split(PlannerSpec::make("rrt", {}))),
+                                 StrategySpec(split(PlannerSpec::make("rrt", {}), {.depth = 2})),
+                                 guide("skeleton") >> split(PlannerSpec::make("prm", {}))}) {
+      CAPTURE(strategy.text(), within);
+      const auto run = execute(strategy, problem, 1);
+      CHECK(run.solved);
+      REQUIRE(run.path.size() == 1);
+      CHECK(std::ranges::equal(run.path.front(), problem.start));
+      CHECK(run.length == 0.0);
+      CHECK(run.levels[0].search.proposals.empty());
+    }
+  }
+}

@@ -97,3 +97,94 @@ TEST_CASE("a goal that is in collision is named by its number", "[strategy][goal
   problem.goals.front() = {7.5, 6.1, 0};
   CHECK_THROWS_WITH(check(problem), Contains("goal 1 (7.5, 6.1, 0) is in collision"));
 }
+
+namespace {
+
+/// A goal near the start, and one far behind a cup, each for itself reachable.
+Problem near_and_far() {
+  Problem problem = test::cup_problem();
+  problem.goals = {{2, 7.5, 0.5}, {9, 5, 0}};
+  return problem;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+struct Cost {
+  double checks = 0.0;
+  double length = 0.0;
+};
+
+/// Medians over seeds; each run is solved.
+Cost cost_of(const StrategySpec& strategy, const Problem& problem) {
+  std::vector<double> checks;
+  std::vector<double> lengths;
+  for (std::uint64_t seed = 1; seed <= 21; ++seed) {
+    const RunRecord run = execute(strategy, problem, seed);
+    goal_reached(problem, run);
+    checks.push_back(static_cast<double>(run.validity_checks));
+    lengths.push_back(run.length);
+  }
+  return {median(checks), median(lengths)};
+}
+
+}  // namespace
+
+TEST_CASE("what a guided run costs does not depend on the order of the goals", "[strategy][goals][slow]") {
+  const auto rrt = PlannerSpec::make("rrt", {{"step", 0.5}});
+  std::vector<StrategySpec> strategies;
+  for (const auto& kind : guide_kinds()) strategies.push_back(GuideSpec::make(kind.component->name, {}) >> rrt);
+  strategies.push_back(GuideSpec::make("skeleton", {{"follow", std::string("regions")}}) >> rrt);
+  strategies.push_back(GuideSpec::make("workspace", {{"lift", std::string("path")}}) >> rrt);
+  strategies.push_back(GuideSpec::make("skeleton", {}) >> GuideSpec::make("shrink", {}) >> rrt);
+  strategies.push_back(GuideSpec::make("workspace", {}) >> PlannerSpec::make("prm", {}));
+  for (const StrategySpec& strategy : strategies) {
+    CAPTURE(strategy.text());
+    Problem problem = near_and_far();
+    const Cost near_first = cost_of(strategy, problem);
+    std::swap(problem.goals[0], problem.goals[1]);
+    const Cost far_first = cost_of(strategy, problem);
+    CHECK(far_first.checks <= 1.5 * near_first.checks);
+    CHECK(near_first.checks <= 1.5 * far_first.checks);
+    CHECK(far_first.length == Approx(near_first.length).epsilon(0.25));
+  }
+}
+
+TEST_CASE("a skeleton, a grid and cells lead to the nearer goal, which costs less than the far one",
+          "[strategy][goals]") {
+  const auto rrt = PlannerSpec::make("rrt", {{"step", 0.5}});
+  for (const auto* name : {"skeleton", "workspace", "decomposition"}) {
+    CAPTURE(name);
+    const StrategySpec strategy = GuideSpec::make(name, {}) >> rrt;
+    Problem problem = near_and_far();
+    std::ranges::reverse(problem.goals);
+    const Cost both = cost_of(strategy, problem);
+    problem.goals.pop_back();
+    const Cost far_alone = cost_of(strategy, problem);
+    CHECK(both.checks < 0.6 * far_alone.checks);
+    CHECK(both.length < 0.6 * far_alone.length);
+  }
+}
+
+TEST_CASE("an arm is guided to the goal that it reaches, of several at one place of its tip", "[strategy][goals]") {
+  // Two boxes beside the base keep the first link above them, so that it does not reach the goal nearer to the start.
+  const Arm arm{.links = {2, 2}, .widths = {0.1, 0.1}, .base = {5, 5}, .limits = {std::nullopt, std::pair(-2.6, 2.6)}};
+  Problem problem = test::make_problem("elbows", test::rectangle_world({{5.8, 4.55, 6.1, 4.85}, {3.9, 4.5, 4.2, 4.8}}),
+                                       Robot::arm(arm), {0.3, 0.9}, {-0.9, 1.6});
+  problem.goals.push_back({0.7, -1.6});
+  REQUIRE(problem.space.distance(problem.start, problem.goals[0]) <
+          problem.space.distance(problem.start, problem.goals[1]));
+  for (const auto* name : {"skeleton", "workspace"}) {
+    for (int order = 0; order < 2; ++order) {
+      CAPTURE(name, order);
+      const StrategySpec strategy = GuideSpec::make(name, {}) >> PlannerSpec::make("rrt", {{"step", 0.3}});
+      for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        const RunRecord run = execute(strategy, problem, seed);
+        CHECK(problem.goals[goal_reached(problem, run)] == Configuration{0.7, -1.6});
+      }
+      std::swap(problem.goals[0], problem.goals[1]);
+    }
+  }
+}

@@ -60,21 +60,31 @@ struct SpaceTicks {
   std::vector<std::string> labels;
 };
 
-/// Angles have ticks at quarters and halves of a turn.
+/// "π/2" for 1, "−π" for -2.
+std::string quarters_text(int quarters) {
+  if (quarters == 0) return "0";
+  const int numerator = std::abs(quarters % 2 == 0 ? quarters / 2 : quarters);
+  return fmt::format("{}{}π{}", quarters < 0 ? "−" : "", numerator == 1 ? "" : fmt::format("{}", numerator),
+                     quarters % 2 == 0 ? "" : "/2");
+}
+
+/// Angles have ticks at quarters and halves of a turn; those of several turns at fewer.
 SpaceTicks ticks_of(const SpaceAxis& axis) {
   if (!axis.angle) {
     Ticks ticks = linear_ticks({axis.lo, axis.hi}, most_ticks);
     return {std::move(ticks.at), std::move(ticks.labels)};
   }
   constexpr double quarter = 0.5 * std::numbers::pi;
-  constexpr std::array<const char*, 9> names = {"−2π", "−3π/2", "−π", "−π/2", "0", "π/2", "π", "3π/2", "2π"};
-  SpaceTicks ticks;
+  constexpr int most = 9;
   const double rounding = 1e-9 * (axis.hi - axis.lo);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const double at = quarter * (static_cast<double>(i) - 4.0);
-    if (at < axis.lo - rounding || at > axis.hi + rounding) continue;
-    ticks.at.push_back(at);
-    ticks.labels.emplace_back(names.at(i));
+  int step = 1;
+  while ((axis.hi - axis.lo) / (quarter * step) > most) step *= 2;
+  const int first = static_cast<int>(std::ceil((axis.lo - rounding) / (quarter * step)));
+  const int last = static_cast<int>(std::floor((axis.hi + rounding) / (quarter * step)));
+  SpaceTicks ticks;
+  for (int i = first; i <= last; ++i) {
+    ticks.at.push_back(quarter * (i * step));
+    ticks.labels.push_back(quarters_text(i * step));
   }
   return ticks;
 }

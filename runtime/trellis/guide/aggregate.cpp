@@ -48,8 +48,10 @@ class Aggregate final : public PathGuide {
     error_ = settings_.error > 0.0 ? settings_.error : size_or(*parent.scene, 0.02 * parent.scene->diagonal());
     validity_ = std::make_shared<ChangingWorld>(parent, whole_->aggregated(error_));
     instance->validity = validity_;
-    // A hull may contain the start or the goal. If an obstacle of C does too, no refinement helps.
-    while (!(instance->valid(instance->start) && instance->valid(instance->goal())) && refine()) {
+    // A hull may contain the start or a goal. If an obstacle of C does too, no refinement helps.
+    const auto valid = [&](const Configuration& end) { return instance->valid(end); };
+    while (!(valid(instance->start) && std::all_of(instance->goals.begin(), instance->goals.end(), valid)) &&
+           refine()) {
     }
     instance->scene = validity_->scene();
     return instance;
@@ -95,7 +97,7 @@ class Aggregate final : public PathGuide {
 GuideKind aggregate_kind() {
   GuideClaims claims =
       path_claims(GuideClaims::Category::environment, "q -> q, among hulls of obstacles",
-                  "hulls are refined until start and goal are valid, to the obstacles themselves if need be; S has no "
+                  "hulls are refined until start and goals are valid, to the obstacles themselves if need be; S has no "
                   "path where they are invalid among these",
                   "examples/aggregate.lua");
   claims.relaxes = false;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <trellis/instance/inverse_kinematics.hpp>
 #include <trellis/scene/planar/scene.hpp>
@@ -281,7 +282,7 @@ double ArmProjection::angle(std::size_t link, double direction, double before) c
   return l.absolute ? direction - l.bearing : direction - l.bearing - before;
 }
 
-bool ArmProjection::turn(std::size_t link, double direction, double before, MutableView q) const {
+bool ArmProjection::turn(std::size_t link, double direction, double before, Stream& stream, MutableView q) const {
   const std::size_t j = chain_.links[link].axis;
   const Axis& axis = parent_.axes()[j];
   double angle = this->angle(link, direction, before);
@@ -297,6 +298,10 @@ bool ArmProjection::turn(std::size_t link, double direction, double before, Muta
       return false;
     }
   }
+  // Limits more than a turn apart contain some directions several times.
+  const bool several = !axis.periodic && axis.hi - axis.lo > 2.0 * pi;
+  const double more = several ? std::floor((axis.hi - angle) / (2.0 * pi)) : 0.0;
+  if (more >= 1.0) angle += 2.0 * pi * static_cast<double>(stream.below(static_cast<std::uint64_t>(more) + 1));
   q[j] = angle < axis.hi ? angle : (axis.periodic ? axis.lo : axis.hi);
   return true;
 }
@@ -311,27 +316,26 @@ bool ArmProjection::draw_direction(std::size_t link, const Arc& arc, double towa
     direction = stream.uniform(from, to);
     return true;
   }
-  // Directions within the limits.
+  // Directions within the limits, those of several turns several times.
   const double zero = angle(link, 0.0, before);
   const double lo = axis.lo - zero;
   const double hi = axis.hi - zero;
-  std::array<std::pair<double, double>, 8> pieces;
-  std::size_t count = 0;
+  std::vector<std::pair<double, double>> pieces;
   double total = 0.0;
   for (const auto& [from, to] : sides) {
     const double first = std::ceil((from - hi) / (2.0 * pi));
-    for (double k = first; lo + 2.0 * pi * k < to && count < pieces.size(); k += 1.0) {
+    for (double k = first; lo + 2.0 * pi * k < to; k += 1.0) {
       const double a = std::max(from, lo + 2.0 * pi * k);
       const double b = std::min(to, hi + 2.0 * pi * k);
       if (!(a < b)) continue;
-      pieces.at(count++) = {a, b};
+      pieces.emplace_back(a, b);
       total += b - a;
     }
   }
-  if (count == 0) return false;
+  if (pieces.empty()) return false;
   double left = stream.uniform() * total;
   std::size_t piece = 0;
-  while (piece + 1 < count && left >= pieces.at(piece).second - pieces.at(piece).first) {
+  while (piece + 1 < pieces.size() && left >= pieces.at(piece).second - pieces.at(piece).first) {
     left -= pieces.at(piece).second - pieces.at(piece).first;
     ++piece;
   }
@@ -347,7 +351,7 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
     const Vec2 to = s - p;
     double direction = 0.0;
     if (!draw_direction(i, arc(i, norm(to)), std::atan2(to.y, to.x), before, stream, direction)) return false;
-    if (!turn(i, direction, before, q)) return false;
+    if (!turn(i, direction, before, stream, q)) return false;
     before = wrapped(direction - chain_.links[i].bearing);
     p = p + chain_.links[i].length * direction_of(direction);
   }
@@ -359,10 +363,10 @@ bool ArmProjection::draw(Vec2 s, Stream& stream, MutableView q) const {
   const std::array sides = {first, -first};
   return std::any_of(sides.begin(), sides.end(), [&](double side) {
     const double direction = std::atan2(to.y, to.x) + side * bend;
-    if (!turn(n - 2, direction, before, q)) return false;
+    if (!turn(n - 2, direction, before, stream, q)) return false;
     const Vec2 joint = p + chain_.links[n - 2].length * direction_of(direction);
     const Vec2 rest = s - joint;
-    return turn(n - 1, std::atan2(rest.y, rest.x), wrapped(direction - chain_.links[n - 2].bearing), q);
+    return turn(n - 1, std::atan2(rest.y, rest.x), wrapped(direction - chain_.links[n - 2].bearing), stream, q);
   });
 }
 

@@ -82,8 +82,9 @@ class ArmProjection final : public Projection {
   /// The angle of a link's body at which the link points in a direction; radians.
   /// \param before  angle of the previous body, radians
   [[nodiscard]] double angle(std::size_t link, double direction, double before) const;
-  /// Sets a link's joint to a direction. Returns false if its limits exclude it.
-  bool turn(std::size_t link, double direction, double before, MutableView q) const;
+  /// Sets a link's joint to a direction; if its limits contain the direction in several turns, to any of them. Returns
+  /// false if the limits exclude it.
+  bool turn(std::size_t link, double direction, double before, Stream& stream, MutableView q) const;
   /// Draws a direction of a link, within its limits, from an arc about `towards`. Returns false if there is none.
   bool draw_direction(std::size_t link, const Arc& arc, double towards, double before, Stream& stream,
                       double& direction) const;

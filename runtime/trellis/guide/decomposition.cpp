@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/position.hpp>
@@ -531,7 +532,7 @@ class DecompositionGuide final : public Guide {
     if (!lead.empty()) {
       path.push(graph_->vertices[graph_->start]);
       for (const std::uint32_t t : lead) path.push(graph_->vertices[t]);
-      path.push(graph_->vertices[graph_->goal]);
+      path.push(graph_->vertices[goal_in(lead.back())]);
     } else {
       path = found->path;
       for (std::size_t i = 0; i < path.size(); ++i) {
@@ -541,7 +542,10 @@ class DecompositionGuide final : public Guide {
     }
     if (lead.empty()) return std::make_unique<UniformHeuristic>("decomposition (found nothing)", parent.space);
     exploration_->include(lead);
-    Configurations lifted = decomposition_->projection.lifted(path, parent.start, parent.goal());
+    const PositionProjection& projection = decomposition_->projection;
+    const Configuration& goal = goal_choice_.choose(
+        parent, [&](View q, MutableView s) { projection.project(q, s); }, projection.space(), path);
+    Configurations lifted = projection.lifted(path, parent.start, goal);
     return std::make_unique<LeadHeuristic>(decomposition_, settings_, exploration_, parent, densities_, std::move(lead),
                                            std::move(lifted), stream, luck_);
   }
@@ -559,7 +563,7 @@ class DecompositionGuide final : public Guide {
   }
 
   /// Makes the graph: cells are vertices at their centres, with edges through the points where they meet. Start and
-  /// goal are connected to the cells that contain them.
+  /// goals are connected to the cells that contain them.
   void make_graph(const Instance& instance) {
     graph_ = std::make_shared<Graph>();
     crossings_.clear();
@@ -582,21 +586,29 @@ class DecompositionGuide final : public Guide {
       }
     }
     graph_->start = join(instance.start, instance.space);
-    graph_->goal = join(instance.goal(), instance.space);
+    for (const Configuration& goal : instance.goals) graph_->goals.push_back(join(goal, instance.space));
+    if (graph_->goals.size() < 2) return;
+    // Costs of crossings are no lengths, so the length within its cell must not decide between goals.
+    for (Graph::Edge& edge : graph_->edges) {
+      if (graph_->is_goal(edge.from)) edge.cost = 0.0;
+    }
   }
 
-  /// The cells of a random depth-first search from start to goal; empty if it finds no path.
+  /// The cells of a random depth-first search from the start to a goal; empty if it finds no path.
   [[nodiscard]] std::vector<std::uint32_t> random_lead(Stream& stream) const {
     const Cells& cells = *decomposition_->cells;
     const auto at = [&](std::uint32_t vertex) { return cells.find(std::as_const(graph_->vertices)[vertex]); };
     const auto start = at(graph_->start);
-    const auto goal = at(graph_->goal);
-    if (!start || !goal) return {};
+    std::vector<char> is_goal(cells.size(), 0);
+    for (const std::uint32_t vertex : graph_->goals) {
+      if (const auto cell = at(vertex)) is_goal[*cell] = 1;
+    }
+    if (!start || std::count(is_goal.begin(), is_goal.end(), 1) == 0) return {};
     std::vector<char> seen(cells.size(), 0);
     std::vector<std::uint32_t> lead = {*start};
     seen[*start] = 1;
     std::vector<std::uint32_t> next;
-    while (!lead.empty() && lead.back() != *goal) {
+    while (!lead.empty() && is_goal[lead.back()] == 0) {
       next.clear();
       for (const auto& across : cells.neighbours(lead.back())) {
         if (seen[across.cell] == 0) next.push_back(across.cell);
@@ -609,6 +621,14 @@ class DecompositionGuide final : public Guide {
       seen[lead.back()] = 1;
     }
     return lead;
+  }
+
+  /// The first goal in a cell that contains one.
+  [[nodiscard]] std::uint32_t goal_in(std::uint32_t cell) const {
+    for (const std::uint32_t vertex : graph_->goals) {
+      if (decomposition_->cells->find(std::as_const(graph_->vertices)[vertex]) == cell) return vertex;
+    }
+    throw Fault("the cell at the end of a lead contains no goal");
   }
 
   std::uint32_t join(const Configuration& position, const Space& space) {
@@ -635,6 +655,7 @@ class DecompositionGuide final : public Guide {
   std::vector<Exploration::Crossing> crossings_;  ///< for each edge
   std::shared_ptr<CellDensities> densities_;
   std::shared_ptr<Exploration> exploration_;
+  GoalChoice goal_choice_;  ///< where leads end in C
   std::uint64_t luck_ = 0;  ///< last number drawn by h; seeds the random stream of the next lead
 };
 

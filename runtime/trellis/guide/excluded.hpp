@@ -107,6 +107,8 @@ class ExcludingValidity final : public EvaluatedValidity {
   void replace(const ExcludingValidity& other);
   /// Whether an excluded place contains q.
   [[nodiscard]] bool in_place(View q) { return places_.contains(q); }
+  /// Whether the place about either configuration would contain the other.
+  [[nodiscard]] bool same_place(View a, View b) { return places_.near(a, b); }
   /// The configurations of the excluded places.
   [[nodiscard]] const Configurations& excluded_places() const { return places_.given(); }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -201,13 +202,13 @@ class RepairedPath final : public PathFollower {
   std::uint64_t epoch_ = 0;
 };
 
-/// The graph of the retrieved paths, with start and goal. Equal configurations share one vertex.
+/// The graph of the retrieved paths, with start and goals. Equal configurations share one vertex.
 class ExperienceGraph {
  public:
   ExperienceGraph(const Instance& instance, double join) : space_(instance.space), join_(join), places_(space_) {
     graph_.vertices = Configurations(space_.dimension());
     graph_.start = vertex(instance.start);
-    graph_.goal = vertex(instance.goal());
+    for (const Configuration& goal : instance.goals) graph_.goals.push_back(vertex(goal));
   }
 
   void add(const Configurations& path) {
@@ -232,11 +233,14 @@ class ExperienceGraph {
       }
     }
     const auto& vertices = std::as_const(graph_.vertices);
-    const bool backwards = apart(space_, vertices[graph_.goal], vertices[graph_.start], path) <
-                           apart(space_, vertices[graph_.start], vertices[graph_.goal], path);
-    join(graph_.start, backwards ? ids.back() : ids.front());
-    join(graph_.goal, backwards ? ids.front() : ids.back());
-    for (const std::uint32_t end : {graph_.start, graph_.goal}) join(end, ids[own.nearest(vertices[end]).id]);
+    for (const std::uint32_t goal : graph_.goals) {
+      const bool backwards = apart(space_, vertices[goal], vertices[graph_.start], path) <
+                             apart(space_, vertices[graph_.start], vertices[goal], path);
+      join(graph_.start, backwards ? ids.back() : ids.front());
+      join(goal, backwards ? ids.front() : ids.back());
+    }
+    join(graph_.start, ids[own.nearest(vertices[graph_.start]).id]);
+    for (const std::uint32_t goal : graph_.goals) join(goal, ids[own.nearest(vertices[goal]).id]);
     for (std::size_t other = 0; other + 1 < indices_.size(); ++other) {
       for (const std::uint32_t id : ids) {
         const auto near = indices_[other].nearest(vertices[id]);
@@ -257,10 +261,10 @@ class ExperienceGraph {
     return graph_.vertices.push(q);
   }
 
-  /// Connects start or goal to a point of a path. Never connects start and goal directly, because no stored path
+  /// Connects the start or a goal to a point of a path. Never connects start and goals directly, because no stored path
   /// contains that motion.
   void join(std::uint32_t end, std::uint32_t point) {
-    if (point != graph_.start && point != graph_.goal) edge(end, point);
+    if (point != graph_.start && !graph_.is_goal(point)) edge(end, point);
   }
 
   void edge(std::uint32_t from, std::uint32_t to) {
@@ -386,7 +390,7 @@ class Experience final : public PathGuide {
 
  private:
   enum class Seen : std::uint8_t { no, valid, invalid };
-  using EdgePath = std::vector<std::uint32_t>;  ///< edges from start to goal
+  using EdgePath = std::vector<std::uint32_t>;  ///< edges from the start to a goal
   static constexpr int most_passed_over = 4;
 
   /// The state of an edge of the graph.
@@ -443,7 +447,7 @@ class Experience final : public PathGuide {
     }
   }
 
-  /// The stored paths of this space, by increasing distance of their ends from start and goal.
+  /// The stored paths of this space, by increasing distance of their ends from the start and the goal nearest to it.
   [[nodiscard]] std::vector<const StoredPath*> retrieved(const Instance& parent) const {
     const std::uint64_t space = identity(parent.space);
     const std::uint64_t robot = robot_hash(*parent.scene);
@@ -451,9 +455,12 @@ class Experience final : public PathGuide {
     for (const StoredPath& stored : *library_) {
       if (stored.space != space || stored.path.dimension() != parent.space.dimension()) continue;
       if (!settings_.any_robot && stored.robot != robot) continue;
-      fitting.emplace_back(std::min(apart(parent.space, parent.start, parent.goal(), stored.path),
-                                    apart(parent.space, parent.goal(), parent.start, stored.path)),
-                           &stored);
+      double distance = std::numeric_limits<double>::infinity();
+      for (const Configuration& goal : parent.goals) {
+        distance = std::min({distance, apart(parent.space, parent.start, goal, stored.path),
+                             apart(parent.space, goal, parent.start, stored.path)});
+      }
+      fitting.emplace_back(distance, &stored);
     }
     std::stable_sort(fitting.begin(), fitting.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     fitting.resize(std::min(fitting.size(), static_cast<std::size_t>(settings_.candidates)));
@@ -507,7 +514,7 @@ class Experience final : public PathGuide {
     std::uint32_t at = graph_->start;
     for (const std::uint32_t e : edge_path) {
       at = graph_->edges[e].from == at ? graph_->edges[e].to : graph_->edges[e].from;
-      if (at == graph_->goal || valid_[at] != Seen::invalid) points.push(vertices[at]);
+      if (graph_->is_goal(at) || valid_[at] != Seen::invalid) points.push(vertices[at]);
     }
     return points;
   }

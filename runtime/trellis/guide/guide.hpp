@@ -30,8 +30,8 @@ class Guide {
  public:
   virtual ~Guide() = default;
 
-  /// f of the whole instance: the instance in S; nullptr if S = {0}. Called again after the parent's world changed; the
-  /// guide keeps what it has learned.
+  /// f of the whole instance, with all its goals (project_ends): the instance in S; nullptr if S = {0}. Called again
+  /// after the parent's world changed; the guide keeps what it has learned.
   virtual std::unique_ptr<Instance> project(const Instance& parent) = 0;
   /// Passes the object that owns the instance made by `project` from now on.
   virtual void attach(Instance& sub) { static_cast<void>(sub); }

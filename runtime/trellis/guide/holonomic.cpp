@@ -11,6 +11,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
 #include <trellis/guide/plane.hpp>
@@ -68,7 +69,8 @@ class Holonomic final : public PathGuide {
     instance->space = projection_->space();
     instance->motion_model = nullptr;
     instance->start.resize(kept);
-    instance->goals.front().resize(kept);
+    for (Configuration& goal : instance->goals) goal.resize(kept);
+    sort_goals(*instance);
     // S ignores the limits of the motion model. A presumption of C applies to its states, not to this space, so S makes
     // its own checks.
     if (parent.motion_model) {
@@ -91,9 +93,11 @@ class Holonomic final : public PathGuide {
       static_cast<void>(PathGuide::heuristic(*sub_, sub, found));
       return std::make_unique<UniformHeuristic>("holonomic (found nothing)", parent.space);
     }
+    const Configuration& goal = goal_choice_.choose(
+        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), found->path);
     // Velocities are drawn from the fibre.
     return std::make_unique<LiftedHeuristic>(drawn_, drawn_->space(), PathGuide::heuristic(*sub_, sub, found),
-                                             parent.start, parent.goal(), LiftedHeuristic::Points::atoms);
+                                             parent.start, goal, LiftedHeuristic::Points::atoms);
   }
 
   void learn(const Outcome& outcome) override {
@@ -140,6 +144,7 @@ class Holonomic final : public PathGuide {
   std::shared_ptr<const AxisProjection> projection_;
   std::shared_ptr<const AxisProjection> drawn_;  ///< over the part of C that h samples
   Instance* sub_ = nullptr;                      ///< owned by the level
+  GoalChoice goal_choice_;
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ const Settings<InformedSettings>& informed_settings() {
       Settings<InformedSettings>(
           Component::Kind::guide, "informed",
           "only what a path shorter than the best one known may pass through: a prolate hyperspheroid about start and "
-          "goal; uniform while no path is known, and where there are several goals; S = {0}",
+          "goal, one for each goal; uniform while no path is known; S = {0}",
           "Gammell, Srinivasa and Barfoot 2014, Informed RRT*")
           .number("cost", &InformedSettings::cost, "m in the metric", Range::positive(),
                   "length that paths of interest are below, before one is known; infinite: none");
@@ -38,18 +38,20 @@ const Settings<InformedSettings>& informed_settings() {
 }
 
 /// Uniform distribution on the configurations with a sum of distances to start and goal of at most a cost. In metric
-/// coordinates the set is a prolate hyperspheroid; with periodic axes, there is one for each image of the goal that is
-/// near enough. Samples beyond a bound of the space are reflected; this brings them nearer to both foci, so they stay
-/// inside.
+/// coordinates the set is a prolate hyperspheroid. There is one for each goal, and with periodic axes one for each
+/// image of it, that is near enough. Samples beyond a bound of the space are reflected; this brings them nearer to both
+/// foci, so they stay inside.
 class InformedSet final : public Density {
  public:
-  InformedSet(const Space& space, View start, View goal, double cost)
+  InformedSet(const Space& space, View start, const std::vector<Configuration>& goals, double cost)
       : space_(space), cost_(cost), start_(metric(start)) {
     std::vector<double> difference(start.size());
-    space.difference(start, goal, difference);
     std::vector<double> focus(start.size());
-    for (std::size_t j = 0; j < focus.size(); ++j) focus[j] = start_[j] + space.axes()[j].weight * difference[j];
-    add_images(0, focus);
+    for (const Configuration& goal : goals) {
+      space.difference(start, goal, difference);
+      for (std::size_t j = 0; j < focus.size(); ++j) focus[j] = start_[j] + space.axes()[j].weight * difference[j];
+      add_images(0, focus);
+    }
   }
 
   /// In metric coordinates. Overlaps of hyperspheroids count repeatedly.
@@ -88,7 +90,7 @@ class InformedSet final : public Density {
 
  private:
   struct Part {
-    std::vector<double> focus;  ///< image of the goal
+    std::vector<double> focus;  ///< image of a goal
     std::vector<double> centre;
     std::vector<double> mirror;  ///< normal of the plane whose mirror maps the first axis to the axis through the foci
     std::vector<double> extent;  ///< half width along each axis
@@ -103,7 +105,7 @@ class InformedSet final : public Density {
     return y;
   }
 
-  /// Adds the goal's images along the periodic axes from j on, as far as a path may wrap around.
+  /// Adds a goal's images along the periodic axes from j on, as far as a path may wrap around.
   void add_images(std::size_t j, std::vector<double>& focus) {
     if (j == focus.size()) {
       add(focus);
@@ -197,13 +199,13 @@ class InformedSet final : public Density {
 /// positions, and its rotation is drawn uniformly.
 class InformedRotations {
  public:
-  InformedRotations(const Space& space, View start, View goal, double cost)
-      : space_(space),
+  InformedRotations(const Instance& instance, double cost)
+      : space_(instance.space),
         cost_(cost),
-        start_(start.begin(), start.end()),
-        goal_(goal.begin(), goal.end()),
-        flat_("flat factors", flat_axes(space)),
-        positions_(flat_, flat_part(start), flat_part(goal), cost),
+        start_(instance.start),
+        goals_(instance.goals),
+        flat_("flat factors", flat_axes(space_)),
+        positions_(flat_, flat_part(start_), flat_parts(goals_), cost),
         flat_q_(flat_.dimension()) {}
 
   [[nodiscard]] double volume() const { return positions_.volume(); }
@@ -219,7 +221,9 @@ class InformedRotations {
       for (const Factor& factor : space_.factors()) {
         if (factor.kind != Factor::Kind::rotation) out[factor.column] = flat_q_[at++];
       }
-      if (space_.distance(out, start_) + space_.distance(out, goal_) <= cost_) return true;
+      const double from_start = space_.distance(out, start_);
+      const auto within = [&](const Configuration& goal) { return from_start + space_.distance(out, goal) <= cost_; };
+      if (std::any_of(goals_.begin(), goals_.end(), within)) return true;
     }
     return false;
   }
@@ -240,10 +244,17 @@ class InformedRotations {
     return part;
   }
 
+  [[nodiscard]] std::vector<Configuration> flat_parts(const std::vector<Configuration>& rows) const {
+    std::vector<Configuration> parts;
+    parts.reserve(rows.size());
+    for (const Configuration& q : rows) parts.push_back(flat_part(q));
+    return parts;
+  }
+
   Space space_;
   double cost_;
   Configuration start_;
-  Configuration goal_;
+  std::vector<Configuration> goals_;
   Space flat_;
   InformedSet positions_;
   Configuration flat_q_;
@@ -291,7 +302,7 @@ class Informed final : public Heuristic {
  private:
   /// Lower limit of the cost: below it, the set would be thinner than the resolution of validity checks.
   static double least_bound(const Instance& parent) {
-    return std::hypot(parent.space.distance(parent.start, parent.goal()), 2.0 * parent.resolution);
+    return std::hypot(parent.to_goal(parent.start), 2.0 * parent.resolution);
   }
 
   void bound(double cost) {
@@ -299,17 +310,15 @@ class Informed final : public Heuristic {
     bound_ = cost;
     set_.reset();
     rotations_.reset();
-    if (cost >= 2.0 * parent_.space.diameter() || parent_.goals.size() > 1) return;
+    if (cost >= 2.0 * parent_.space.diameter()) return;
     const bool positions = parent_.space.factors().front().kind != Factor::Kind::rotation;
     if (!parent_.space.flat()) {
       if (!positions) return;
-      auto set =
-          std::make_unique<InformedRotations>(parent_.space, parent_.start, parent_.goal(), std::max(cost, least_));
+      auto set = std::make_unique<InformedRotations>(parent_, std::max(cost, least_));
       if (set->volume() < most_reflections * std::exp(set->flat().log_volume())) rotations_ = std::move(set);
       return;
     }
-    auto set =
-        std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goal(), std::max(cost, least_));
+    auto set = std::make_shared<const InformedSet>(parent_.space, parent_.start, parent_.goals, std::max(cost, least_));
     // A hyperspheroid far larger than the space would require many reflections and exclude nothing.
     if (set->volume() < most_reflections * std::exp(parent_.space.log_volume())) set_ = std::move(set);
   }
@@ -335,17 +344,20 @@ GuideKind informed_kind() {
         return bias(
             [cost](Instance& parent) -> std::unique_ptr<Heuristic> { return std::make_unique<Informed>(parent, cost); },
             [cost](const Instance& parent) {
-              const double straight = parent.space.distance(parent.start, parent.goal());
+              const double straight = parent.to_goal(parent.start);
               if (cost >= straight) return;
               throw Error(
                   fmt::format("informed: option 'cost' is {:g}, and the straight path from start to "
-                              "goal is {:g} m in the metric: no path is as short",
-                              cost, straight));
+                              "{} is {:g} m in the metric: no path is as short",
+                              cost, parent.goals.size() > 1 ? "the nearest goal" : "goal", straight));
             });
       },
-      "uniform where start and goal are no farther together than the best path known is long; before one is known, "
+      "uniform where start and goal, or any of several goals, are no farther together than the best path known is "
+      "long; before one is known, "
       "and where that is all of C, uniform on C",
-      "of the hyperspheroids about start and goal, one for each direction of a periodic axis, reflected at the bounds; "
+      "of the hyperspheroids about start and goal, one for each goal and each direction of a periodic axis, reflected "
+      "at "
+      "the bounds; "
       "none "
       "where the space has rotations, which are drawn by rejection",
       true,

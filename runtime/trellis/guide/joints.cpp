@@ -11,6 +11,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/axis_projection.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/joint_ranges.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
@@ -124,7 +125,7 @@ class Joints final : public Guide {
     }
     if (settings_.slices > 0 && axes.size() < parent.space.dimension()) {
       ranges_ = std::make_shared<JointRanges>(parent, projection_, static_cast<std::size_t>(settings_.slices));
-      // Start and goal are valid even if the middles of their slices are not.
+      // Start and goals are valid even if the middles of their slices are not.
       ranges_->declare_free(parent.start);
       for (const auto& goal : parent.goals) ranges_->declare_free(goal);
       lifting_ = ranged_lift_ = std::make_shared<RangedProjection>(ranges_);
@@ -166,7 +167,9 @@ class Joints final : public Guide {
     const double window = settings_.window > 0.0 ? settings_.window : 2.0 * step;
     auto below = std::make_unique<PathHeuristic>("joints", sub->space, found->path, tube_radius(settings_, *sub),
                                                  window, settings_.evidence, &*reached_);
-    return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, parent.goal(),
+    const Configuration& goal = goal_choice_.choose(
+        parent, [this](View q, MutableView s) { project(q, s); }, sub->space, found->path);
+    return std::make_unique<LiftedHeuristic>(lifting_, sub->space, std::move(below), parent.start, goal,
                                              LiftedHeuristic::Points::atoms);
   }
 
@@ -178,6 +181,7 @@ class Joints final : public Guide {
   std::shared_ptr<RangedProjection> ranged_lift_;  ///< `lifting_`, if there are ranges
   std::shared_ptr<RangedValidity> ranged_;         ///< of S, if there are ranges
   std::optional<ReachedIndex> reached_;            ///< the planner's nodes, in S
+  GoalChoice goal_choice_;
   Configuration added_;
 };
 

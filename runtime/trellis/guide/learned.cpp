@@ -118,7 +118,12 @@ class Learned final : public Guide {
     const auto position = [&](const Configuration& q) {
       return Vec2{q[parent.position_axes[0]], q[parent.position_axes[1]]};
     };
+    // A cell's weight is the probability of the goal for which it is the likeliest.
     std::vector<double> weights = model_->probabilities(grid, position(parent.start), position(parent.goal()));
+    for (std::size_t i = 1; i < parent.goals.size(); ++i) {
+      const auto other = model_->probabilities(grid, position(parent.start), position(parent.goals[i]));
+      for (std::size_t k = 0; k < weights.size(); ++k) weights[k] = std::max(weights[k], other[k]);
+    }
     bool any = false;
     for (double& w : weights) {
       w = w > 0.0 ? std::pow(w, settings_.sharpness) : 0.0;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kept_tree.hpp>
 #include <trellis/guide/path_steps.hpp>
 #include <trellis/instance/characteristic_length.hpp>
@@ -320,6 +321,7 @@ std::unique_ptr<Instance> PathGuide::same_instance(const Instance& parent) {
     instance->needed_clearance = std::max(parent.needed_clearance, parent.scene->inscribed_radius());
     instance->needed_reach = std::max(parent.needed_reach, parent.scene->bounding_radius());
   }
+  sort_goals(*instance);
   // An explicit graph belongs to the search of the parent's space, so f does not map it.
   instance->graph = nullptr;
   return instance;
@@ -351,7 +353,7 @@ std::unique_ptr<Instance> PathGuide::project(const Instance& parent) {
   }
   // Records nodes from here on, so that h starts from the current state of the search, however late it is made.
   const Instance& in = followed_in(parent, *instance);
-  if (!reached_.begun()) reached_.begin(in.space, in.start, in.goal());
+  if (!reached_.begun()) reached_.begin(in.space, in.start, in.goals);
   if (path_settings_.keep_tree && !tree_) tree_ = std::make_shared<KeptTree>(in.space, in.start);
   if (path_settings_.paths > 1 || excludes()) {
     const double place_radius = 0.5 * characteristic_length(parent);
@@ -407,9 +409,20 @@ void PathGuide::before_resolve() {
   const std::optional<Configuration> place = take_refuted();
   // Another guide, or a level above, refuted the path, and the place is already excluded.
   if (!place && !lost_.empty()) return;
-  // A place that contains the start or the goal cannot be excluded: the path is followed although it is refuted.
-  last_ = !place || !excluding_->exclude_place(*place, {sub_->start, sub_->goal()});
+  // A place that contains the start or the last goal cannot be excluded: the path is followed although it is refuted.
+  last_ = !place || !exclude_place(*place);
   if (!last_) lost_.push(*place);
+}
+
+bool PathGuide::exclude_place(View place) {
+  const auto remains = [&](const Configuration& goal) {
+    return !excluding_->in_place(goal) && !excluding_->same_place(place, goal);
+  };
+  std::vector<Configuration> keep = {sub_->start};
+  if (std::none_of(sub_->goals.begin(), sub_->goals.end(), remains)) {
+    keep.insert(keep.end(), sub_->goals.begin(), sub_->goals.end());
+  }
+  return excluding_->exclude_place(place, keep);
 }
 
 PointLift PathGuide::near_point(const Instance& parent) {
@@ -490,7 +503,7 @@ void PathGuide::avoid(View place) {
   if (!excluding_ || !excludes()) return;
   Configuration s(sub_->space.dimension());
   project(place, s);
-  if (excluding_->in_place(s) || !excluding_->exclude_place(s, {sub_->start, sub_->goal()})) return;
+  if (excluding_->in_place(s) || !exclude_place(s)) return;
   lost_.push(s);
   if (current_ != nullptr && !only_path_ && leads_through_lost_place(current_->lifted_path())) current_->refute();
 }
@@ -531,7 +544,8 @@ std::unique_ptr<PathFollower> PathGuide::follower_of_one(Instance& parent, const
   if (verified.all()) {
     return std::make_unique<StepHeuristic>(name_, parent.space, chosen, steps, reached_.both(), verified.edges());
   }
-  SparsePath sparse = sparse_->validate(parent, chosen, whole, lift, [&](double at) { return verified.contains(at); });
+  const Configuration goal = whole ? goal_at_end(parent, chosen.back()) : Configuration();
+  SparsePath sparse = sparse_->validate(parent, chosen, goal, lift, [&](double at) { return verified.contains(at); });
   auto [waypoints, edges] = verified.merged_into(sparse);
   edges = known_edges(parent, waypoints, std::move(edges));
   auto follower = std::make_unique<StepHeuristic>(name_, parent.space, std::move(waypoints), steps, reached_.both(),

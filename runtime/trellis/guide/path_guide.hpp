@@ -364,6 +364,9 @@ class PathGuide : public Guide {
   /// \param whole  whether the path ends at the goal
   [[nodiscard]] std::unique_ptr<PathFollower> follower(Instance& parent, const Configurations& path, bool whole);
   [[nodiscard]] std::unique_ptr<PathFollower> follower_of_one(Instance& parent, const Configurations& path, bool whole);
+  /// Excludes a place from S unless it contains the start, or a goal and no other goal would remain.
+  /// \return whether it is excluded
+  bool exclude_place(View place);
   [[nodiscard]] bool leads_through_lost_place(const Configurations& path) const;
   /// Excludes from S what the next path has to differ from. Returns whether to search for a next path.
   bool keep_apart_from(const Configurations& path);

@@ -55,8 +55,9 @@ bool SparseValidation::valid(Instance& parent, View q) {
   return checked_->state(q);
 }
 
-SparsePath SparseValidation::validate(Instance& parent, const Configurations& path, bool whole, const PointLift& lift,
+SparsePath SparseValidation::validate(Instance& parent, const Configurations& path, View goal, const PointLift& lift,
                                       const PointIsFree& free) {
+  const bool whole = !goal.empty();
   SparsePath result;
   const std::size_t dimension = parent.space.dimension();
   if (waypoints_.dimension() != dimension) waypoints_ = Configurations(dimension);
@@ -80,7 +81,7 @@ SparsePath SparseValidation::validate(Instance& parent, const Configurations& pa
   chains[0].push(parent.start);
   places[0].push_back(0.0);
   if (whole) {
-    chains[1].push(parent.goal());
+    chains[1].push(goal);
     places[1].push_back(lengths.back());
   }
   std::array<std::size_t, 2> next = {1, whole ? pieces - 1 : pieces};
@@ -242,7 +243,7 @@ StepHeuristic::StepHeuristic(std::string source, const Space& space, Configurati
     front.ahead = settings_.step;
     front.exact = true;
     const ReachedIndex* nodes = reached[side];
-    for (std::size_t i = last; nodes != nullptr && nodes->size() > 1 && i >= 1;) {
+    for (std::size_t i = last; nodes != nullptr && nodes->grown() && i >= 1;) {
       const std::size_t bin = side == 0 ? i : last - i;
       const double near = very_near();
       const double distance = std::sqrt(nodes->squared_distance(centres()[bin]));

@@ -38,10 +38,10 @@ class SparseValidation {
   SparseValidation(const Space& s, double spacing, bool even = false)
       : s_(s), spacing_(spacing), even_(even), known_(s), waypoints_(0) {}
 
-  /// \param path  in S, from f of the start to f of the goal or only towards it
-  /// \param whole  whether it ends at the goal
+  /// \param path  in S, from f of the start to f of a goal or only towards one
+  /// \param goal  the goal of C that the path leads to; empty if it ends at none
   /// \param free  optional; points that need no check
-  SparsePath validate(Instance& parent, const Configurations& path, bool whole, const PointLift& lift,
+  SparsePath validate(Instance& parent, const Configurations& path, View goal, const PointLift& lift,
                       const PointIsFree& free = {});
 
  private:

@@ -43,8 +43,9 @@ const Settings<PcaSettings>& pca_settings() {
                 "a library of solved problems, as trellis run SCRIPT --learn makes it: the subspace is fitted to its "
                 "paths of the same space and robot, and nothing is checked for it")
           .boolean("ends", &PcaSettings::ends,
-                   "the subspace goes through start and goal, and the direction between them is its first; "
-                   "otherwise it goes where the samples say, and start and goal are projected onto it")
+                   "the subspace goes through start and goal, and the direction between them is its first; of several "
+                   "goals, through the nearest ones, as many as it has dimensions; otherwise it goes where the samples "
+                   "say, and start and goal are projected onto it")
           .positional({"dimensions"}));
   return settings;
 }
@@ -341,9 +342,9 @@ class Pca final : public PathGuide {
     std::vector<double> points =
         settings_.db.empty() ? samples(chart, *validity, checks) : stored(chart, *parent.scene);
     std::vector<double> start;
-    std::vector<double> goal;
     chart.to(parent.start, start);
-    chart.to(parent.goal(), goal);
+    std::vector<std::vector<double>> goals;
+    for (const Configuration& goal : sorted_goals(parent)) chart.to(goal, goals.emplace_back());
     std::vector<double> origin = start;
     if (!settings_.ends) {
       origin.assign(d, 0.0);
@@ -352,10 +353,11 @@ class Pca final : public PathGuide {
       for (std::size_t i = 0; i < points.size(); ++i) origin[i % d] += points[i] / count;
       for (std::size_t i = 0; i < points.size(); ++i) points[i] -= origin[i % d];
     }
-    flat_ = std::make_shared<const Flat>(chart, origin,
-                                         principal_axes(points, settings_.ends ? goal : std::vector<double>{}, d), k);
+    // The nearest goals first: of more than S has dimensions, the others lie beside it.
+    const auto directions = settings_.ends ? goals : std::vector<std::vector<double>>{};
+    flat_ = std::make_shared<const Flat>(chart, origin, principal_axes(points, directions, d), k);
 
-    // The bounds of S contain the projections of the samples, the start and the goal, with a margin.
+    // The bounds of S contain the projections of the samples, the start and the goals, with a margin.
     std::vector<double> lo(k, std::numeric_limits<double>::infinity());
     std::vector<double> hi(k, -std::numeric_limits<double>::infinity());
     std::vector<double> s(k);
@@ -367,7 +369,7 @@ class Pca final : public PathGuide {
       }
     };
     hold(start);
-    hold(goal);
+    for (const std::vector<double>& goal : goals) hold(goal);
     std::vector<double> y(d);
     for (std::size_t i = 0; i + d <= points.size(); i += d) {
       for (std::size_t j = 0; j < d; ++j) y[j] = points[i + j] + (settings_.ends ? 0.0 : origin[j]);
@@ -426,6 +428,16 @@ class Pca final : public PathGuide {
     flat_->at(middle, q);
     path.push(q);
     push_between(middle, b, tolerance, path);
+  }
+
+  /// The goals of an instance in the order of sort_goals.
+  [[nodiscard]] static std::vector<Configuration> sorted_goals(const Instance& instance) {
+    Instance sorted;
+    sorted.space = instance.space;
+    sorted.start = instance.start;
+    sorted.goals = instance.goals;
+    sort_goals(sorted);
+    return sorted.goals;
   }
 
   /// Valid configurations in the chart, sampled uniformly; the same in every run, because f of an instance is

@@ -5,8 +5,8 @@
 
 namespace trellis {
 
-std::vector<std::vector<double>> principal_axes(const std::vector<double>& points, const std::vector<double>& first,
-                                                std::size_t dimension) {
+std::vector<std::vector<double>> principal_axes(const std::vector<double>& points,
+                                                const std::vector<std::vector<double>>& first, std::size_t dimension) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto d = static_cast<Eigen::Index>(dimension);
   const Eigen::Map<const Rows> rows(points.data(), static_cast<Eigen::Index>(points.size()) / d, d);
@@ -15,16 +15,24 @@ std::vector<std::vector<double>> principal_axes(const std::vector<double>& point
   axes.reserve(dimension);
   const auto add = [&](const Eigen::VectorXd& axis) { axes.emplace_back(axis.data(), axis.data() + d); };
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(d, d);
-  if (!first.empty()) {
-    const Eigen::Map<const Eigen::VectorXd> given(first.data(), d);
-    if (given.norm() > 0.0) {
-      const Eigen::VectorXd unit = given.normalized();
-      add(unit);
-      // An orthonormal basis of the orthogonal complement of `first`, which contains the other axes.
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr{Eigen::MatrixXd(unit)};
-      const Eigen::MatrixXd all = qr.householderQ() * Eigen::MatrixXd::Identity(d, d);
-      rest = all.rightCols(d - 1);
-    }
+  Eigen::MatrixXd units(d, 0);
+  for (const auto& direction : first) {
+    const Eigen::Map<const Eigen::VectorXd> given(direction.data(), d);
+    Eigen::VectorXd left = given;
+    // Twice: once leaves errors where the direction is nearly in the span of those before.
+    for (int i = 0; i < 2 && units.cols() > 0; ++i) left -= units * (units.transpose() * left).eval();
+    constexpr double rounding = 1e-9;
+    if (units.cols() == d || !(left.norm() > (units.cols() > 0 ? rounding * given.norm() : 0.0))) continue;
+    const Eigen::VectorXd unit = left.normalized();
+    add(unit);
+    units.conservativeResize(Eigen::NoChange, units.cols() + 1);
+    units.rightCols(1) = unit;
+  }
+  if (units.cols() > 0) {
+    // An orthonormal basis of the orthogonal complement of `first`, which contains the other axes.
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr{units};
+    const Eigen::MatrixXd all = qr.householderQ() * Eigen::MatrixXd::Identity(d, d);
+    rest = all.rightCols(d - units.cols());
   }
   if (rest.cols() == 0) return axes;
   moments = (rest.transpose() * moments * rest).eval();

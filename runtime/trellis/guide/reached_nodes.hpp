@@ -24,11 +24,11 @@ class ReachedIndex {
   /// \param space  of the nodes
   /// \param root  the first node, which stays
   ReachedIndex(Space space, View root)
-      : space_(std::move(space)),
-        root_(root.begin(), root.end()),
-        indexed_(space_.dimension()),
-        waiting_(space_.dimension()) {
-    add(root_);
+      : ReachedIndex(std::move(space), std::vector<Configuration>(1, Configuration(root.begin(), root.end()))) {}
+  /// \param roots  the first nodes, at least one, which stay
+  ReachedIndex(Space space, std::vector<Configuration> roots)
+      : space_(std::move(space)), roots_(std::move(roots)), indexed_(space_.dimension()), waiting_(space_.dimension()) {
+    for (const Configuration& root : roots_) add(root);
   }
 
   void add(View q) {
@@ -40,16 +40,18 @@ class ReachedIndex {
     }
     waiting_.push(q);
   }
-  /// Removes all nodes except the root.
+  /// Removes all nodes except the roots.
   void clear() {
     keep_.assign(indexed_.size(), 0);
     next_ = 0;
     waiting_.clear();
     size_ = 0;
-    add(root_);
+    for (const Configuration& root : roots_) add(root);
   }
   /// The number of nodes, at least 1.
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// Whether there are nodes besides the roots.
+  [[nodiscard]] bool grown() const { return size_ > roots_.size(); }
   /// The squared distance to the nearest node, in square metres in the metric.
   [[nodiscard]] double squared_distance(View q) const {
     update();
@@ -77,7 +79,7 @@ class ReachedIndex {
   }
 
   Space space_;
-  Configuration root_;
+  std::vector<Configuration> roots_;
   std::size_t size_ = 0;
   mutable std::optional<NearestIndex> index_;
   mutable Configurations indexed_;          ///< the points of the index, in order
@@ -90,10 +92,11 @@ class ReachedIndex {
 class ReachedNodes {
  public:
   /// \param space  of the nodes
-  void begin(const Space& space, View start, View goal) {
+  /// \param goals  at least one
+  void begin(const Space& space, View start, const std::vector<Configuration>& goals) {
     trees_.clear();
     trees_.emplace_back(space, start);
-    trees_.emplace_back(space, goal);
+    trees_.emplace_back(space, goals);
   }
   /// Adds a node that is connected to its tree's root.
   void add(View q, bool from_goal) {
@@ -108,7 +111,7 @@ class ReachedNodes {
   [[nodiscard]] std::array<const ReachedIndex*, 2> both() const { return {&trees_.front(), &trees_.back()}; }
 
  private:
-  std::vector<ReachedIndex> trees_;  ///< from the start, and from the goal
+  std::vector<ReachedIndex> trees_;  ///< from the start, and from the goals
 };
 
 }  // namespace trellis

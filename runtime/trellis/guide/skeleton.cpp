@@ -14,6 +14,7 @@
 
 #include <trellis/base/error.hpp>
 #include <trellis/guide/aligned_lift.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/kernels.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_steps.hpp>
@@ -122,7 +123,7 @@ double distance(View a, View b) {
   return a.size() == 2 ? std::hypot(x, y) : std::hypot(x, y, a[2] - b[2]);
 }
 
-/// Makes a Graph of the skeleton's edges, with start and goal connected to the nearest visible points of it.
+/// Makes a Graph of the skeleton's edges, with start and goals connected to the nearest visible points of it.
 class GraphBuilder {
  public:
   /// \param clearance  edges with less are left out
@@ -140,13 +141,15 @@ class GraphBuilder {
       add_edges(*balls, clearance);
     }
     graph_.start = join(instance.start);
-    graph_.goal = join(instance.goal());
+    for (const Configuration& goal : instance.goals) graph_.goals.push_back(join(goal));
     // A world without obstacles has no medial axis, and the straight motion is valid.
     if (instance.scene->obstacle_count() == 0 && graph_.edges.empty()) {
-      Configurations straight(dimension_);
-      straight.push(instance.start);
-      straight.push(instance.goal());
-      add_edge(graph_.start, graph_.goal, std::move(straight), {0.0, 0.0});
+      for (const std::uint32_t goal : graph_.goals) {
+        Configurations straight(dimension_);
+        straight.push(instance.start);
+        straight.push(std::as_const(graph_.vertices)[goal]);
+        add_edge(graph_.start, goal, std::move(straight), {0.0, 0.0});
+      }
     }
   }
   [[nodiscard]] Graph take() { return std::move(graph_); }
@@ -155,11 +158,12 @@ class GraphBuilder {
 
  private:
   void begin(std::size_t vertices, std::size_t edges) {
-    // Start and goal add a vertex each, and may split an edge each.
+    // Start and goals add a vertex each, and may split an edge each.
+    const std::size_t added = 2 * (1 + instance_.goals.size());
     graph_.vertices = Configurations(dimension_);
-    graph_.vertices.reserve(vertices + 4);
-    graph_.edges.reserve(edges + 4);
-    clearances_.reserve(edges + 4);
+    graph_.vertices.reserve(vertices + added);
+    graph_.edges.reserve(edges + added);
+    clearances_.reserve(edges + added);
   }
 
   template <class Skeleton>
@@ -364,8 +368,8 @@ class PathClearance {
   std::vector<std::pair<double, double>> points_;  ///< arc length, clearance
 };
 
-/// The graph, directed away from the start by path cost from the start. Edges that do not lead to the goal are removed,
-/// if any edge leads to it.
+/// The graph, directed away from the start by path cost from the start. Edges that do not lead to a goal are removed,
+/// if any edge leads to one.
 struct DirectedGraph {
   struct Edge {
     std::uint32_t edge = 0;
@@ -405,10 +409,13 @@ DirectedGraph directed(const Graph& graph) {
     return std::isfinite(cost[from]) && (cost[from] < cost[to] || (cost[from] == cost[to] && from < to));
   };
   std::vector<char> useful(n, 1);
-  if (std::isfinite(cost[graph.goal])) {
+  std::vector<std::uint32_t> open;
+  for (const std::uint32_t goal : graph.goals) {
+    if (std::isfinite(cost[goal])) open.push_back(goal);
+  }
+  if (!open.empty()) {
     std::fill(useful.begin(), useful.end(), 0);
-    useful[graph.goal] = 1;
-    std::vector<std::uint32_t> open = {graph.goal};
+    for (const std::uint32_t goal : open) useful[goal] = 1;
     while (!open.empty()) {
       const std::uint32_t v = open.back();
       open.pop_back();
@@ -708,7 +715,7 @@ class SkeletonGuide final : public Guide {
     along_path_ = !settings_.follow_regions && !parent.motion_model;
     if (!reached_) {
       reached_.emplace(projection_->space(), instance->start);
-      nodes_.begin(parent.space, parent.start, parent.goal());
+      nodes_.begin(parent.space, parent.start, parent.goals);
       start_ = parent.start;
       position_axes_ = parent.position_axes;
       place_radius_ = 0.5 * characteristic_length(parent);
@@ -745,13 +752,15 @@ class SkeletonGuide final : public Guide {
     steps_ = nullptr;
     refuted_.reset();
     path_ = found->path;
-    if (along_path_ && found->solved()) return along(parent, *found);
+    const Configuration& goal = goal_choice_.choose(
+        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), path_);
+    if (along_path_ && found->solved()) return along(parent, *found, goal);
     // The radius of a region is a multiple of the robot's; a point and a tip have no size, so the world's size replaces
     // it.
     const double robot = projection_->arm() ? 0.0 : parent.scene->bounding_radius();
     const double unit = robot > 0.0 ? robot : 0.01 * projection_->space().diameter();
     auto h = std::make_unique<DynamicRegions>(projection_, parent, graph_, path_,
-                                              projection_->lifted(found->path, parent.start, parent.goal()), settings_,
+                                              projection_->lifted(found->path, parent.start, goal), settings_,
                                               settings_.region * unit, robot, *reached_);
     regions_ = h.get();
     return h;
@@ -763,6 +772,7 @@ class SkeletonGuide final : public Guide {
       for (const std::uint32_t e : regions_->stuck_edges()) graph_->multiply_cost(e, stuck_penalty);
       return;
     }
+    goal_choice_.refute();
     if (!refuted_ && steps_ != nullptr && steps_->refuted_place()) {
       if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
         // The tip has many configurations along the path: other ones may be valid.
@@ -822,16 +832,18 @@ class SkeletonGuide final : public Guide {
 
  private:
   /// h along the path found, lifted to valid configurations of C.
-  std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found) {
+  std::unique_ptr<Heuristic> along(Instance& parent, const Solution& found, const Configuration& goal) {
     const PathOnGraph on_graph(*graph_, path_);
     along_ = on_graph.along();
+    // A point that had no valid lift towards another goal may have one towards this goal.
+    if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
     const PointLift lift = projection_->point_lift(parent, variation_);
     // If the clearance of the axis exceeds the robot's radius, the robot is valid there at every angle.
     const double reach = projection_->arm() ? std::numeric_limits<double>::infinity()
                                             : std::max(parent.needed_reach, parent.scene->bounding_radius());
     const PathClearance clearance(path_, on_graph.clearance(*graph_, clearances_));
     const PointIsFree free = [&](double at) { return clearance.at(at) > reach; };
-    SparsePath sparse = sparse_->validate(parent, found.path, true, lift, free);
+    SparsePath sparse = sparse_->validate(parent, found.path, goal, lift, free);
     const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
     const StepHeuristic::Settings steps = {
         .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
@@ -895,6 +907,7 @@ class SkeletonGuide final : public Guide {
   ReachedNodes nodes_;                   ///< the planner's nodes, if h follows a path
   std::optional<SparseValidation> sparse_;
   double spacing_ = 0.0;                  ///< distance between validated points
+  GoalChoice goal_choice_;                ///< where paths of S lead in C
   int variation_ = 0;                     ///< number of further lifts of the path found
   Configurations path_;                   ///< found in S
   std::optional<Configuration> refuted_;  ///< point of `path_`

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <trellis/base/error.hpp>
+#include <trellis/guide/goal_choice.hpp>
 #include <trellis/guide/handles.hpp>
 #include <trellis/guide/kinds.hpp>
 #include <trellis/guide/path_guide.hpp>
@@ -133,7 +134,7 @@ class Workspace final : public Guide {
     reached_.emplace(projection_->space(), instance->start);
     refuted_ = Configurations(projection_->space().dimension());
     if (along_path_) {
-      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goal());
+      if (!nodes_.begun()) nodes_.begin(parent.space, parent.start, parent.goals);
       spacing_ = projection_->spacing(parent, *instance);
       sparse_.emplace(projection_->space(), spacing_, arm);
     }
@@ -166,7 +167,9 @@ class Workspace final : public Guide {
     path_ = found->path;
     steps_ = nullptr;
     if (path_.size() < 2) return std::make_unique<UniformHeuristic>("workspace (found nothing)", parent.space);
-    if (along_path_ && found->solved()) return along(parent);
+    const Configuration& goal = goal_choice_.choose(
+        parent, [this](View q, MutableView s) { project(q, s); }, projection_->space(), path_);
+    if (along_path_ && found->solved()) return along(parent, goal);
     const double plain = projection_->arm() ? 0.01 * projection_->space().diameter()
                                             : size_or(*parent.scene, 0.01 * parent.space.diameter());
     radius_ = settings_.radius > 0.0 ? settings_.radius : plain;
@@ -175,8 +178,8 @@ class Workspace final : public Guide {
                                                      handles_ ? handles_->on_axis(path_, *point_) : path_, radius_,
                                                      window, settings_.evidence, &*reached_);
     const std::shared_ptr<const Projection> lift = handles_ ? std::shared_ptr<const Projection>(handles_) : projection_;
-    return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start,
-                                             parent.goal(), LiftedHeuristic::Points::atoms);
+    return std::make_unique<LiftedHeuristic>(lift, projection_->space(), std::move(positions), parent.start, goal,
+                                             LiftedHeuristic::Points::atoms);
   }
 
   /// Increases the cost of edges near the refuted place, or along the part of the path that the planner did not reach.
@@ -185,6 +188,7 @@ class Workspace final : public Guide {
     NearestIndex stuck(space);
     double penalty = stuck_penalty;
     if (steps_ != nullptr) {
+      goal_choice_.refute();
       if (steps_->refuted_place()) {
         if (projection_->arm() && ++variation_ <= PositionProjection::most_variations) {
           // The tip has many configurations along the path: other ones may be valid.
@@ -215,9 +219,11 @@ class Workspace final : public Guide {
 
  private:
   /// h along the path found, lifted to valid configurations of C.
-  std::unique_ptr<Heuristic> along(Instance& parent) {
+  std::unique_ptr<Heuristic> along(Instance& parent, const Configuration& goal) {
+    // A point that had no valid lift towards another goal may have one towards this goal.
+    if (goal_choice_.replaced()) sparse_.emplace(projection_->space(), spacing_, projection_->arm());
     const PointLift lift = handles_ ? handles_->point_lift(parent) : projection_->point_lift(parent, variation_);
-    SparsePath sparse = sparse_->validate(parent, path_, true, lift);
+    SparsePath sparse = sparse_->validate(parent, path_, goal, lift);
     const double radius = settings_.radius > 0.0 ? settings_.radius : 0.5 * characteristic_length(parent);
     const StepHeuristic::Settings steps = {
         .radius = radius, .step = step_length(parent), .evidence = settings_.evidence};
@@ -257,6 +263,7 @@ class Workspace final : public Guide {
   ReachedNodes nodes_;                   ///< the planner's nodes, if `along_path_`
   std::optional<SparseValidation> sparse_;
   double spacing_ = 0.0;            ///< distance between validated points
+  GoalChoice goal_choice_;          ///< where paths of S lead in C
   int variation_ = 0;               ///< number of further lifts of the path found
   Configurations refuted_;          ///< refuted places of paths
   StepHeuristic* steps_ = nullptr;  ///< active h, if any

@@ -65,9 +65,11 @@ Graph grid_in_space(const Instance& instance, double cell) {
     return vertex;
   };
   graph.start = join_end(instance.start);
-  graph.goal = join_end(instance.goal());
-  if (instance.space.distance(instance.start, instance.goal()) <= 2.0 * std::hypot(step[0], step[1], step[2])) {
-    join(graph.start, graph.goal);
+  for (const Configuration& goal : instance.goals) {
+    graph.goals.push_back(join_end(goal));
+    if (instance.space.distance(instance.start, goal) <= 2.0 * std::hypot(step[0], step[1], step[2])) {
+      join(graph.start, graph.goals.back());
+    }
   }
   return graph;
 }
@@ -125,9 +127,11 @@ Graph grid_graph(const Instance& instance, double cell) {
     return vertex;
   };
   graph.start = join_end(instance.start);
-  graph.goal = join_end(instance.goal());
-  if (instance.space.distance(instance.start, instance.goal()) <= 2.0 * std::hypot(step[0], step[1])) {
-    join(graph.start, graph.goal);
+  for (const Configuration& goal : instance.goals) {
+    graph.goals.push_back(join_end(goal));
+    if (instance.space.distance(instance.start, goal) <= 2.0 * std::hypot(step[0], step[1])) {
+      join(graph.start, graph.goals.back());
+    }
   }
   return graph;
 }

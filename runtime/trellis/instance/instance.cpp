@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/instance/instance.hpp>
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -75,6 +76,24 @@ Instance::NearGoal Instance::nearest_goal(View q) const {
     if (distance < nearest.distance) nearest = {i, distance};
   }
   return nearest;
+}
+
+void sort_goals(Instance& sub) {
+  std::vector<Configuration>& goals = sub.goals;
+  if (goals.size() < 2) return;
+  const auto outside = [&](const Configuration& q) { return !sub.space.contains(q); };
+  if (!std::all_of(goals.begin(), goals.end(), outside)) std::erase_if(goals, outside);
+  std::vector<std::pair<double, Configuration>> sorted;
+  sorted.reserve(goals.size());
+  for (Configuration& q : goals) {
+    const double distance = sub.space.distance(sub.start, q);
+    sorted.emplace_back(distance, std::move(q));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  goals.clear();
+  for (auto& [distance, q] : sorted) {
+    if (goals.empty() || goals.back() != q) goals.push_back(std::move(q));
+  }
 }
 
 std::shared_ptr<Validity> Instance::validity_in(const std::shared_ptr<const Scene>& other) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -103,12 +104,15 @@ struct Graph {
     Configurations points;  ///< the edge's polyline, both ends included; empty: straight
   };
   Configurations vertices;
-  std::vector<Edge> edges;  ///< undirected
-  std::uint32_t start = 0;  ///< vertices
-  std::uint32_t goal = 0;
+  std::vector<Edge> edges;           ///< undirected
+  std::uint32_t start = 0;           ///< a vertex
+  std::vector<std::uint32_t> goals;  ///< vertices, at least one; a path to any of them solves the instance
   bool verified = true;        ///< all edges are valid; else the search validates the edges of its candidate paths
   std::uint64_t revision = 0;  ///< number of changes of costs since the graph was made
 
+  [[nodiscard]] bool is_goal(std::uint32_t vertex) const {
+    return std::find(goals.begin(), goals.end(), vertex) != goals.end();
+  }
   /// Changes the cost of an edge between two searches.
   void set_cost(std::size_t edge, double cost) {
     edges[edge].cost = cost;
@@ -153,7 +157,7 @@ class Instance {
   [[nodiscard]] double checks_per_metre() const {
     return 1.0 / resolution + (shared_resolution > 0.0 ? 1.0 / shared_resolution : 0.0);
   }
-  /// Returns the first goal, the one of guides and statistics.
+  /// Returns the first goal, the one of statistics where none was reached.
   [[nodiscard]] const Configuration& goal() const { return goals.front(); }
   struct NearGoal {
     std::size_t goal = 0;  ///< index into goals
@@ -233,15 +237,21 @@ std::unique_ptr<Instance> make_instance(const Problem& problem);
 /// several. Without a goal the second is empty.
 std::vector<std::pair<std::string, Configuration>> named_ends(const Problem& problem);
 
-/// Sets the start and the only goal of an instance in S to f of the parent's start and first goal.
+/// Sorts the goals of an instance in S by distance from its start, and equally distant ones by their coordinates, so
+/// that S does not depend on the order of the parent's goals. Removes repeated goals, and goals outside of S unless all
+/// are.
+void sort_goals(Instance& sub);
+
+/// Sets the start and the goals of an instance in S to f of the parent's, and sorts the goals (sort_goals).
 /// \param f  has `project(View q, MutableView s)`
 /// \param sub  its space is S
 template <typename F>
 void project_ends(const F& f, const Instance& parent, Instance& sub) {
   sub.start.resize(sub.space.dimension());
-  sub.goals.assign(1, Configuration(sub.space.dimension()));
   f.project(parent.start, sub.start);
-  f.project(parent.goal(), sub.goals.front());
+  sub.goals.assign(parent.goals.size(), Configuration(sub.space.dimension()));
+  for (std::size_t i = 0; i < parent.goals.size(); ++i) f.project(parent.goals[i], sub.goals[i]);
+  sort_goals(sub);
 }
 
 }  // namespace trellis

@@ -70,9 +70,8 @@ bool BestFirstSearch::expand(Open entry) {
   }
   state_.at(v).expanded = true;
   ++expansions_;
-  const std::uint32_t goal = state_.graph().goal;
-  if (v == goal) {
-    reached_goal_ = true;
+  if (state_.graph().is_goal(v)) {
+    goal_ = v;
     return true;
   }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> successors;
@@ -85,8 +84,8 @@ bool BestFirstSearch::expand(Open entry) {
   // An invalid configuration changes the priorities of all successors.
   for (const auto& [next, e] : successors) {
     generate(next, e, v);
-    if (next == goal && rules_.evaluation == Evaluation::expansion && rules_.ends == Ends::generated) {
-      reached_goal_ = true;
+    if (rules_.evaluation == Evaluation::expansion && rules_.ends == Ends::generated && state_.graph().is_goal(next)) {
+      goal_ = next;
       break;
     }
   }

@@ -36,11 +36,11 @@ double predicted(const Forest& forest, const std::array<double, search_features>
 }
 
 double euclidean(const SearchState& state, std::uint32_t vertex) {
-  const Graph& graph = state.graph();
-  return norm(SearchState::position(graph.vertices[graph.goal]) - SearchState::position(graph.vertices[vertex]));
+  const Vec2 p = SearchState::position(state.graph().vertices[vertex]);
+  return norm(state.nearest_goal(p) - p);
 }
 
-/// Computes costs-to-go by Dijkstra's search from the goal.
+/// Computes costs-to-go by Dijkstra's search from the goals.
 std::vector<double> costs_to_go(const Graph& graph, const std::vector<char>& valid) {
   std::vector<std::vector<std::uint32_t>> adjacency(graph.vertices.size());
   for (std::uint32_t e = 0; e < graph.edges.size(); ++e) {
@@ -51,8 +51,10 @@ std::vector<double> costs_to_go(const Graph& graph, const std::vector<char>& val
   std::vector<double> cost(graph.vertices.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  cost[graph.goal] = 0.0;
-  queue.emplace(0.0, graph.goal);
+  for (const std::uint32_t goal : graph.goals) {
+    cost[goal] = 0.0;
+    queue.emplace(0.0, goal);
+  }
   while (!queue.empty()) {
     const auto [c, v] = queue.top();
     queue.pop();
@@ -88,7 +90,7 @@ void run_episode(KnownWorld& world, const Forest* learner, double oracle_share, 
   };
   std::vector<Sample> drawn;
   const auto wanted = static_cast<std::size_t>(samples);
-  for (std::uint64_t step = 0; !search.reached_goal() && !search.open().empty(); ++step) {
+  for (std::uint64_t step = 0; !search.goal() && !search.open().empty(); ++step) {
     const auto& open = search.open();
     // Reservoir sampling, because the number of steps is unknown in advance.
     const std::size_t place = step < wanted ? step : stream.below(step + 1);
@@ -115,9 +117,9 @@ void run_episode(KnownWorld& world, const Forest* learner, double oracle_share, 
 }
 
 SearchTrial::Effort effort(BestFirstSearch search) {
-  while (!search.reached_goal() && !search.open().empty()) search.expand(*search.open().begin());
+  while (!search.goal() && !search.open().empty()) search.expand(*search.open().begin());
   return {static_cast<double>(search.expansions()), static_cast<double>(search.evaluations()),
-          search.state().at(search.state().graph().goal).cost};
+          search.state().at(search.state().graph().goals.front()).cost};
 }
 
 }  // namespace

@@ -125,13 +125,22 @@ SearchState::SearchState(const Graph& graph) : graph_(graph), vertices_(graph.ve
   invalid_.emplace(box_);
 }
 
+Vec2 SearchState::nearest_goal(Vec2 p) const {
+  Vec2 nearest = position(graph_.vertices[graph_.goals.front()]);
+  for (const std::uint32_t goal : graph_.goals) {
+    const Vec2 other = position(graph_.vertices[goal]);
+    if (norm(other - p) < norm(nearest - p)) nearest = other;
+  }
+  return nearest;
+}
+
 void SearchState::add_invalid(View q) {
   if (invalid_) invalid_->add(position(q));
 }
 
 std::array<double, search_features> SearchState::features(std::uint32_t vertex) const {
   const Vec2 p = position(graph_.vertices[vertex]);
-  const Vec2 goal = position(graph_.vertices[graph_.goal]);
+  const Vec2 goal = nearest_goal(p);
   std::array<double, search_features> out{};
   std::size_t at = 0;
   const auto put = [&](double x) { out[at++] = x; };

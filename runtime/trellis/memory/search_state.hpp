@@ -71,15 +71,17 @@ class SearchState {
   [[nodiscard]] static Vec2 position(View q) { return {q[0], q[1]}; }
   /// Whether the graph lies in the plane, which the features require.
   [[nodiscard]] bool planar() const { return graph_.vertices.dimension() == 2; }
+  /// Returns the position of the goal that is nearest to a position.
+  [[nodiscard]] Vec2 nearest_goal(Vec2 p) const;
   /// Records an invalid configuration.
   void add_invalid(View q);
 
   /// Returns the unit of the features: the diagonal of the bounding box of all vertices, metres.
   [[nodiscard]] double scale() const { return scale_; }
   /// Returns the features of a vertex that the search has generated, where the graph is planar; lengths are shares of
-  /// `scale`. Position; cost from the start; Euclidean and Manhattan distance to the goal; depth in mean edges;
-  /// position of the goal; then the distance and the offset from the vertex to the nearest invalid position, to the one
-  /// nearest in x and to the one nearest in y (distance -1 and offset 0 without an invalid position).
+  /// `scale`. Position; cost from the start; Euclidean and Manhattan distance to the nearest goal; depth in mean
+  /// edges; position of that goal; then the distance and the offset from the vertex to the nearest invalid position, to
+  /// the one nearest in x and to the one nearest in y (distance -1 and offset 0 without an invalid position).
   [[nodiscard]] std::array<double, search_features> features(std::uint32_t vertex) const;
 
  private:

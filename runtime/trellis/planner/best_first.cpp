@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -84,7 +85,7 @@ class BestFirst final : public Planner {
     searching.proposals = Budget::unlimited;
     BudgetMonitor monitor(context_, searching);
     std::optional<Status> ended;
-    while (!search.reached_goal() && !search.open().empty()) {
+    while (!search.goal() && !search.open().empty()) {
       if ((ended = monitor.spent())) break;
       const std::uint32_t v = search.open().begin()->vertex;
       if (search.expand(*search.open().begin()) && !graph.verified) evaluated_.add_node(v, search.state().at(v).edge);
@@ -96,9 +97,9 @@ class BestFirst final : public Planner {
     for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
       const SearchState::Vertex& vertex = search.state().at(v);
       parent.push_back(vertex.edge);
-      reached.push_back(vertex.expanded || (v == graph.goal && search.reached_goal()) ? 1 : 0);
+      reached.push_back(vertex.expanded || v == search.goal() ? 1 : 0);
     }
-    if (search.reached_goal() && !graph.verified) evaluated_.add_node(graph.goal, parent[graph.goal]);
+    if (search.goal() && !graph.verified) evaluated_.add_node(*search.goal(), parent[*search.goal()]);
     if (!ended) paused_.reset();
     return evaluated_.solution(parent, reached, ended.value_or(Status::no_path));
   }
@@ -109,8 +110,14 @@ class BestFirst final : public Planner {
     BudgetMonitor drawing(context_, budget);
     const auto priority = [this, factors = priority_factors(drawing)](const SearchState& state, std::uint32_t v) {
       const Graph& graph = *context_.instance.graph;
-      const double ahead = model_ ? model_->cost_to_go(state, v)
-                                  : context_.instance.space.distance(graph.vertices[v], graph.vertices[graph.goal]);
+      double ahead = std::numeric_limits<double>::infinity();
+      if (model_) {
+        ahead = model_->cost_to_go(state, v);
+      } else {
+        for (const std::uint32_t goal : graph.goals) {
+          ahead = std::min(ahead, context_.instance.space.distance(graph.vertices[v], graph.vertices[goal]));
+        }
+      }
       return factors.empty() ? ahead : factors[v] * ahead;
     };
     const auto evaluate = [this](std::uint32_t e, std::uint32_t to) -> View {

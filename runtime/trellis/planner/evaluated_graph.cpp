@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <trellis/planner/evaluated_graph.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -110,15 +111,18 @@ EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonit
 Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, const std::vector<char>& reached,
                                   Status otherwise) const {
   const Graph& graph = *graph_;
-  Solution solution{reached[graph.goal] != 0 ? Status::solved : otherwise,
+  const auto goal =
+      std::find_if(graph.goals.begin(), graph.goals.end(), [&](std::uint32_t v) { return reached[v] != 0; });
+  Solution solution{goal != graph.goals.end() ? Status::solved : otherwise,
                     Configurations(context_.instance.space.dimension())};
-  std::uint32_t end = graph.goal;
-  if (!solution.solved()) {
-    end = graph.start;
+  std::uint32_t end = graph.start;
+  if (solution.solved()) {
+    end = *goal;
+  } else {
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) {
       if (reached[v] == 0) continue;
-      const double to_goal = context_.instance.space.distance(graph.vertices[v], context_.instance.goal());
+      const double to_goal = context_.instance.to_goal(graph.vertices[v]);
       if (to_goal < least) {
         least = to_goal;
         end = v;

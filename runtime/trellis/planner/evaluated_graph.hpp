@@ -28,12 +28,12 @@ class EvaluatedGraph {
   struct Version {
     std::uint64_t epoch = 0;
     std::uint64_t costs = 0;
-    Configuration goal;
+    std::vector<Configuration> goals;
     bool operator==(const Version&) const = default;
   };
   [[nodiscard]] Version version() const {
     const Instance& instance = context_.instance;
-    return {instance.epoch(), instance.graph->revision, instance.goal()};
+    return {instance.epoch(), instance.graph->revision, instance.goals};
   }
   /// Marks edges found invalid at an earlier epoch for evaluation, and valid edges for a recheck.
   void renew();
@@ -69,10 +69,10 @@ class EvaluatedGraph {
   /// Draws `samples` proposals; fewer if the budget ends.
   Proposals draw(std::int64_t samples, BudgetMonitor& monitor);
 
-  /// The solution from the search tree: its path to the goal, or to the reached vertex nearest to the goal.
+  /// The solution from the search tree: its path to a goal, or to the reached vertex that is nearest to one.
   /// \param parent  for each reached vertex, the tree's edge to it
   /// \param reached  for each vertex, whether the search reached it
-  /// \param otherwise  the status if the search did not reach the goal
+  /// \param otherwise  the status if the search reached no goal
   [[nodiscard]] Solution solution(const std::vector<std::uint32_t>& parent, const std::vector<char>& reached,
                                   Status otherwise) const;
 

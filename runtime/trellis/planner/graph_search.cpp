@@ -94,7 +94,7 @@ class GraphSearch final : public Planner {
           queue.emplace(distance[next], next);
         }
       }
-      if (v == graph.goal) break;
+      if (graph.is_goal(v)) break;
     }
   }
 
@@ -123,11 +123,16 @@ class GraphSearch final : public Planner {
       queue.push({ahead(instance, graph.start), 0.0, graph.start, EvaluatedGraph::none});
     }
 
-    /// The least cost of a path from the vertex to the goal.
+    /// A lower bound of the cost of a path from the vertex to a goal.
     [[nodiscard]] double ahead(const Instance& instance, std::uint32_t v) {
       double& distance = to_goal[v];
-      if (distance == unknown)
-        distance = instance.space.distance(std::as_const(instance.graph->vertices)[v], version.goal);
+      if (distance == unknown) {
+        distance = std::numeric_limits<double>::infinity();
+        const View vertex = std::as_const(instance.graph->vertices)[v];
+        for (const Configuration& goal : version.goals) {
+          distance = std::min(distance, instance.space.distance(vertex, goal));
+        }
+      }
       return rate * distance;
     }
 
@@ -135,7 +140,7 @@ class GraphSearch final : public Planner {
     EvaluatedGraph::Version version;
     std::vector<double> cost;
     Tree tree;
-    std::vector<double> to_goal;  ///< distances of the vertices to the goal, metres in the metric; or unknown
+    std::vector<double> to_goal;  ///< distances of the vertices to the nearest goal, metres in the metric; or unknown
     double rate = 1.0;
     std::priority_queue<Entry, std::vector<Entry>, Later> queue;
   };
@@ -162,7 +167,7 @@ class GraphSearch final : public Planner {
       done[v] = 1;
       parent[v] = entry.edge;
       evaluated_.add_node(v, entry.edge);
-      if (v == graph.goal) break;
+      if (graph.is_goal(v)) break;
       for (const auto& [e, next] : evaluated_.incident(v)) {
         if (done[next] != 0) continue;
         const double cost = entry.cost + search.cost[e];

@@ -53,7 +53,7 @@ void check_options(const std::string& path, const ReadOptions& options) {
   }
 }
 
-/// Refuses a file of a format that Trellis knows and does not read, by a sentence that says what it is.
+/// Refuses a file of a format that Trellis recognises and does not read, by a sentence that says what it is.
 void refuse(const std::string& path, const std::string& sentence) {
   if (!sentence.empty()) throw Error(fmt::format("{}:1: no scene that can be read: {}", path, sentence));
 }
@@ -75,8 +75,27 @@ SceneFile read_format(const std::string& path, const ReadOptions& options) {
   throw Fault("no format reads the rest");
 }
 
+/// Returns an end that the caller gives as a pose, as a configuration of a body in space.
+Configuration configuration_of(const std::string& path, const char* what, const Pose3& pose, const Problem& problem) {
+  const auto& [x, y, z] = pose.position;
+  const Quaternion& turn = pose.orientation;
+  if (problem.scene->planar() != nullptr) {
+    throw Error(
+        fmt::format("{}: the {} is a pose, which places a body in space, and the file's world is the plane: give a "
+                    "list of {} numbers ({})",
+                    path, what, problem.space.dimension(), problem.space.name()));
+  }
+  if (!problem.space.flat()) return {x, y, z, turn.x, turn.y, turn.z, turn.w};
+  if (turn == Quaternion{}) return {x, y, z};
+  throw Error(fmt::format("{}: the {} is a pose with an orientation, and the robot does not turn ({}): leave it out",
+                          path, what, problem.space.name()));
+}
+
 /// Puts the ends that the caller gives into the file's one problem.
-void place_ends(const std::string& path, const ReadOptions& options, SceneFile& file) {
+void place_ends(const std::string& path, ReadOptions options, SceneFile& file) {
+  const Problem& first = file.problems.front();
+  if (options.start_pose) options.start = configuration_of(path, "start", *options.start_pose, first);
+  if (options.goal_pose) options.goal = configuration_of(path, "goal", *options.goal_pose, first);
   const auto place = [&](const char* what, const Configuration& given, Configuration& end) {
     if (given.empty()) return;
     if (file.problems.size() > 1) {

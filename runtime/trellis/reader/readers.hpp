@@ -7,6 +7,7 @@
 
 #include <trellis/scene/planar/robot.hpp>
 #include <trellis/scene/scene.hpp>
+#include <trellis/space/rotation.hpp>
 
 namespace trellis {
 
@@ -26,6 +27,8 @@ struct ReadOptions {
   Configuration start = {};                ///< replaces the start of the file's one problem; empty: as in the file
   Configuration goal = {};                 ///< replaces its goal
   MapServer map_server = MapServer::nav2;  ///< of maps of ROS
+  std::optional<Pose3> start_pose = {};    ///< in place of `start`, of a body in space
+  std::optional<Pose3> goal_pose = {};     ///< in place of `goal`, of a body in space
 };
 
 /// What a scene file of another project contains.

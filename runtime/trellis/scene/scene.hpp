@@ -114,7 +114,7 @@ struct Problem {
   std::shared_ptr<const Scene> scene;
   Space space;
   Configuration start;
-  std::vector<Configuration> goals = {};  ///< each solves the problem; the first is the one of guides and statistics
+  std::vector<Configuration> goals = {};  ///< each solves the problem; the first is that of unsolved runs
   std::optional<Reach> reach = {};        ///< the goal region from which the goals were chosen
   double goal_tolerance = 1e-6;  ///< a configuration within this distance (metric) of the goal counts as the goal
   double resolution = 0.05;      ///< metres that the robot's fastest point moves between two checked configurations

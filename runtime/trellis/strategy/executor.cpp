@@ -8,9 +8,11 @@
 #include <optional>
 #include <utility>
 
+#include <trellis/instance/half_turns.hpp>
 #include <trellis/instance/path_fault.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/level.hpp>
+#include <trellis/strategy/scale.hpp>
 
 namespace trellis {
 
@@ -73,6 +75,15 @@ class PathCheck {
     cpu_seconds_ += thread_seconds() - cpu_begin;
     return std::move(certificate.refuted);
   }
+  /// The path with the midpoints of its half turns, so that it says their directions.
+  [[nodiscard]] Configurations divided(const Configurations& path) {
+    const auto begin = Clock::now();
+    const double cpu_begin = thread_seconds();
+    Configurations result = with_half_turns_divided(space_, *validity_, path, tolerance_);
+    time_ += Clock::now() - begin;
+    cpu_seconds_ += thread_seconds() - cpu_begin;
+    return result;
+  }
   [[nodiscard]] const std::shared_ptr<Validity>& validity() const { return validity_; }
   [[nodiscard]] double tolerance() const { return tolerance_; }
   /// The clearance of the last path that was certified, in metres.
@@ -113,10 +124,13 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   RunRecord record;
   PathCheck check_path(problem, root.instance());
   const Solution* solution = &root.solve();
+  Configurations path;
   // From the fifth refutation on the root certifies its motions, so that few more paths are refuted.
   constexpr std::uint64_t most_refuted = 1000;
   while (solution->solved() && record.refuted_paths < most_refuted) {
-    const auto place = check_path.refuted(solution->path);
+    // States of a motion model are too near to each other to be half a turn apart.
+    path = problem.motion_model ? solution->path : check_path.divided(solution->path);
+    const auto place = check_path.refuted(path);
     if (!place) {
       record.certified = true;
       break;
@@ -138,16 +152,16 @@ RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uin
   }
   const Checks planned = root.instance().checks;
   if (record.solved) {
-    record.path = found.path;
+    record.path = path;
     record.trajectory = found.trajectory;
     // Straight motions cannot shortcut a path with a motion model.
     if (options.shortcut > 0 && !problem.motion_model) {
       Stream stream(seed, "0", "shortcut");
       const auto certified = [&](const Configurations& part) { return !check_path.refuted(part); };
-      record.path = shortcut(root.instance(), record.path, options.shortcut, stream, certified);
+      record.path = check_path.divided(shortcut(root.instance(), record.path, options.shortcut, stream, certified));
       // Its clearance, and a last look: parts of motions were certified one by one.
       if (check_path.refuted(record.path)) {
-        record.path = found.path;
+        record.path = path;
         static_cast<void>(check_path.refuted(record.path));
       }
       record.shortcut_checks = root.instance().checks.validity - planned.validity;

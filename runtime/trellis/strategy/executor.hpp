@@ -129,7 +129,7 @@ struct RunRecord {
   double clearance = 0.0;  ///< of a certified path, in metres: a lower bound on the robot's distance from contact
   std::uint64_t refuted_paths = 0;  ///< paths found before `path` that could not be certified
   std::uint64_t path_checks = 0;    ///< configurations checked for certificates; the sums and times above exclude them
-  double path_seconds = 0.0;  ///< CPU time of the thread for certificates; not in the times above
+  double path_seconds = 0.0;        ///< CPU time of the thread for certificates; not in the times above
   std::vector<Improvement> improvements;  ///< the root's paths before shortcutting: the first one and each shorter one
   std::vector<LevelRecord> levels;
   std::vector<Turn> turns;  ///< in chronological order

@@ -31,7 +31,6 @@ class ComponentGuidance final : public SearchedGuidance {
     auto sub = located([&] { return guide_->project(parent_.instance()); });
     run.clock.switch_to(above);
     if (!sub) return;
-    project_further_goals(*sub);
     const PlannerSpec planner = planner_for(spec, *sub);
     level_ =
         located([&] { return std::make_unique<Level>(run, &parent, key, name_, std::move(sub), planner, guide_); });
@@ -48,18 +47,6 @@ class ComponentGuidance final : public SearchedGuidance {
     const bool guided = spec.below() != nullptr && !spec.custom();
     return PlannerSpec::make("kinodynamic_rrt",
                              guided ? find_guide(spec.name())->guided_planner.options : std::vector<Options::Entry>{});
-  }
-
-  /// Applies f to the goals after the first, except for an explicit graph. Omits goals that f maps out of S.
-  void project_further_goals(Instance& sub) {
-    const Instance& parent = parent_.instance();
-    sub.goals.resize(1);
-    if (sub.graph) return;
-    Configuration s(sub.space.dimension());
-    for (std::size_t i = 1; i < parent.goals.size(); ++i) {
-      guide_->project(parent.goals[i], s);
-      if (sub.space.contains(s)) sub.goals.push_back(s);
-    }
   }
 
   Advance prepare(const Slice& slice) override {
@@ -274,7 +261,6 @@ class ComponentGuidance final : public SearchedGuidance {
   void project_again() {
     projected_ = parent_.instance().scene;
     auto sub = located([&] { return guide_->project(parent_.instance()); });
-    project_further_goals(*sub);
     level_->replace_instance(std::move(sub));
     attach();
   }

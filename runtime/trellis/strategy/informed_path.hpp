@@ -19,7 +19,7 @@ class InformedPath {
   /// Records the level's nodes from now on, so that a path can be followed from the current state of the search. Called
   /// before the search begins.
   void expect() {
-    if (!nodes_.begun()) nodes_.begin(instance_.space, instance_.start, instance_.goal());
+    if (!nodes_.begun()) nodes_.begin(instance_.space, instance_.start, instance_.goals);
   }
   /// Replaces the path to follow; an empty path ends following.
   void follow(Configurations path);

@@ -71,6 +71,13 @@ class SplitSearch final : public Planner {
       if (auto nothing = remove_invalid_goals(context_.instance)) return std::move(*nothing);
       ends_checked_ = true;
     }
+    if (context_.instance.to_goal(context_.instance.start) <= context_.instance.goal_tolerance) {
+      if (context_.search.nodes.empty()) {
+        context_.search.nodes.push(context_.instance.start);
+        context_.search.parents.push_back(no_node);
+      }
+      return {Status::solved, start(), {}};
+    }
     while (tries_ < settings_.tries) {
       if (const auto reason = spent(budget)) return {*reason, start(), {}};
       const auto goal = sub_goal(budget);

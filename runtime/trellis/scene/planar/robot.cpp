@@ -308,11 +308,12 @@ Robot Robot::limited(std::vector<std::optional<std::pair<double, double>>> limit
   for (std::size_t i = 0; i < limits.size(); ++i) {
     if (!limits[i]) continue;
     const auto& [lo, hi] = *limits[i];
-    if (std::isfinite(lo) && std::isfinite(hi) && lo < hi && hi - lo <= 2.0 * std::numbers::pi) continue;
+    constexpr double farthest = 2.0 * std::numbers::pi * most_turns;
+    if (std::isfinite(lo) && std::isfinite(hi) && lo < hi && -lo <= farthest && hi <= farthest) continue;
     throw Error(
-        fmt::format("robot '{}': the limits of joint {} must be two angles lo < hi, a full turn apart at most, in "
-                    "radians, got {} and {}",
-                    name_, i + 1, lo, hi));
+        fmt::format("robot '{}': the limits of joint {} must be two angles lo < hi in radians, within {:g} turns "
+                    "({:.4g} rad) of 0, got {} and {}; of degrees, write math.rad(...)",
+                    name_, i + 1, most_turns, farthest, lo, hi));
   }
   Robot result = *this;
   result.limits_ = std::move(limits);

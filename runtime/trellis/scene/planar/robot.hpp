@@ -29,7 +29,8 @@ struct Arm {
   std::vector<double> links;   ///< lengths, from the base on
   std::vector<double> widths;  ///< of each link
   Vec2 base = {};              ///< position of the first joint
-  /// Of each joint the least and the greatest angle, relative to the previous link; none: full turns.
+  /// Of each joint the least and the greatest angle, relative to the previous link, more than a turn apart or less;
+  /// none: its angle wraps.
   std::vector<std::optional<std::pair<double, double>>> limits = {};
   bool self_collision = true;  ///< links that are not neighbours must not touch
 };
@@ -52,9 +53,10 @@ class Robot {
   /// Returns the robot with these self-collision pairs, the lower index first; bodies of no pair may overlap.
   /// \throws Error for indices out of range.
   [[nodiscard]] Robot apart(std::vector<std::pair<std::size_t, std::size_t>> pairs) const;
-  /// Returns the robot with joint limits on the axes that turn bodies, in their order; none or an empty list: full
-  /// turns.
-  /// \throws Error for bounds that are not finite and ascending, or that span more than a full turn.
+  /// Returns the robot with joint limits on the axes that turn bodies, in their order; none or an empty list: they
+  /// wrap. An axis with limits does not wrap: angles a turn apart are different configurations, and the motion between
+  /// them is a turn.
+  /// \throws Error for bounds that are not finite and ascending, or farther than `most_turns` from 0.
   [[nodiscard]] Robot limited(std::vector<std::optional<std::pair<double, double>>> limits) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }
