@@ -68,7 +68,7 @@ int explain(const Options& options) {
   choose_problem(experiment, options.problem);
 
   for (const std::string& sentence : input_warnings(experiment)) {
-    fmt::print(stderr, "trellis: warning: {}\n", sentence);
+    print_message(fmt::format("warning: {}", sentence));
   }
   int status = success;
   std::vector<ExplainedStrategy> explained;

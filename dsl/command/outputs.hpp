@@ -30,7 +30,7 @@ class OutputFolder {
 // All text leaves for the terminal here. What a terminal would obey is printed as its code (trellis::printable).
 
 /// Prints to stderr. Where that fails, as on a full disk or where the caller closed stderr, the text is lost and the
-/// command goes on.
+/// command continues.
 void print_stderr(std::string_view text);
 
 /// Prints the line `trellis: MESSAGE` to stderr.

@@ -460,7 +460,7 @@ void Console::accept(const std::string& input) {
     for (const lua::GlobalUse& use : lua::global_uses(stack, chunk ? input : "return " + input, "=input")) {
       if (use.set) assigned.insert(use.name);
       // What a comment has made is not there when the script runs.
-      if (!use.set && bench_.lost.count(use.name) > 0) statement = false;
+      if (!use.set && bench_.lost.contains(use.name)) statement = false;
     }
   });
   bench_.accepted.push_back(statement ? input : commented(input));

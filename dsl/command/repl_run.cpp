@@ -129,7 +129,9 @@ std::string outcome_text(const Run& run) {
   if (!run.ended()) return text + "stopped after " + cost;
   const double seconds = record.trajectory.duration();
   const std::string driven = seconds > 0.0 ? fmt::format(", driven in {:.1f} s", seconds) : "";
-  if (record.solved) return text + fmt::format("solved by {}, a path of {:.2f} m{}", cost, record.length, driven);
+  if (record.solved) {
+    return text + fmt::format("solved by {}, a certified path of {:.2f} m{}", cost, record.length, driven);
+  }
   return text + fmt::format("not solved ({}) by {}", to_string(record.status), cost);
 }
 

@@ -519,7 +519,7 @@ class Verbs {
     std::string strategy;
     std::string problem;
     if (const auto& planned = bench_.planned) {
-      const auto lost = [&](const std::string& expression) { return bench_.lost.count(root_of(expression)) > 0; };
+      const auto lost = [&](const std::string& expression) { return bench_.lost.contains(root_of(expression)); };
       strategy = lost(planned->strategy) ? planned->text : planned->strategy;
       problem =
           planned->problem.empty() || lost(planned->problem) ? scene_call(call, planned->instance) : planned->problem;

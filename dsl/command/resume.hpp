@@ -20,7 +20,7 @@ class Resume : public RunStore {
  public:
   /// Opens the records of a folder. \throws Error if they are of other runs
   /// \param restart  deletes them
-  /// \param others   whether the command has other outputs: then it goes on without the folder where that cannot be
+  /// \param others   whether the command has other outputs: then it continues without the folder where that cannot be
   ///                 written, and `failure` has the reason
   Resume(std::string folder, const Manifest& manifest, bool restart, bool others);
 

@@ -350,7 +350,11 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
       "return experiment { measure = false, strategies = { shrunken = shrink(0.5) >> rrt { proposals = 50 } }, "
       "problems = { problem { name = 'walled', world = w, robot = robot.point(), start = {1, 1}, goal = {9, 9} },\n"
       "  problem { name = 'turned', world = world { bounds = {0, 0, 10, 10} }, robot = robot.rectangle(0.6, 0.2), "
-      "start = {1, 1, 90}, goal = {9, 9, 0} } } }\n");
+      "start = {1, 1, 90}, goal = {9, 9, 0} },\n"
+      "  problem { name = 'wound', world = world { bounds = {0, 0, 10, 10} }, robot = robot.arm { links = {1}, base = "
+      "{5, 5}, limits = { {-45, 45} } }, start = {0}, goal = {1} },\n"
+      "  problem { name = 'usual', world = world { bounds = {0, 0, 10, 10} }, robot = robot.arm { links = {1}, base = "
+      "{5, 5}, limits = { {math.rad(-720), math.rad(720)} } }, start = {0}, goal = {7} } } }\n");
   for (const char* verb : {"check", "run"}) {
     const auto outcome = place.run({verb, "odd.lua"});
     INFO(verb << "\n" << outcome.err);
@@ -358,16 +362,19 @@ TEST_CASE("inputs that are probably mistakes are warned of, by check and by run"
     CHECK_THAT(outcome.err, Contains("warning: problem 'walled': obstacles separate start and goal") &&
                                 Contains("a point, which has nothing to shrink") &&
                                 Contains("problem 'turned': start: theta = 90 is more than a full turn") &&
-                                Contains("math.rad(90) = 1.5708") && !Contains("'turned': obstacles"));
+                                Contains("math.rad(90) = 1.5708") && !Contains("'turned': obstacles") &&
+                                Contains("problem 'wound': the limits of joint 1, -45 and 45, are 14.3 turns apart") &&
+                                Contains("math.rad(-45)") && !Contains("problem 'usual'"));
   }
 }
 
 TEST_CASE("a resolution that is coarser than an obstacle is thick is warned of, by check, run and explain") {
   const Place place;
   const auto script = [&](const char* robot, const char* resolution) {
-    place.script("coarse.lua", std::string("return rrt { proposals = 10 }, problem { name = 'thin', world = world { bounds = {0, "
-                                           "0, 8, 8}, box {4, 0, 4.1, 6} }, robot = ") +
-                                   robot + ", start = {1, 1, 0}, goal = {7, 1, 0}, resolution = " + resolution + " }");
+    place.script("coarse.lua",
+                 std::string("return rrt { proposals = 10 }, problem { name = 'thin', world = world { bounds = {0, "
+                             "0, 8, 8}, box {4, 0, 4.1, 6} }, robot = ") +
+                     robot + ", start = {1, 1, 0}, goal = {7, 1, 0}, resolution = " + resolution + " }");
   };
   script("robot.rectangle(0.6, 0.2)", "2");
   for (const char* verb : {"check", "run", "explain"}) {

@@ -392,8 +392,8 @@ TEST_CASE("signals, closed pipes and full disks end train, merge, ablations and 
   }
   const std::string train = "train --data data --samples 50 --out ";
   REQUIRE(place.shell("$T " + train + "good.model").status == 0);
-  for (const std::string command : {train + "good.model", std::string("merge shard-1 shard-2 --sqlite all.sqlite"),
-                                    std::string("run solve.lua --seeds 2")}) {
+  for (const std::string& command : {train + "good.model", std::string("merge shard-1 shard-2 --sqlite all.sqlite"),
+                                     std::string("run solve.lua --seeds 2")}) {
     const Outcome full = place.shell("$T " + command + " > /dev/full");
     INFO(command << "\n" << full.err);
     CHECK(full.status == 2);
@@ -405,7 +405,7 @@ TEST_CASE("signals, closed pipes and full disks end train, merge, ablations and 
   }
   const std::string model = content(place / "good.model");
   const auto kept = names_in(place / "");
-  for (const std::string command :
+  for (const std::string& command :
        {train + "good.model", std::string("merge shard-1 shard-2 --out merged"),
         std::string("merge shard-1 shard-2 --pdt pdt"), std::string("merge shard-1 shard-2 --sqlite new.sqlite")}) {
     const Outcome limited = place.shell("ulimit -f 1; $T " + command);

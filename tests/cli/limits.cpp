@@ -85,6 +85,16 @@ TEST_CASE("what a script can make large is limited, and the message names the li
       {"return skeleton() >> rrt {}, among { disc {5, 5, 1e-15} }",
        "disc 5 5 1e-15: its diameter is 2e-15 m, below the precision of coordinates of up to 5 m; expected at least "
        "2.84e-13 m"},
+      {"return rrt {}, among { disc {0, 0, 1e-20} }",
+       "obstacle 1 (disc 0 0 1e-20): its diameter is 2e-20 m, below the precision of coordinates of up to 10 m; "
+       "expected "
+       "at least 5.68e-13 m"},
+      {"return rrt {}, among { box {1, 1, 9, 1 + 1e-15} }", "its length along y is 1.11022e-15 m, below the precision"},
+      {"return rrt {}, problem { world = world { bounds = {0, 0, 0, 10, 10, 10}, sphere {5, 5, 5, 1e-15} }, "
+       "robot = robot.point { dimension = 3 }, start = pose {1, 1, 1}, goal = pose {9, 9, 9} }",
+       "sphere 5 5 5 1e-15: its diameter is 2e-15 m, below the precision of coordinates of up to 5 m"},
+      {"return rrt {}, among { cylinder { radius = 1, length = 1e-14 } }",
+       "cylinder of radius 1 and length 1e-14: its length is 1e-14 m, below the precision of coordinates of up to 1 m"},
   };
   const Place place;
   for (const Limited& one : all) {
@@ -193,7 +203,7 @@ TEST_CASE("pipes and devices are no input files", "[limits]") {
   place.script("scene.lua", "return rrt {}, scenes.load('pipe.map', { start = {1, 1}, goal = {2, 2} })\n");
   place.script("paths.lua", "return experience { db = 'pipe.db' } >> rrt {}, scenes.cup()\n");
   REQUIRE(place.shell("for one in pipe.lua pipe.stl pipe.map pipe.db pipe.json; do mkfifo $one; done").status == 0);
-  // Nobody writes to the pipes: a command that reads one does not end.
+  // No process writes to the pipes: a command that reads one does not end.
   for (const std::string command :
        {"run pipe.lua", "check pipe.lua", "explain pipe.lua", "test pipe.lua", "repl pipe.lua < /dev/null",
         "run mesh.lua", "run module.lua", "run scene.lua", "run paths.lua", "scene pipe.map", "experience pipe.db",

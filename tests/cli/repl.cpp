@@ -588,9 +588,9 @@ TEST_CASE("save replaces a file that the session did not write only if the perso
 TEST_CASE("what is saved after tune, and after values of runs, is a script that runs") {
   const Place place;
   const std::string tuning =
-      "tune(function(p) return rrt { step = p.step } end, scenes.cup(), { over = { step = {0.25, 0.5} }, budget = 24 "
+      "tune(function(p) return rrt { step = p.step } end, scenes.cup(), { over = { step = {0.2, 0.25} }, budget = 24 "
       "})";
-  for (const std::string inputs : std::vector<std::string>{
+  for (const std::string& inputs : std::vector<std::string>{
            tuning, "best = " + tuning, "best = " + tuning + "\nplan(best)",
            "best = " + tuning + "\nworse = best\nplan(skeleton() >> worse, scenes.trap())",
            "mine = rrt { step = 0.5 }\nr = plan(mine, scenes.cup())\nlength = r.length\nshorter = length / 2\n"

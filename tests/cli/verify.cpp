@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // trellis verify: paths of results are validated again.
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -49,7 +49,8 @@ struct Results {
 TEST_CASE("paths of a run are certified, and their smallest clearance is that of the document") {
   const Results results;
   double least = 1.0;
-  for (const Json& run : results.document()["runs"]) {
+  const Json document = results.document();
+  for (const Json& run : document["runs"]) {
     CHECK(run["certified"] == true);
     CHECK(run["clearance"] > 0.0);
     least = std::min(least, run["clearance"].get<double>());

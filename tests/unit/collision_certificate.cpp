@@ -235,7 +235,7 @@ TEST_CASE("an inflated shape contains all points within the distance", "[collisi
   }
 }
 
-TEST_CASE("the area that a polygon sweeps is that of its places on the way", "[collision][certificate]") {
+TEST_CASE("the swept area of a polygon is the union of its shapes on the motion", "[collision][certificate]") {
   Stream stream(6, "", "sweeps");
   for (const ConvexShape& shape : convex_shapes()) {
     const auto* polygon = std::get_if<Polygon>(&shape);

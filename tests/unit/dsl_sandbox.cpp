@@ -332,7 +332,7 @@ TEST_CASE("chains of coroutines that close each other end, however long") {
   CHECK(values(chain +
                "local t = {3, 1, 2} table.sort(t, function(a, b) coroutine.close(chain(10000)) return a < b end) "
                "return t[1]") == std::vector<std::string>{"1"});
-  // The one that is too deep is told so; what it does not close stays open.
+  // The one that is too deep receives an error; what it does not close stays open.
   const std::string deepest =
       "local why local last for i = 1, 1000 do local before = last "
       "last = coroutine.create(function() local x <close> = setmetatable({}, { __close = function() "

@@ -76,10 +76,10 @@ TEST_CASE("a guided search continues where its path was refuted", "[executor][pa
 
 TEST_CASE("a path that is refuted when all proposals are spent leaves the next best one", "[executor][path_check]") {
   Problem problem = test::cup_problem();
-  problem.resolution = 0.2;
+  problem.resolution = 0.15;
   for (const char* name : {"rrt_star", "prm_star", "lazy_prm_star", "lazy_rrg_star"}) {
     INFO(name);
-    CHECK(refuted(PlannerSpec::make(name, {{"proposals", 2000.0}, {"improve", 2000.0}}), problem, 4) > 0);
+    CHECK(refuted(PlannerSpec::make(name, {{"proposals", 3000.0}, {"improve", 3000.0}}), problem, 4) > 0);
   }
 }
 

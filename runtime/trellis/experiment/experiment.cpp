@@ -467,7 +467,7 @@ ExperimentResult run_or_part(Experiment& experiment, const ExperimentOptions& op
     finished = text_of(part, experiment);
     reduce(experiment, result, part);
     if (experiment.measure) {
-      // Whoever interrupts a run waits for its end.
+      // The user who interrupts a run waits for its end.
       constexpr double patience = 3.0;
       const auto begin = std::chrono::steady_clock::now();
       const auto passed = [&] {

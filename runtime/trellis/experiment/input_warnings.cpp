@@ -26,6 +26,22 @@ namespace trellis {
 
 namespace {
 
+/// Warns of joint limits that are probably degrees.
+void find_limits_in_degrees(const Problem& problem, std::vector<std::string>& warnings) {
+  const PlanarScene* scene = problem.scene->planar();
+  if (scene == nullptr) return;
+  const auto& limits = scene->robot.limits();
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    constexpr double usual = 4.0;  // turns
+    const double turns = limits[i] ? (limits[i]->second - limits[i]->first) / (2.0 * std::numbers::pi) : 0.0;
+    if (turns <= usual) continue;
+    warnings.push_back(fmt::format(
+        "problem '{}': the limits of joint {}, {:g} and {:g}, are {:.1f} turns apart; angles are in radians, and "
+        "degrees are written math.rad({:g})",
+        problem.name, i + 1, limits[i]->first, limits[i]->second, turns, limits[i]->first));
+  }
+}
+
 /// Warns of angles beyond a full turn.
 void find_degrees(const Problem& problem, std::vector<std::string>& warnings) {
   const std::vector<Axis> axes = problem.space.coordinates();
@@ -70,7 +86,8 @@ void find_coarse_resolution(const Problem& problem, std::vector<std::string>& wa
   if (!thinnest) return;
   const double body = 2.0 * problem.scene->inscribed_radius();
   const double enough = thinnest->thickness + body;
-  if (problem.resolution <= enough || enough == 0.0) return;
+  constexpr double rounding = 1e-9;
+  if (problem.resolution <= enough * (1.0 + rounding) || enough == 0.0) return;
   warnings.push_back(fmt::format(
       "problem '{}': between two configurations that are checked the robot moves by up to resolution = {:g} m, and {} "
       "is {:.3g} m thick{}: a search passes through it and its paths are refuted, which costs time; with resolution = "
@@ -264,6 +281,7 @@ std::vector<std::string> input_warnings(const Experiment& experiment) {
   std::vector<std::string> warnings;
   for (const Problem& problem : experiment.problems) {
     find_degrees(problem, warnings);
+    find_limits_in_degrees(problem, warnings);
     find_coarse_resolution(problem, warnings);
     find_separation(problem, warnings);
     if (const std::string warning = unit_warning(problem); !warning.empty()) {

@@ -9,8 +9,9 @@
 namespace trellis {
 
 /// Returns a sentence for each input that is valid and probably a mistake: an angle of start or goal beyond a full turn
-/// (degrees), a start and goal that no path of a point joins, a resolution coarser than an obstacle is thick, a mesh at
-/// least 30 times as large as its world (millimetres), a guide that does not change the problem's robot.
+/// or joint limits more than four turns apart (degrees), a start and goal that no path of a point joins, a resolution
+/// coarser than an obstacle is thick, a mesh at least 30 times as large as its world (millimetres), a guide that does
+/// not change the problem's robot.
 std::vector<std::string> input_warnings(const Experiment& experiment);
 
 /// Returns a sentence about the largest mesh of a scene in space if it is at least 30 times as large as the world: then

@@ -19,14 +19,15 @@ std::string place_text(const Instance& instance, const InvalidPlace& place, doub
   using Kind = InvalidPlace::Kind;
   const std::size_t number = place.point + 1;
   if (place.kind == Kind::outside) return fmt::format("leaves the space at point {}", number);
-  const std::string where = place.kind == Kind::point ? fmt::format("at point {}", number)
-                                                      : fmt::format("between the points {} and {}", place.point, number);
+  const std::string where = place.kind == Kind::point
+                                ? fmt::format("at point {}", number)
+                                : fmt::format("between the points {} and {}", place.point, number);
   const std::string at = fmt::format("({:.4g})", fmt::join(place.invalid, ", "));
   if (const auto contact = instance.validity->contact(place.invalid)) {
     return fmt::format("is invalid {}: {} touches {}", where, at, describe(*contact, *instance.scene));
   }
-  return fmt::format("is not certified {}: {} is too close to contact to decide with a tolerance of {:.2g} m", where, at,
-                     tolerance);
+  return fmt::format("is not certified {}: {} is too close to contact to decide with a tolerance of {:.2g} m", where,
+                     at, tolerance);
 }
 
 /// Adds a motion to a certificate; returns whether it is certified. A proof by other intervals, as that of a search

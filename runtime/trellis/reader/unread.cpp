@@ -41,10 +41,10 @@ constexpr std::array<Signature, 27> signatures = {{
     {"P6"sv, "a PPM image", convert_image},
     {"P7"sv, "a PAM image", convert_image},
     {"RIFF"sv, "a RIFF file, as WebP images are", convert_image},
-    {"glTF"sv, "a binary glTF file, which describes meshes to look at", convert_mesh},
-    {"Kaydara FBX"sv, "an FBX file, which describes meshes to look at", convert_mesh},
-    {"PXR-USDC"sv, "a USD file, which describes a scene to look at", convert_mesh},
-    {"#usda"sv, "a USD file, which describes a scene to look at", convert_mesh},
+    {"glTF"sv, "a binary glTF file, which describes meshes for viewers", convert_mesh},
+    {"Kaydara FBX"sv, "an FBX file, which describes meshes for viewers", convert_mesh},
+    {"PXR-USDC"sv, "a USD file, which describes a scene for viewers", convert_mesh},
+    {"#usda"sv, "a USD file, which describes a scene for viewers", convert_mesh},
     {"BLENDER"sv, "a file of Blender", convert_mesh},
     {"ISO-10303-21"sv, "a STEP file, which describes parts by their surfaces", convert_mesh},
     {"# Octomap"sv, "an octomap, which divides space into cells", "; Trellis reads no octomaps"},
@@ -65,7 +65,7 @@ constexpr std::array<Signature, 21> roots = {{
     {"gazebo"sv, "a world of Gazebo", shapes},
     {"world"sv, "a world of Gazebo or Webots", shapes},
     {"mujoco"sv, "a model of MuJoCo (MJCF)", shapes},
-    {"X3D"sv, "an X3D file, which describes a scene to look at", convert_mesh},
+    {"X3D"sv, "an X3D file, which describes a scene for viewers", convert_mesh},
     {"COLLADA"sv, "a COLLADA file, a mesh", "; a file of a mesh in COLLADA ends with .dae"},
     {"rlsg"sv, "a scene of the Robotics Library", "; Trellis reads the plan that names it (<rlplan>)"},
     {"rlmdl"sv, "a model of the Robotics Library", "; Trellis reads the plan that names it (<rlplan>)"},
@@ -93,15 +93,15 @@ constexpr std::array<Signature, 35> endings = {{
     {"wbt"sv, "a world of Webots", shapes},
     {"mjcf"sv, "a model of MuJoCo (MJCF)", shapes},
     {"scene"sv, "a planning scene of MoveIt", shapes},
-    {"gltf"sv, "a glTF file, which describes meshes to look at", convert_mesh},
-    {"glb"sv, "a binary glTF file, which describes meshes to look at", convert_mesh},
-    {"fbx"sv, "an FBX file, which describes meshes to look at", convert_mesh},
-    {"usd"sv, "a USD file, which describes a scene to look at", convert_mesh},
-    {"usda"sv, "a USD file, which describes a scene to look at", convert_mesh},
-    {"usdc"sv, "a USD file, which describes a scene to look at", convert_mesh},
-    {"usdz"sv, "a USD file, which describes a scene to look at", convert_mesh},
-    {"wrl"sv, "a VRML file, which describes a scene to look at", convert_mesh},
-    {"x3d"sv, "an X3D file, which describes a scene to look at", convert_mesh},
+    {"gltf"sv, "a glTF file, which describes meshes for viewers", convert_mesh},
+    {"glb"sv, "a binary glTF file, which describes meshes for viewers", convert_mesh},
+    {"fbx"sv, "an FBX file, which describes meshes for viewers", convert_mesh},
+    {"usd"sv, "a USD file, which describes a scene for viewers", convert_mesh},
+    {"usda"sv, "a USD file, which describes a scene for viewers", convert_mesh},
+    {"usdc"sv, "a USD file, which describes a scene for viewers", convert_mesh},
+    {"usdz"sv, "a USD file, which describes a scene for viewers", convert_mesh},
+    {"wrl"sv, "a VRML file, which describes a scene for viewers", convert_mesh},
+    {"x3d"sv, "an X3D file, which describes a scene for viewers", convert_mesh},
     {"3ds"sv, "a 3DS mesh", convert_mesh},
     {"3mf"sv, "a 3MF mesh", convert_mesh},
     {"amf"sv, "an AMF mesh", convert_mesh},
@@ -224,7 +224,7 @@ std::string unread_text(const SourceText& text) {
   // The text that MoveIt exports: a name, then an object in each line with a star.
   const auto starred = [](const std::string& line) { return line.starts_with("* "); };
   if (text.lines.size() > 1 && starred(text.lines[1])) return unread_ending("file.scene");
-  if (const std::string known = unread_keys(text); !known.empty()) return known;
+  if (std::string known = unread_keys(text); !known.empty()) return known;
   return unread_ending(text.path);
 }
 

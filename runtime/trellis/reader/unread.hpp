@@ -8,7 +8,7 @@
 
 namespace trellis {
 
-// Formats that Trellis knows and does not read: a message says what a file is, and what is read instead.
+// Formats that Trellis recognises and does not read: a message says what a file is, and what is read instead.
 
 /// Returns a sentence about a file by its first bytes, "" where they are of no known binary format: images, archives,
 /// meshes. \param begin  at least the first 16 bytes, where the file has as many

@@ -416,6 +416,23 @@ std::string rejections_text(const Experiment& experiment, const Row& row, std::s
   return out;
 }
 
+/// Says that the paths are certified, and which one comes closest to contact.
+std::string certificates_text(const Section& section, std::size_t width) {
+  const RunResult* closest = nullptr;
+  std::size_t paths = 0;
+  for (const Row& row : section.rows) {
+    for (const RunResult* run : row.runs) {
+      if (!run->run.certified) continue;
+      ++paths;
+      if (closest == nullptr || run->run.clearance < closest->run.clearance) closest = run;
+    }
+  }
+  if (closest == nullptr || !std::isfinite(closest->run.clearance)) return "";
+  return wrap(fmt::format("{} path{} certified free of contact; smallest clearance {:.2g} m ({}, seed {})", paths,
+                          paths == 1 ? "" : "s", closest->run.clearance, closest->strategy, closest->seed),
+              width, "", "  ");
+}
+
 }  // namespace
 
 std::string levels_report_text(const Experiment& experiment, const ExperimentResult& result, std::size_t width) {
@@ -445,6 +462,7 @@ std::string overview_text(const Experiment& experiment, const ExperimentResult& 
   std::string out;
   for (const Section& section : sections) {
     out += (out.empty() ? "" : "\n") + heading_of(experiment, section, width) + strategies_table(section, width);
+    out += certificates_text(section, width);
     out += warnings(experiment, result, section, width);
     if (tables > most_level_tables) continue;
     for (const Row& row : section.rows) {

@@ -90,7 +90,9 @@ void check_speed(const std::string& axis, double lo, double hi, const Problem& p
   const bool turn = is_one_of(axis, turns);
   if (!turn && !is_one_of(axis, speeds)) return;
   const double extent = turn ? 2.0 * std::numbers::pi : problem.space.diameter();
-  const double dt = problem.motion_model->dt();
+  // The planner limits the steps of one control, and with them smaller steps.
+  constexpr double millisecond = 1e-3;
+  const double dt = std::max(problem.motion_model->dt(), millisecond);
   const double least = extent / (most_parts * dt);
   const char* unit = turn ? "rad" : "m";
   for (const auto& [option, bound] :

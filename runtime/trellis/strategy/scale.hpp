@@ -11,9 +11,9 @@ namespace trellis {
 
 /// The rule of scale, by which the work that an option demands stays finite. The extent of a problem is the diameter of
 /// its space in the metric. An option that is a length, and the distance that a speed covers in one step of the motion
-/// model, divide the extent into at most this many parts; a share of a path's length divides 1 into at most as many; a
-/// number of attempts for one proposal is at most this number; and a turn is at most this many times the resolution,
-/// where it is longer than the extent of the positions. Defaults, and 0, are exempt.
+/// model (a millisecond at least), divide the extent into at most this many parts; a share of a path's length divides 1
+/// into at most as many; a number of attempts for one proposal is at most this number; and a turn is at most this many
+/// times the resolution, where it is longer than the extent of the positions. Defaults, and 0, are exempt.
 inline constexpr double most_parts = 1e6;
 
 /// Checks options of a component against the rule of scale.

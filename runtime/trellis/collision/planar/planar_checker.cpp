@@ -517,26 +517,28 @@ class PlanarChecker final : public Checker {
 
   /// Returns the parameter of a contact of a point's motion, whose checked configurations are free.
   [[nodiscard]] std::optional<double> between_configurations(View a, View b) const {
+    if (sweepable_) return contact_near(segment_between(a, b));
     // Between two ends of a period the motion is one segment.
     space_.difference(a, b, difference_);
-    std::vector<double> ends = sweepable_ ? std::vector<double>{} : wraps(space_, a, difference_);
+    std::vector<double> ends = wraps(space_, a, difference_);
     ends.push_back(1.0);
     double from = 0.0;
     for (const double to : ends) {
       space_.interpolate(a, b, 0.5 * (from + to), q_);
-      const double half = 0.5 * (to - from);
-      const Vec2 along = sweepable_ ? Vec2{b[0] - a[0], b[1] - a[1]} : Vec2{difference_[0], difference_[1]};
-      const Segment2 segment =
-          sweepable_ ? segment_between(a, b) : Segment2{Vec2{q_[0], q_[1]} - half * along, 2.0 * half * along};
-      const Vec2 end = segment.from + segment.along;
-      const unsigned candidates =
-          index_.query({std::min(segment.from.x, end.x) - slack_, std::max(segment.from.x, end.x) + slack_,
-                        std::min(segment.from.y, end.y) - slack_, std::max(segment.from.y, end.y) + slack_},
-                       candidates_.data());
-      if (const auto at = segment_contact(segment, candidates)) return from + *at * (to - from);
+      const Vec2 along = (to - from) * Vec2{difference_[0], difference_[1]};
+      const Segment2 segment{Vec2{q_[0], q_[1]} - 0.5 * along, along};
+      if (const auto at = contact_near(segment)) return from + *at * (to - from);
       from = to;
     }
     return std::nullopt;
+  }
+
+  /// As `segment_contact`, for the obstacles near the segment.
+  [[nodiscard]] std::optional<double> contact_near(const Segment2& segment) const {
+    const Vec2 end = segment.from + segment.along;
+    const Box box{std::min(segment.from.x, end.x) - slack_, std::max(segment.from.x, end.x) + slack_,
+                  std::min(segment.from.y, end.y) - slack_, std::max(segment.from.y, end.y) + slack_};
+    return segment_contact(segment, index_.query(box, candidates_.data()));
   }
 
   /// Returns the penetration depth of a shape in an obstacle, or its distance beyond the boundary; the greatest of

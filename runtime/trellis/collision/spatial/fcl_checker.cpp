@@ -328,7 +328,7 @@ class SpatialFclChecker final : public Checker {
       certificate.refuted_at = exact.invalid_at;
       return;
     }
-    // The segment decides; distances only tell the clearance.
+    // The segment decides; distances only give the clearance.
     Certificate measured = certificate;
     add_motion(measured, motion, motion.displacement(), first);
     certificate = measured;
