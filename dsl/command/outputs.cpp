@@ -108,11 +108,20 @@ void print_error(const Error& error) {
   if (count > 1) print_message(fmt::format("{} mistakes", count));
 }
 
-void print_all(std::string_view text) { print_drawing(printable(text)); }
+namespace {
 
-void print_drawing(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) fail_output();
+void write_out(const char* bytes, std::size_t size) {
+  if (std::fwrite(bytes, 1, size, stdout) != size || std::fflush(stdout) != 0) fail_output();
 }
+
+}  // namespace
+
+void print_all(std::string_view text) {
+  const std::string shown = printable(text);
+  write_out(shown.data(), shown.size());
+}
+
+void print_drawing(std::string_view text) { write_out(text.data(), text.size()); }
 
 void finish_output() {
   if (reported) return;

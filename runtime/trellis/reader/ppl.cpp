@@ -390,7 +390,7 @@ Solid solid_of(const Placed& body, const MeshFolder& meshes) {
 /// Returns the file with the robot of an environment that has none: NAME.robot, or the only one of its folder, which
 /// is a warning.
 std::string robot_file(const std::string& environment, std::vector<std::string>& warnings) {
-  const std::string own = fs::path(environment).replace_extension(".robot").string();
+  std::string own = fs::path(environment).replace_extension(".robot").string();
   std::error_code ignored;
   if (fs::exists(own, ignored)) return own;
   std::vector<std::string> others;

@@ -257,8 +257,11 @@ SceneFile read_ros_map(const SourceText& text, const ReadOptions& options) {
       path.string(), image.width, image.height,
       [&](std::size_t column, std::size_t row) { return rule(image.at(column, row)) != Cell::free; },
       turned ? Vec2{} : map.origin, map.resolution);
-  World world =
-      turned ? placed(pose, size, std::move(boxes)) : World({map.origin, map.origin + size}, std::move(boxes));
+  const auto make_world = [&]() -> World {
+    if (turned) return placed(pose, size, std::move(boxes));
+    return {{map.origin, map.origin + size}, std::move(boxes)};
+  };
+  World world = make_world();
   auto scene = std::make_shared<const PlanarScene>(std::move(world), options.robot.value_or(Robot::point()));
   SceneFile file{"map of ROS",
                  fmt::format("1 pixel = {:g} m", map.resolution),
