@@ -19,7 +19,8 @@ void check_fits(const Scene& scene, const Space& space, double resolution);
 double touching_slack(const Scene& scene);
 
 /// Returns the parameters in (0, 1), ascending, at which the shortest motion from a passes an end of a periodic axis of
-/// a flat space: only there can a robot jump. \param difference  Space::difference of the motion's ends
+/// a flat space: only there can a robot jump.
+/// \param difference  Space::difference of the motion's ends
 std::vector<double> wraps(const Space& space, View a, View difference);
 
 /// Whether the first `dimension` coordinates, which move the robot, are finite. A configuration with another coordinate
