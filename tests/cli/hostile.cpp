@@ -13,7 +13,7 @@ constexpr long mebibyte = 1024;  // in KiB
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr long most_memory = 8192 * mebibyte;  // the sanitizer's own is most of it
 #else
-constexpr long most_memory = 384 * mebibyte;
+constexpr long most_memory = 256 * mebibyte;
 #endif
 
 /// Returns the first line: the traceback depends on where the script was ended. Whether the instruction limit or the
@@ -28,9 +28,9 @@ std::string message_of(const std::string& err) {
 
 TEST_CASE("no script crashes, fails to terminate, reads forbidden files, or takes all memory", "[slow]") {
   const trellis::test::Place place;
-  trellis::test::check_cases("hostile", 53, [&](const trellis::test::Case& one) {
+  trellis::test::check_cases("hostile", 54, [&](const trellis::test::Case& one) {
     place.script(one.name + ".lua", one.script);
-    const auto outcome = place.run({"check", one.name + ".lua", "--memory", "128", "--instructions", "20000000"});
+    const auto outcome = place.run({"check", one.name + ".lua", "--memory", "64", "--instructions", "20000000"});
     INFO(outcome.err.substr(0, 2000));
     CHECK(outcome.status == 2);
     CHECK(outcome.out.empty());
