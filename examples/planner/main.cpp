@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A planner of one's own: an RRT that extends the nearest of a few random nodes, so that a proposal costs the same in a
 // tree of any size. docs/planner.md explains it.
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include <trellis/planner/own_planner.hpp>
@@ -27,31 +27,33 @@ const Settings<SampledRrtSettings>& sampled_rrt_settings() {
 class SampledRrt final : public Planner {
  public:
   SampledRrt(const SampledRrtSettings& settings, PlannerContext context)
-      : settings_(settings), context_(std::move(context)) {}
+      : Planner(std::move(context)), settings_(settings), proposal_(context_.instance.space.dimension()) {}
 
-  Solution solve(const Budget& budget) override {
+  std::optional<Status> begin(const Budget& /*budget*/) override {
     const Instance& instance = context_.instance;
-    BudgetMonitor monitor(context_, budget);
     // The first call, a call for another path, or an instance that changed. Else the search continues.
     if (root_ == no_node || solved() || epoch_ != instance.epoch()) {
-      if (auto invalid = remove_invalid_goals(context_.instance)) return std::move(*invalid);
+      if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
       context_.guidance.restart();
       epoch_ = instance.epoch();
       root_ = best_ = add_node(context_, instance.start);
     }
-    Configuration proposal(instance.space.dimension());
-    while (!solved()) {
-      if (const auto reason = monitor.spent()) return {*reason, branch_to(context_.search, best_)};
-      propose(context_, proposal);  // draws from h, the guide's part of it included
-      const std::uint32_t added = extend_node(context_, node_near(proposal), settings_.step);
-      if (added != no_node && to_goal(added) < to_goal(best_)) best_ = added;
-    }
-    return {Status::solved, branch_to(context_.search, best_)};
+    return status();
   }
+
+  std::optional<Status> step() override {
+    propose(context_, proposal_);  // draws from h, the guide's part of it included
+    const std::uint32_t added = extend_node(context_, node_near(proposal_), settings_.step);
+    if (added != no_node && to_goal(added) < to_goal(best_)) best_ = added;
+    return status();
+  }
+
+  Solution solution(Status status) override { return {status, branch_to(context_.search, best_)}; }
 
  private:
   View node(std::uint32_t row) const { return std::as_const(context_.search.nodes)[row]; }
   double to_goal(std::uint32_t row) const { return context_.instance.to_goal(node(row)); }
+  std::optional<Status> status() const { return solved() ? std::optional(Status::solved) : std::nullopt; }
   bool solved() const { return to_goal(best_) <= context_.instance.goal_tolerance; }
 
   /// The node that the guide selects, else the nearest of the candidates and of the node nearest to the goal.
@@ -69,7 +71,7 @@ class SampledRrt final : public Planner {
   }
 
   SampledRrtSettings settings_;
-  PlannerContext context_;
+  Configuration proposal_;
   std::uint32_t root_ = no_node;  ///< of the current tree: rows of the search
   std::uint32_t best_ = no_node;  ///< the node nearest to the goal
   std::uint64_t epoch_ = 0;

@@ -2,6 +2,7 @@
 // named_planner NAME ARGUMENTS...: the command `trellis` with a planner of that name, which draws proposals and finds
 // no path.
 #include <iostream>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -25,21 +26,23 @@ const Settings<CommonSettings>& settings() {
 
 class Drawing final : public Planner {
  public:
-  Drawing(const CommonSettings& /*settings*/, PlannerContext context) : context_(std::move(context)) {}
+  Drawing(const CommonSettings& /*settings*/, PlannerContext context)
+      : Planner(std::move(context)), proposal_(context_.instance.space.dimension()) {}
 
-  Solution solve(const Budget& budget) override {
-    BudgetMonitor monitor(context_, budget);
-    const std::uint32_t root = add_node(context_, context_.instance.start);
-    Configuration proposal(context_.instance.space.dimension());
-    for (;;) {
-      if (const auto reason = monitor.spent()) return {*reason, branch_to(context_.search, root)};
-      propose(context_, proposal);
-      record_outcome(context_, {.proposal = proposal});
-    }
+  std::optional<Status> begin(const Budget& /*budget*/) override {
+    root_ = add_node(context_, context_.instance.start);
+    return std::nullopt;
   }
+  std::optional<Status> step() override {
+    propose(context_, proposal_);
+    record_outcome(context_, {.proposal = proposal_});
+    return std::nullopt;
+  }
+  Solution solution(Status status) override { return {status, branch_to(context_.search, root_)}; }
 
  private:
-  PlannerContext context_;
+  Configuration proposal_;
+  std::uint32_t root_ = no_node;
 };
 
 }  // namespace

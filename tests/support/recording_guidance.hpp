@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <trellis/planner/planner.hpp>
+#include <trellis/planner/loop.hpp>
 
 namespace trellis::test {
 
@@ -139,9 +139,9 @@ class PlannerRun {
 
   Solution solve() {
     if (!planner_) {
-      planner_ = kind.make(options, {*instance, guidance, Stream(seed_, "0", "proposals"), search, guided, {}, paused});
+      planner_ = kind.make(options, {*instance, guidance, Stream(seed_, "0", "proposals"), search, guided});
     }
-    return planner_->solve(kind.common(options).budget);
+    return run_steps(*planner_, *instance, search, kind.common(options).budget, {.prepare = paused});
   }
   /// After `solve`.
   [[nodiscard]] const Planner& planner() const { return *planner_; }
@@ -152,7 +152,7 @@ class PlannerRun {
   std::shared_ptr<ChangingValidity> validity;
   RecordingGuidance guidance;
   Search search;
-  std::function<bool()> paused;
+  std::function<bool()> paused;  ///< called before every step: whether the loop pauses
   bool guided = false;
 
  private:

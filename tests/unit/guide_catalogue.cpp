@@ -51,7 +51,7 @@ Work work(const std::string& name, const std::vector<Options::Entry>& given, con
   const PlannerKind& planner = *find_planner(kind.default_planner);
   const Options options = Options::validate(*planner.component, {});
   w.guide->attach(*w.sub);
-  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false, {}});
+  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false});
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min(budget.proposals, w.guide->effort());
   w.found = w.planner->solve(budget);
@@ -456,7 +456,7 @@ TEST_CASE("the point's path is the shortest on the grid, and has clearance to ob
   Search search(2);
   const PlannerKind& kind = *find_planner("graph_search");
   const Options options = Options::validate(*kind.component, {});
-  const Solution best = kind.make(options, {checked, *w.uniform, Stream(1, "0", "proposals"), search, false, {}})
+  const Solution best = kind.make(options, {checked, *w.uniform, Stream(1, "0", "proposals"), search, false})
                             ->solve(kind.common(options).budget);
   REQUIRE(best.solved());
   CHECK(path_length(space, w.found.path) == Approx(path_length(space, best.path)).epsilon(1e-12));

@@ -82,7 +82,7 @@ Retrieved retrieve(const Problem& problem, std::vector<Options::Entry> options) 
   r.uniform = std::make_unique<UniformGuidance>(r.sub->space);
   const PlannerKind& searcher = *find_planner(kind.default_planner);
   r.planner = searcher.make(Options::validate(*searcher.component, {}),
-                            {*r.sub, *r.uniform, Stream(1, "0/0", "proposals"), *r.search, false, {}});
+                            {*r.sub, *r.uniform, Stream(1, "0/0", "proposals"), *r.search, false});
   r.solve();
   return r;
 }

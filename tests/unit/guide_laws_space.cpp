@@ -79,7 +79,7 @@ struct Solved {
     guide->attach(*sub);
     Budget budget = planner.common(none).budget;
     budget.proposals = std::min(budget.proposals, 3000.0);
-    found = planner.make(none, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false, {}})->solve(budget);
+    found = planner.make(none, {*sub, uniform, Stream(1, "0/0", "proposals"), search, false})->solve(budget);
     h = guide->heuristic(*parent, sub.get(), &found);
   }
 };

@@ -51,7 +51,7 @@ Work work(const std::string& name, const std::vector<Options::Entry>& given, con
   const PlannerKind& planner = *find_planner(kind.default_planner);
   const Options options = Options::validate(*planner.component, {});
   w.guide->attach(*w.sub);
-  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false, {}});
+  w.planner = planner.make(options, {*w.sub, *w.uniform, Stream(seed, "0/0", "proposals"), w.search, false});
   const auto solve = [&](Budget budget) {
     Solution found = w.planner->solve(budget);
     const bool solved = found.solved();

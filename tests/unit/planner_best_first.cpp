@@ -49,7 +49,7 @@ struct Search2 {
     const PlannerKind& kind = *find_planner(name);
     const Options options = Options::validate(*kind.component, given);
     budget = kind.common(options).budget;
-    planner = kind.make(options, {*instance, *guidance, Stream(1, "0", "proposals"), search, guided, {}});
+    planner = kind.make(options, {*instance, *guidance, Stream(1, "0", "proposals"), search, guided});
   }
   Solution solve() const { return planner->solve(budget); }
 };
@@ -213,6 +213,6 @@ TEST_CASE("best_first searches by a model, and says which models it cannot use",
   Search search(3);
   const PlannerKind& kind = *find_planner("best_first");
   const Options options = Options::validate(*kind.component, {{"model", folder.file("gaps.model")}});
-  const auto planner = kind.make(options, {*instance, guidance, Stream(1, "0", "proposals"), search, false, {}});
+  const auto planner = kind.make(options, {*instance, guidance, Stream(1, "0", "proposals"), search, false});
   CHECK_THROWS_WITH(planner->solve(kind.common(options).budget), Contains("needs a graph in the plane"));
 }

@@ -54,7 +54,7 @@ Solution solve_in_slices(PlannerRun& run, std::size_t& asked, const Between& bet
   for (int slice = 1; slice < 100000; ++slice) {
     left = 3;
     Solution solution = run.solve();
-    if (solution.status != Status::budget_spent) return solution;
+    if (solution.status != Status::paused) return solution;
     CHECK_FALSE(solution.path.empty());
     between(slice);
   }

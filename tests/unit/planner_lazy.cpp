@@ -32,7 +32,7 @@ Run run(const Problem& problem, std::uint64_t seed, const std::function<std::uni
   Run out;
   out.search = Search(instance->space.dimension());
   const Options options = Options::validate(*kind.component, given);
-  auto planner = kind.make(options, {*instance, *guidance, Stream(seed, "0", "proposals"), out.search, guided, {}});
+  auto planner = kind.make(options, {*instance, *guidance, Stream(seed, "0", "proposals"), out.search, guided});
   out.solution = planner->solve(kind.common(options).budget);
   out.checks = instance->checks;
   return out;
@@ -144,7 +144,7 @@ struct GeneralizedLazySearch {
     const PlannerKind& kind = *find_planner("lazy_prm");
     const Options options = Options::validate(*kind.component, {{"samples", std::int64_t{400}}});
     budget = kind.common(options).budget;
-    planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false, {}});
+    planner = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false});
   }
   double solve() {
     solution = planner->solve(budget);

@@ -23,14 +23,15 @@ using Own = Settings<OwnSettings>;
 
 class Idle final : public Planner {
  public:
-  Idle(const OwnSettings& settings, const PlannerContext& context) {
+  Idle(const OwnSettings& settings, PlannerContext context) : Planner(std::move(context)) {
     static_cast<void>(settings);
-    static_cast<void>(context);
   }
-  Solution solve(const Budget& budget) override {
+  std::optional<Status> begin(const Budget& budget) override {
     static_cast<void>(budget);
-    return {};
+    return Status::untried;
   }
+  std::optional<Status> step() override { return Status::untried; }
+  Solution solution(Status status) override { return {status, {}}; }
 };
 
 Own named(const std::string& name, const std::string& summary = "a planner") {
@@ -41,7 +42,7 @@ void add(const Own& settings) {
   register_planner({.component = &settings.component(),
                     .common = [](const Options&) { return PlannerCommon(); },
                     .make = [](const Options&, PlannerContext context) -> std::unique_ptr<Planner> {
-                      return std::make_unique<Idle>(OwnSettings(), context);
+                      return std::make_unique<Idle>(OwnSettings(), std::move(context));
                     }});
 }
 

@@ -198,7 +198,7 @@ TEST_CASE("the repair of a tree pauses and resumes", "[planner][repair]") {
       const std::uint64_t checks = sliced.instance->checks.motion;
       solution = sliced.solve();
       REQUIRE(++slices < 100000);
-      if (!solution.solved()) CHECK(solution.status == Status::budget_spent);
+      if (!solution.solved()) CHECK(solution.status == Status::paused);
       // Longer only for the first branch.
       if (slices > 1 && planner == "rrt") CHECK(sliced.instance->checks.motion <= checks + 8 * first.path.size());
       REQUIRE_FALSE(solution.path.empty());

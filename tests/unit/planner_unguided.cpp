@@ -88,7 +88,7 @@ std::uint64_t fingerprint(const std::string& planner, std::vector<Options::Entry
       auto instance = make_instance(problem);
       Unguided guidance(*instance, common.goal_bias);
       Search search(instance->space.dimension());
-      auto plan = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false, {}});
+      auto plan = kind.make(options, {*instance, guidance, Stream(seed, "0", "proposals"), search, false});
       for (int solve = 0; solve < 2; ++solve) {
         const Solution solution = plan->solve(common.budget);
         // A lazy roadmap that has spent its proposals continues without them; these digests predate that.

@@ -238,7 +238,7 @@ TEST_CASE("a skeleton goes round what another space's evidence refuted", "[strat
     Search search(2);
     const PlannerKind& planner = *find_planner("graph_search");
     const Solution found =
-        planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false, {}})
+        planner.make(Options::validate(*planner.component, {}), {*sub, uniform, Stream(1, "", ""), search, false})
             ->solve({});
     REQUIRE(found.solved());
     double highest = 0.0;

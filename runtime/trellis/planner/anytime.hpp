@@ -70,11 +70,12 @@ class BestPath {
   }
   /// The solution with which the solve ends.
   /// \param reason  why the solve ends
-  /// \return the stored path, with Status::solved if the budget ended the solve. A solve that drew no proposal and
+  /// \return the stored path, with Status::solved if the budget or a pause ended the solve. A solve that drew no proposal and
   ///     stored no path returns `reason`.
   [[nodiscard]] Solution solution(Status reason) const {
     const bool spent_nothing = !kept_ && drawn() == begun_;
-    return {reason == Status::budget_spent && !spent_nothing ? Status::solved : reason, path_};
+    const bool limited = reason == Status::budget_spent || reason == Status::paused;
+    return {limited && !spent_nothing ? Status::solved : reason, path_};
   }
 
  private:

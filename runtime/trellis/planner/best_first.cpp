@@ -53,7 +53,7 @@ const Settings<BestFirstSettings>& best_first_settings() {
 class BestFirst final : public Planner {
  public:
   BestFirst(const BestFirstSettings& settings, PlannerContext context)
-      : settings_(settings), context_(std::move(context)), evaluated_(context_) {
+      : Planner(std::move(context)), settings_(settings), evaluated_(context_) {
     if (settings_.model.empty()) return;
     model_ = known_search_model(settings_.model);
     if (!model_) {
@@ -62,7 +62,8 @@ class BestFirst final : public Planner {
     }
   }
 
-  Solution solve(const Budget& budget) override {
+  std::optional<Status> begin(const Budget& budget) override {
+    static_cast<void>(budget);
     const Graph& graph = *context_.instance.graph;
     if (model_ && graph.vertices.dimension() != 2) {
       throw Error(
@@ -75,21 +76,36 @@ class BestFirst final : public Planner {
       for (const auto& edge : graph.edges) costs_.push_back(edge.cost);
     }
     if (!graph.verified) {
-      if (auto found = remove_invalid_goals(context_.instance)) return *found;
+      if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
       evaluated_.renew();
     }
-    if (!paused_ || context_.guided || version_ != evaluated_.version()) begin(budget);
-    BestFirstSearch& search = *paused_;
-    // The search draws no more proposals, so the limit of proposals must not end it.
-    Budget searching = budget;
-    searching.proposals = Budget::unlimited;
-    BudgetMonitor monitor(context_, searching);
-    std::optional<Status> ended;
-    while (!search.goal() && !search.open().empty()) {
-      if ((ended = monitor.spent())) break;
-      const std::uint32_t v = search.open().begin()->vertex;
-      if (search.expand(*search.open().begin()) && !graph.verified) evaluated_.add_node(v, search.state().at(v).edge);
+    drawing_ = context_.guided;
+    if (!drawing_) return begin_search();
+    evaluated_.begin_proposals(settings_.samples);
+    return std::nullopt;
+  }
+
+  /// The search draws no more proposals, so the limit of proposals must not end it.
+  [[nodiscard]] bool draws() const override { return drawing_; }
+
+  std::optional<Status> step() override {
+    if (drawing_) {
+      evaluated_.draw_proposal();
+      return evaluated_.proposals_left() > 0 ? std::nullopt : begin_search();
     }
+    BestFirstSearch& search = *paused_;
+    const std::uint32_t v = search.open().begin()->vertex;
+    if (search.expand(*search.open().begin()) && !context_.instance.graph->verified)
+      evaluated_.add_node(v, search.state().at(v).edge);
+    return ended();
+  }
+
+  /// The search uses the proposals drawn so far.
+  std::optional<Status> stopped(Status limit) override { return drawing_ ? begin_search() : std::optional(limit); }
+
+  [[nodiscard]] Solution solution(Status status) override {
+    const Graph& graph = *context_.instance.graph;
+    BestFirstSearch& search = *paused_;
     std::vector<std::uint32_t> parent;
     std::vector<char> reached;
     parent.reserve(graph.vertices.size());
@@ -100,15 +116,28 @@ class BestFirst final : public Planner {
       reached.push_back(vertex.expanded || v == search.goal() ? 1 : 0);
     }
     if (search.goal() && !graph.verified) evaluated_.add_node(*search.goal(), parent[*search.goal()]);
-    if (!ended) paused_.reset();
-    return evaluated_.solution(parent, reached, ended.value_or(Status::no_path));
+    if (ended()) paused_.reset();
+    return evaluated_.solution(parent, reached, status);
   }
 
  private:
-  void begin(const Budget& budget) {
+  /// The status of a search that has ended.
+  [[nodiscard]] std::optional<Status> ended() const {
+    if (paused_->goal()) return Status::solved;
+    return paused_->open().empty() ? std::optional(Status::no_path) : std::nullopt;
+  }
+
+  /// Begins the search, or continues one that a limit ended.
+  std::optional<Status> begin_search() {
+    drawing_ = false;
+    evaluated_.end_proposals();
+    if (!paused_ || context_.guided || version_ != evaluated_.version()) make_search();
+    return ended();
+  }
+
+  void make_search() {
     version_ = evaluated_.version();
-    BudgetMonitor drawing(context_, budget);
-    const auto priority = [this, factors = priority_factors(drawing)](const SearchState& state, std::uint32_t v) {
+    const auto priority = [this, factors = priority_factors()](const SearchState& state, std::uint32_t v) {
       const Graph& graph = *context_.instance.graph;
       double ahead = std::numeric_limits<double>::infinity();
       if (model_) {
@@ -146,9 +175,9 @@ class BestFirst final : public Planner {
 
   /// Factors on the vertices' priorities: 1 / (1 + s * vertices) for a vertex nearest to a share s of the guidance's
   /// proposals. Empty without proposals.
-  std::vector<double> priority_factors(BudgetMonitor& monitor) {
+  [[nodiscard]] std::vector<double> priority_factors() const {
     if (!context_.guided) return {};
-    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, monitor);
+    const EvaluatedGraph::Proposals& proposals = evaluated_.proposals();
     if (proposals.drawn == 0.0) return {};
     const auto n = static_cast<double>(proposals.hits.size());
     std::vector<double> factors;
@@ -158,12 +187,12 @@ class BestFirst final : public Planner {
   }
 
   BestFirstSettings settings_;
-  PlannerContext context_;
   EvaluatedGraph evaluated_;
   std::shared_ptr<const SearchModel> model_;
   std::vector<double> costs_;  ///< initial costs of the edges
   EvaluatedGraph::Version version_;
-  std::optional<BestFirstSearch> paused_;  ///< of `version_`; a search that its budget ended
+  bool drawing_ = false;                   ///< proposals are drawn before the search
+  std::optional<BestFirstSearch> paused_;  ///< of `version_`; the search until its solution is taken
 };
 
 }  // namespace

@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <trellis/planner/nearest.hpp>
-
 namespace trellis {
 
 bool EvaluatedGraph::begin() {
@@ -85,27 +83,36 @@ void EvaluatedGraph::record(std::uint32_t e) {
   }
 }
 
-EvaluatedGraph::Proposals EvaluatedGraph::draw(std::int64_t samples, BudgetMonitor& monitor) {
+void EvaluatedGraph::begin_proposals(std::int64_t samples) {
   const Graph& graph = *context_.instance.graph;
-  NearestIndex index(context_.instance.space);
-  for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index.add(graph.vertices[v]);
-  Proposals proposals{std::vector<double>(graph.vertices.size(), 0.0), 0.0};
-  Configuration q(context_.instance.space.dimension());
-  const std::vector<char> connected = reachable();
-  for (std::int64_t i = 0; i < samples && !monitor.spent(); ++i) {
-    propose(context_, q);
-    const auto near = index.nearest(q);
-    proposals.hits[near.id] += 1.0;
-    proposals.drawn += 1.0;
-    Outcome outcome;
-    outcome.proposal = q;
-    outcome.near = std::as_const(graph.vertices)[near.id];
-    outcome.added = outcome.near;
-    outcome.fate = Fate::advanced;
-    outcome.connected = connected[near.id] != 0;
-    record_outcome(context_, outcome);
-  }
-  return proposals;
+  index_.emplace(context_.instance.space);
+  for (std::uint32_t v = 0; v < graph.vertices.size(); ++v) index_->add(graph.vertices[v]);
+  proposals_ = {std::vector<double>(graph.vertices.size(), 0.0), 0.0};
+  proposals_left_ = samples;
+  connected_ = reachable();
+  sample_.resize(context_.instance.space.dimension());
+}
+
+void EvaluatedGraph::draw_proposal() {
+  const Graph& graph = *context_.instance.graph;
+  propose(context_, sample_);
+  const auto near = index_->nearest(sample_);
+  proposals_.hits[near.id] += 1.0;
+  proposals_.drawn += 1.0;
+  --proposals_left_;
+  Outcome outcome;
+  outcome.proposal = sample_;
+  outcome.near = std::as_const(graph.vertices)[near.id];
+  outcome.added = outcome.near;
+  outcome.fate = Fate::advanced;
+  outcome.connected = connected_[near.id] != 0;
+  record_outcome(context_, outcome);
+}
+
+Status EvaluatedGraph::result(const std::vector<char>& reached) const {
+  const auto& goals = graph_->goals;
+  const bool found = std::any_of(goals.begin(), goals.end(), [&](std::uint32_t v) { return reached[v] != 0; });
+  return found ? Status::solved : Status::no_path;
 }
 
 Solution EvaluatedGraph::solution(const std::vector<std::uint32_t>& parent, const std::vector<char>& reached,

@@ -5,10 +5,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <trellis/planner/loop.hpp>
+#include <trellis/planner/nearest.hpp>
 
 namespace trellis {
 
@@ -61,14 +63,24 @@ class EvaluatedGraph {
   /// uses the edge.
   void record(std::uint32_t edge);
 
-  /// Counts for each vertex the guidance's proposals that are nearest to it.
+  /// Begins to draw `samples` proposals.
+  void begin_proposals(std::int64_t samples);
+  /// Draws one of them.
+  void draw_proposal();
+  /// How many are left to draw.
+  [[nodiscard]] std::int64_t proposals_left() const { return proposals_left_; }
+  /// Draws no more of them.
+  void end_proposals() { proposals_left_ = 0; }
+  /// Counts for each vertex the proposals drawn that are nearest to it.
   struct Proposals {
     std::vector<double> hits;
     double drawn = 0.0;
   };
-  /// Draws `samples` proposals; fewer if the budget ends.
-  Proposals draw(std::int64_t samples, BudgetMonitor& monitor);
+  [[nodiscard]] const Proposals& proposals() const { return proposals_; }
 
+  /// The result of a search that has ended: solved if it reached a goal, else no_path.
+  /// \param reached  for each vertex, whether the search reached it
+  [[nodiscard]] Status result(const std::vector<char>& reached) const;
   /// The solution from the search tree: its path to a goal, or to the reached vertex that is nearest to one.
   /// \param parent  for each reached vertex, the tree's edge to it
   /// \param reached  for each vertex, whether the search reached it
@@ -86,6 +98,11 @@ class EvaluatedGraph {
   [[nodiscard]] std::vector<char> reachable() const;
 
   PlannerContext& context_;
+  Proposals proposals_;
+  std::int64_t proposals_left_ = 0;
+  std::optional<NearestIndex> index_;  ///< of the vertices, while proposals are drawn
+  std::vector<char> connected_;        ///< `reachable` when the proposals began
+  Configuration sample_;
   std::shared_ptr<Graph> graph_;      ///< the graph that the other members refer to
   std::vector<std::uint32_t> first_;  ///< per vertex: its first edge in `incident_`; then the size of that
   std::vector<Incident> incident_;

@@ -36,38 +36,38 @@ const Settings<GraphSearchSettings>& graph_search_settings() {
 class GraphSearch final : public Planner {
  public:
   GraphSearch(const GraphSearchSettings& settings, PlannerContext context)
-      : settings_(settings), context_(std::move(context)), evaluated_(context_) {}
+      : Planner(std::move(context)), settings_(settings), evaluated_(context_) {}
 
-  Solution solve(const Budget& budget) override {
-    const Graph& graph = *context_.instance.graph;
+  std::optional<Status> begin(const Budget& budget) override {
+    static_cast<void>(budget);
     if (evaluated_.begin()) paused_.reset();
-    BudgetMonitor monitor(context_, budget);
-    if (graph.verified) {
-      Tree tree(graph);
-      dijkstra(graph, weighed(monitor), tree);
-      return evaluated_.solution(tree.parent, tree.done, Status::no_path);
-    }
-    std::vector<double> cost;
-    if (context_.guided) cost = weighed(monitor);
-    if (auto found = remove_invalid_goals(context_.instance)) return *found;
-    evaluated_.renew();
-    if (!continues()) {
-      if (!context_.guided) cost = weighed(monitor);
-      paused_.emplace(context_.instance, evaluated_.version(), std::move(cost), context_.guided);
-    }
-    // The search draws no more proposals, so the limit of proposals must not end it.
-    Budget looks = budget;
-    looks.proposals = Budget::unlimited;
-    BudgetMonitor looking(context_, looks);
-    const std::optional<Status> ended = verify(graph, *paused_, looking);
-    Solution solution = evaluated_.solution(paused_->tree.parent, paused_->tree.done, ended.value_or(Status::no_path));
-    if (!ended) paused_.reset();
-    return solution;
+    drawing_ = context_.guided;
+    if (!drawing_) return begin_search();
+    evaluated_.begin_proposals(settings_.samples);
+    return std::nullopt;
+  }
+
+  /// The search draws no more proposals, so the limit of proposals must not end it.
+  [[nodiscard]] bool draws() const override { return drawing_; }
+
+  std::optional<Status> step() override {
+    if (!drawing_) return verify();
+    evaluated_.draw_proposal();
+    return evaluated_.proposals_left() > 0 ? std::nullopt : begin_search();
+  }
+
+  /// The search uses the proposals drawn so far.
+  std::optional<Status> stopped(Status limit) override { return drawing_ ? begin_search() : std::optional(limit); }
+
+  [[nodiscard]] Solution solution(Status status) override {
+    const Tree& tree = paused_ ? paused_->tree : ended_;
+    return evaluated_.solution(tree.parent, tree.done, status);
   }
 
  private:
   /// The vertices that a search has reached.
   struct Tree {
+    Tree() = default;
     explicit Tree(const Graph& graph)
         : parent(graph.vertices.size(), EvaluatedGraph::none), done(graph.vertices.size(), 0) {}
     std::vector<std::uint32_t> parent;  ///< the edge that leads to a vertex
@@ -150,42 +150,61 @@ class GraphSearch final : public Planner {
     return paused_ && !context_.guided && paused_->version == evaluated_.version();
   }
 
-  /// Evaluates the edge to a vertex when the vertex is next in the queue; if the edge is invalid, the search continues
-  /// with the vertex's other edges. Evaluates each edge once per epoch of validity.
-  /// \return the reason if it stops early, else none
-  std::optional<Status> verify(const Graph& graph, Verifying& search, BudgetMonitor& monitor) {
-    auto& [parent, done] = search.tree;
-    while (!search.queue.empty()) {
-      const auto entry = search.queue.top();
-      const std::uint32_t v = entry.vertex;
-      if (done[v] == 0) {
-        if (const auto status = monitor.spent()) return status;
-      }
-      search.queue.pop();
-      if (done[v] != 0) continue;
-      if (entry.edge != EvaluatedGraph::none && !evaluated_.valid(entry.edge, v)) continue;
+  /// Begins or continues the search, after the proposals. A search of a verified graph ends at once.
+  std::optional<Status> begin_search() {
+    drawing_ = false;
+    evaluated_.end_proposals();
+    const Graph& graph = *context_.instance.graph;
+    if (graph.verified) {
+      ended_ = Tree(graph);
+      dijkstra(graph, weighed(), ended_);
+      return evaluated_.result(ended_.done);
+    }
+    if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
+    evaluated_.renew();
+    if (!continues()) paused_.emplace(context_.instance, evaluated_.version(), weighed(), context_.guided);
+    return std::nullopt;
+  }
+
+  /// Evaluates the edge to the next vertex in the queue; if the edge is invalid, the search continues with the vertex's
+  /// other edges. Evaluates each edge once per epoch of validity.
+  std::optional<Status> verify() {
+    const Graph& graph = *context_.instance.graph;
+    auto& queue = paused_->queue;
+    auto& [parent, done] = paused_->tree;
+    const auto entry = queue.top();
+    const std::uint32_t v = entry.vertex;
+    queue.pop();
+    if (entry.edge == EvaluatedGraph::none || evaluated_.valid(entry.edge, v)) {
       done[v] = 1;
       parent[v] = entry.edge;
       evaluated_.add_node(v, entry.edge);
-      if (graph.is_goal(v)) break;
+      if (graph.is_goal(v)) return end_search();
       for (const auto& [e, next] : evaluated_.incident(v)) {
         if (done[next] != 0) continue;
-        const double cost = entry.cost + search.cost[e];
-        search.queue.push({cost + search.ahead(context_.instance, next), cost, next, e});
+        const double cost = entry.cost + paused_->cost[e];
+        queue.push({cost + paused_->ahead(context_.instance, next), cost, next, e});
       }
     }
-    return std::nullopt;
+    while (!queue.empty() && done[queue.top().vertex] != 0) queue.pop();
+    return queue.empty() ? end_search() : std::nullopt;
+  }
+
+  std::optional<Status> end_search() {
+    ended_ = std::move(paused_->tree);
+    paused_.reset();
+    return evaluated_.result(ended_.done);
   }
 
   /// The edges' costs, reduced near the guidance's proposals: an edge whose ends are nearest to a share s of them costs
   /// length / (1 + s * vertices). With the share of the mean vertex it costs half.
-  std::vector<double> weighed(BudgetMonitor& monitor) {
+  std::vector<double> weighed() {
     const Graph& graph = *context_.instance.graph;
     std::vector<double> cost;
     cost.reserve(graph.edges.size());
     for (const auto& edge : graph.edges) cost.push_back(edge.cost);
     if (!context_.guided) return cost;
-    const EvaluatedGraph::Proposals proposals = evaluated_.draw(settings_.samples, monitor);
+    const EvaluatedGraph::Proposals& proposals = evaluated_.proposals();
     if (proposals.drawn == 0.0) return cost;
     const auto n = static_cast<double>(graph.vertices.size());
     for (std::size_t e = 0; e < cost.size(); ++e) {
@@ -197,9 +216,10 @@ class GraphSearch final : public Planner {
   }
 
   GraphSearchSettings settings_;
-  PlannerContext context_;
   EvaluatedGraph evaluated_;
-  std::optional<Verifying> paused_;  ///< a search that its budget ended
+  bool drawing_ = false;             ///< proposals are drawn before the search
+  std::optional<Verifying> paused_;  ///< the search of an unverified graph until it ends
+  Tree ended_;                       ///< of the search that has ended
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shared by the planning loops: budgets, the record of a proposal, and the options of every planner.
+// The planning loop, and what planners share: budgets, the record of a proposal, and the options of every planner.
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -62,37 +63,69 @@ Settings<S> with_common(Settings<S> settings) {
   return settings;
 }
 
-/// Monitors a budget during one solve.
+/// Compares a budget with what a level has spent, during one solve.
 class BudgetMonitor {
  public:
-  BudgetMonitor(const PlannerContext& context, const Budget& budget)
-      : context_(context), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
+  BudgetMonitor(const Instance& instance, const Search& search, const Budget& budget)
+      : instance_(instance), search_(search), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
 
-  /// The reason to stop, or none. Its cost permits a call before every proposal.
-  [[nodiscard]] std::optional<Status> spent() {
-    if (static_cast<double>(context_.search.proposals.size()) >= budget_.proposals) return Status::budget_spent;
-    return spent_without_proposals();
-  }
-  /// The same without the limit of proposals, for work that draws none.
-  [[nodiscard]] std::optional<Status> spent_without_proposals() {
-    if (static_cast<double>(context_.instance.checks.validity) >= budget_.checks) return Status::budget_spent;
-    // Called every time, so that a caller that counts proposals can stop a run at any of them. Reading the clock costs
-    // more.
-    if (context_.interrupted && context_.interrupted()) return Status::interrupted;
-    if (context_.paused && context_.paused()) return Status::budget_spent;
-    if ((asked_++ & 63U) == 0 && budget_.seconds < Budget::unlimited) {
-      const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-      if (context_.search.seconds + elapsed.count() >= budget_.seconds) return Status::budget_spent;
-    }
-    return std::nullopt;
+  /// Whether the budget is spent. Its cost permits a call before every step.
+  /// \param draws  whether the limit of proposals applies
+  [[nodiscard]] bool reached(bool draws) {
+    if (draws && static_cast<double>(search_.proposals.size()) >= budget_.proposals) return true;
+    if (static_cast<double>(instance_.checks.validity) >= budget_.checks) return true;
+    // Reading the clock costs more.
+    if ((asked_++ & 63U) != 0 || budget_.seconds == Budget::unlimited) return false;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+    return search_.seconds + elapsed.count() >= budget_.seconds;
   }
 
  private:
-  const PlannerContext& context_;
+  const Instance& instance_;
+  const Search& search_;
   Budget budget_;
   std::chrono::steady_clock::time_point begin_;
   unsigned asked_ = 0;
 };
+
+/// What an executor does in the loop of a planner.
+struct StepHooks {
+  std::function<bool()> interrupted = {};  ///< polled before every step; true ends the loop with Status::interrupted
+  /// Called before every step: prepares h, which may search other levels. Returns whether the loop pauses.
+  std::function<bool()> prepare = {};
+};
+
+/// The path that contains only the start.
+inline Configurations path_of_start(const Instance& instance) {
+  Configurations path(instance.space.dimension());
+  path.push(instance.start);
+  return path;
+}
+
+/// The planning loop: lets a planner take steps until it ends or a limit is reached.
+/// \param instance  of the planner
+/// \param search  of the planner
+inline Solution run_steps(Planner& planner, const Instance& instance, const Search& search, const Budget& budget,
+                          const StepHooks& hooks = {}) {
+  BudgetMonitor monitor(instance, search, budget);
+  const auto limit = [&]() -> std::optional<Status> {
+    if (monitor.reached(planner.draws())) return Status::budget_spent;
+    if (hooks.interrupted && hooks.interrupted()) return Status::interrupted;
+    if (!hooks.prepare) return std::nullopt;
+    const bool pauses = hooks.prepare();
+    // The run may have ended while other levels were searched.
+    if (hooks.interrupted && hooks.interrupted()) return Status::interrupted;
+    return pauses ? std::optional(Status::paused) : std::nullopt;
+  };
+  std::optional<Status> ended = planner.begin(budget);
+  while (!ended) {
+    const std::optional<Status> reached = limit();
+    ended = reached ? planner.stopped(*reached) : planner.step();
+  }
+  if (*ended == Status::invalid_start) return {*ended, Configurations(instance.space.dimension())};
+  if (*ended == Status::invalid_goal) return {*ended, path_of_start(instance)};
+  return planner.solution(*ended);
+}
 
 /// Draws a proposal into `q` and records it together with the current distribution. Its result is recorded after the
 /// extension, by the function below.
@@ -167,17 +200,14 @@ inline bool steer(const Space& space, View from, View q, double distance, double
 }
 
 /// Checks the start, and removes the goals that are invalid; where all are, it keeps them.
-/// \return none if the search can begin; else the solution with the reason
-inline std::optional<Solution> remove_invalid_goals(Instance& instance) {
-  Solution solution{Status::invalid_start, Configurations(instance.space.dimension())};
-  if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return solution;
-  solution.status = Status::invalid_goal;
-  solution.path.push(instance.start);
+/// \return none if the search can begin; else the reason
+inline std::optional<Status> remove_invalid_goals(Instance& instance) {
+  if (!instance.space.contains(instance.start) || !instance.valid(instance.start)) return Status::invalid_start;
   std::vector<Configuration> valid;
   for (const Configuration& q : instance.goals) {
     if (instance.space.contains(q) && instance.valid(q)) valid.push_back(q);
   }
-  if (valid.empty()) return solution;
+  if (valid.empty()) return Status::invalid_goal;
   instance.goals = std::move(valid);
   return std::nullopt;
 }

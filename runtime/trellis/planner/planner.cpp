@@ -26,8 +26,13 @@ std::string_view to_string(Status status) {
     case Status::invalid_start: return "invalid start";
     case Status::invalid_goal: return "invalid goal";
     case Status::interrupted: return "interrupted";
+    case Status::paused: return "paused";
   }
   throw Fault("unknown status");
+}
+
+Solution Planner::solve(const Budget& budget) {
+  return run_steps(*this, context_.instance, context_.search, budget);
 }
 
 namespace {

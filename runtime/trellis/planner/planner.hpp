@@ -6,8 +6,10 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <trellis/base/component.hpp>
@@ -25,6 +27,7 @@ enum class Status : std::uint8_t {
   invalid_start,  ///< the start is invalid in this space
   invalid_goal,
   interrupted,
+  paused,  ///< of a loop that can continue: it waits for other work of the run. No record has it
 };
 std::string_view to_string(Status status);
 
@@ -103,22 +106,39 @@ struct PlannerContext {
   Search& search;    ///< the planner appends to it
   bool guided;       ///< whether h is more than uniform sampling and goal bias; without such h, an exact graph search
                      ///< draws no proposal
-  std::function<bool()> interrupted;
-  /// Called before every proposal; returns whether the search pauses. A paused search ends with Status::budget_spent,
-  /// and the next call of `solve` continues it. Empty: the search never pauses.
-  std::function<bool()> paused = {};
 };
 
-/// A planner of one instance with one guidance. It does not depend on guides.
+/// A planner of one instance with one guidance, which searches in steps: `run_steps` (loop.hpp) is the loop. It does
+/// not depend on guides, on limits or on other levels.
 class Planner {
  public:
+  explicit Planner(PlannerContext context) : context_(std::move(context)) {}
   virtual ~Planner() = default;
 
-  /// Searches until solved or until the budget is spent. Each further call continues the search. If the instance
-  /// changed (Instance::epoch), a roadmap is repaired and a tree loses its invalid branches. If it did not change, a
-  /// tree that had reached the goal is discarded and a new one is grown to find another path.
-  /// \param budget  limit over all calls: the planner subtracts what the level has already spent
-  virtual Solution solve(const Budget& budget) = 0;
+  /// Begins a solve, or continues the one that a limit ended. If the instance changed (Instance::epoch), a roadmap is
+  /// repaired and a tree loses its invalid branches. If it did not change, a tree that had reached the goal is discarded
+  /// and a new one is grown to find another path.
+  /// \param budget  limit over all solves of the level. The loop observes it; a planner reads it only to divide it
+  /// \return the status if the solve ends here; none if it takes steps
+  virtual std::optional<Status> begin(const Budget& budget) = 0;
+  /// Whether the next step may draw a proposal: then the limit of proposals applies.
+  [[nodiscard]] virtual bool draws() const { return true; }
+  /// Takes one step: draws one proposal at most, extends towards it, and reports the outcome to the guidance.
+  /// \return the status if the solve ends; none if it goes on
+  virtual std::optional<Status> step() = 0;
+  /// Called instead of a step when a limit is reached.
+  /// \return `limit` or another status if the solve ends; none if it continues without proposals: then `draws` returns
+  ///     false
+  virtual std::optional<Status> stopped(Status limit) { return limit; }
+  /// The solution of a solve that ended with this status, which is neither invalid_start nor invalid_goal.
+  [[nodiscard]] virtual Solution solution(Status status) = 0;
+
+  /// Runs the loop without an executor: searches until solved or until the budget is spent. Each further call continues
+  /// the search.
+  Solution solve(const Budget& budget);
+
+ protected:
+  PlannerContext context_;
 };
 
 /// Options of every planner that the planner's level reads.

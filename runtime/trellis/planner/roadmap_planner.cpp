@@ -18,8 +18,8 @@ std::size_t outside_in(std::size_t i, std::size_t n) { return i % 2 == 0 ? i / 2
 }  // namespace
 
 RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerContext context)
-    : mode_(mode),
-      context_(std::move(context)),
+    : Planner(std::move(context)),
+      mode_(mode),
       connection_(connection),
       best_(context_, mode.improve),
       index_(context_.instance.space),
@@ -35,66 +35,76 @@ RoadmapPlanner::RoadmapPlanner(Connection connection, const Mode& mode, PlannerC
   context_.search.expands = !judged_ || context_.guided;
 }
 
-Solution RoadmapPlanner::solve(const Budget& budget) {
+std::optional<Status> RoadmapPlanner::begin(const Budget& budget) {
+  static_cast<void>(budget);
   auto& instance = context_.instance;
-  BudgetMonitor monitor(context_, budget);
   best_.begin();
   begin_evaluation();
-  bool repaired = false;
+  repaired_ = without_proposals_ = false;
   if (paths_.vertices() == 0) {
-    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
+    if (const auto invalid = remove_invalid_goals(instance)) return invalid;
     if (instance.to_goal(instance.start) <= instance.goal_tolerance) {
-      Solution solution{Status::solved, Configurations(dimension())};
       context_.search.nodes.push(instance.start);
       context_.search.parents.push_back(no_node);
-      solution.path.push(instance.start);
-      return solution;
+      return Status::solved;
     }
-    begin();
+    insert_ends();
   } else if (epoch_ != instance.epoch()) {
-    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
+    if (const auto invalid = remove_invalid_goals(instance)) return invalid;
     repair();
-    repaired = true;
+    repaired_ = true;
   } else if (solved_) {
     owed_ = mode_.again;
   }
   solved_ = false;
-  for (;;) {
-    for (; owed_ > 0; --owed_) {
-      if (const auto reason = monitor.spent()) {
-        // The repaired roadmap may contain another path.
-        if (repaired) return without_proposals(budget, lacks_proposals());
-        return lacks_proposals() && !paths_.search() ? without_proposals(budget) : finish(*reason);
-      }
-      grow();
-      enhance();
-    }
-    const std::uint32_t end = next_candidate();
-    if (end == no_node) {
-      if (context_.guided && mode_.lazy_edges) validate_ahead();
-      owed_ = mode_.batch;
-      continue;
-    }
-    if (end != goal || paths_.cost() < best_cost_) {
-      const bool valid = validated(end);
-      report_joined();
-      if (!valid || end != goal) {
-        // Each round removes at least one edge, so the loop terminates without new proposals. The budget of checks
-        // applies.
-        if (const auto reason = monitor.spent()) {
-          return lacks_proposals() ? without_proposals(budget) : finish(*reason);
-        }
-        continue;
-      }
-      best_cost_ = paths_.cost();
-      best_.keep(path_to(goal));
-    }
-    if (best_.done()) {
-      solved_ = true;
-      return best_.solution(Status::solved);
-    }
-    owed_ = 1;
+  return owed_ > 0 ? std::nullopt : look();
+}
+
+std::optional<Status> RoadmapPlanner::step() {
+  if (without_proposals_) return look_without_proposals();
+  if (owed_ > 0) {
+    grow();
+    enhance();
+    if (--owed_ > 0) return std::nullopt;
   }
+  return look();
+}
+
+std::optional<Status> RoadmapPlanner::stopped(Status limit) {
+  if (without_proposals_) return limit;
+  if (owed_ > 0 && repaired_) {
+    // The repaired roadmap may contain another path.
+    reconnects_ = lacks_proposals();
+  } else if (lacks_proposals() && (owed_ == 0 || !paths_.search())) {
+    reconnects_ = true;
+  } else {
+    return limit;
+  }
+  without_proposals_ = true;
+  return std::nullopt;
+}
+
+std::optional<Status> RoadmapPlanner::look() {
+  const std::uint32_t end = next_candidate();
+  if (end == no_node) {
+    if (context_.guided && mode_.lazy_edges) validate_ahead();
+    owed_ = mode_.batch;
+    return std::nullopt;
+  }
+  if (end != goal || paths_.cost() < best_cost_) {
+    const bool valid = validated(end);
+    report_joined();
+    // The next step looks again. Each look removes at least one edge, so they end without new proposals.
+    if (!valid || end != goal) return std::nullopt;
+    best_cost_ = paths_.cost();
+    best_.keep(path_to(goal));
+  }
+  if (best_.done()) {
+    solved_ = true;
+    return Status::solved;
+  }
+  owed_ = 1;
+  return std::nullopt;
 }
 
 void RoadmapPlanner::begin_evaluation() {
@@ -144,7 +154,7 @@ double RoadmapPlanner::mean_valid_length() const {
   return (instance.to_goal(instance.start) + evaluated_length_) / (1.0 + evaluated_invalid_);
 }
 
-void RoadmapPlanner::begin() {
+void RoadmapPlanner::insert_ends() {
   const auto& instance = context_.instance;
   epoch_ = instance.epoch();
   goals_end_ = goal + static_cast<std::uint32_t>(instance.goals.size());
@@ -185,7 +195,7 @@ void RoadmapPlanner::repair() {
     pairs_.clear();
     lost_neighbour_.clear();
     reconnecting_ = false;
-    begin();
+    insert_ends();
     return;
   }
   epoch_ = instance.epoch();
@@ -432,29 +442,21 @@ std::size_t RoadmapPlanner::reconnect() {
   return added;
 }
 
-Solution RoadmapPlanner::without_proposals(const Budget& budget, bool reconnects) {
-  Budget rest = budget;
-  rest.proposals = Budget::unlimited;
-  BudgetMonitor monitor(context_, rest);
-  if (const auto reason = monitor.spent()) return finish(*reason);
-  for (;;) {
-    while (paths_.search()) {
-      const bool valid = validated(goal);
-      report_joined();
-      if (valid) {
-        solved_ = true;
-        best_.keep(path_to(goal));
-        return best_.solution(Status::solved);
-      }
-      if (const auto reason = monitor.spent()) return finish(*reason);
-    }
-    if (!reconnects) return finish(Status::budget_spent);
+std::optional<Status> RoadmapPlanner::look_without_proposals() {
+  while (!paths_.search()) {
+    if (!reconnects_) return Status::budget_spent;
     if (!std::exchange(reconnecting_, true)) {
       lost_neighbour_.resize(paths_.vertices());
       std::iota(lost_neighbour_.begin(), lost_neighbour_.end(), std::uint32_t{0});
     }
-    if (reconnect() == 0) return finish(Status::budget_spent);
+    if (reconnect() == 0) return Status::budget_spent;
   }
+  const bool valid = validated(goal);
+  report_joined();
+  if (!valid) return std::nullopt;
+  solved_ = true;
+  best_.keep(path_to(goal));
+  return Status::solved;
 }
 
 bool RoadmapPlanner::validated(std::uint32_t end) {
@@ -707,12 +709,13 @@ Configurations RoadmapPlanner::path_to(std::uint32_t end) {
   return path;
 }
 
-Solution RoadmapPlanner::finish(Status status) {
-  if (best_.known() && mode_.improve > 0.0) return best_.solution(status);
+Solution RoadmapPlanner::solution(Status status) {
+  // The start is at the goal.
+  if (paths_.vertices() == 0) return {status, path_of_start(context_.instance)};
+  if (best_.known() && (solved_ || mode_.improve > 0.0)) return best_.solution(status);
   // A search that only pauses does not extend its tree.
-  const bool pauses = status == Status::budget_spent && context_.paused && context_.paused();
+  if (status != Status::paused) paths_.search_all();
   // Ends at the node of the search tree that is nearest to the goal.
-  if (!pauses) paths_.search_all();
   std::uint32_t end = LifelongSearch::start;
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t id = 0; id < paths_.vertices(); ++id) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -39,7 +40,11 @@ class RoadmapPlanner final : public Planner {
 
   RoadmapPlanner(Connection connection, const Mode& mode, PlannerContext context);
 
-  Solution solve(const Budget& budget) override;
+  std::optional<Status> begin(const Budget& budget) override;
+  [[nodiscard]] bool draws() const override { return !without_proposals_; }
+  std::optional<Status> step() override;
+  std::optional<Status> stopped(Status limit) override;
+  [[nodiscard]] Solution solution(Status status) override;
   /// Vertices expanded so far by the graph search.
   [[nodiscard]] std::uint64_t expanded() const { return paths_.expanded(); }
 
@@ -55,7 +60,7 @@ class RoadmapPlanner final : public Planner {
   [[nodiscard]] View node(std::uint32_t id) const { return std::as_const(context_.search.nodes)[rows_[id]]; }
 
   /// Inserts the start and the goals as the first vertices.
-  void begin();
+  void insert_ends();
   /// Called when the instance changed. Marks what was valid as stale, except edges whose recheck costs no validity
   /// check. Begins a new roadmap if start or goals changed.
   void repair();
@@ -113,10 +118,12 @@ class RoadmapPlanner final : public Planner {
   [[nodiscard]] bool lacks_proposals() const {
     return mode_.lazy_nodes && static_cast<double>(context_.search.proposals.size()) >= mode_.proposals;
   }
-  /// Searches the roadmap without new proposals.
-  /// \param reconnects  while start and goal are not connected, adds edges between existing nodes, until valid motions
-  ///     connect start and goal or no edge is left to add
-  Solution without_proposals(const Budget& budget, bool reconnects = true);
+  /// Searches the roadmap, validates the path found, and determines how many proposals to draw next. Returns the status
+  /// if the solve ends.
+  std::optional<Status> look();
+  /// The same without new proposals. While start and goal are not connected, adds edges between existing nodes if
+  /// `reconnects_`, until valid motions connect start and goal or no edge is left to add.
+  std::optional<Status> look_without_proposals();
   /// Factor on an edge's length in the cost of a lazy roadmap: the effort to validate the edge, times the guidance's
   /// factor for edges that leave the guiding paths.
   [[nodiscard]] double cost_factor(View a, View b) const;
@@ -145,10 +152,8 @@ class RoadmapPlanner final : public Planner {
   void rebuild_connectivity();
   /// The path to a node of the search tree.
   [[nodiscard]] Configurations path_to(std::uint32_t end);
-  [[nodiscard]] Solution finish(Status status);
 
   Mode mode_;
-  PlannerContext context_;
   Connection connection_;
   BestPath best_;
   NearestIndex index_;
@@ -185,6 +190,9 @@ class RoadmapPlanner final : public Planner {
   std::uint32_t validated_ahead_ = 0;   ///< validate_ahead has treated all nodes with smaller ids
   std::int64_t owed_ = 0;               ///< proposals to draw before the next search
   double enhancements_ = 0.0;           ///< proposals that `enhance` still has to insert
+  bool repaired_ = false;               ///< this solve began with a repair
+  bool without_proposals_ = false;      ///< the proposals are spent: this solve searches the nodes that exist
+  bool reconnects_ = false;             ///< that search may add edges
   bool reconnecting_ = false;           ///< the proposals are spent, and the planner reconnects nodes
   bool judged_ = false;                 ///< records which nodes were validated
   bool presumed_ = false;               ///< validity costs no checks: an edge counts as checked unless refuted

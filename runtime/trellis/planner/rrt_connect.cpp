@@ -79,32 +79,35 @@ class RrtConnect final : public TreePlanner {
     repairing_ = true;
   }
 
-  std::optional<Status> repair(BudgetMonitor& monitor) override {
-    const auto edge_valid = [&](const Tree& tree) {
-      return [&](std::uint32_t id) {
-        return motion_still_valid(context_, tree[tree.parent(id)], tree[id], valid_since());
-      };
-    };
+  bool path_still_valid() override {
     const auto branch_valid = [&](std::size_t side, std::uint32_t id) {
-      return repairs_[side]->branch_valid(*trees_[side], id, edge_valid(*trees_[side]));
+      return repairs_[side]->branch_valid(*trees_[side], id,
+                                          [&](std::uint32_t at) { return edge_still_valid(side, at); });
     };
     if (bridge_ && branch_valid(0, bridge_->start_side) && branch_valid(1, bridge_->goal_side)) {
       // The next solve grows new trees or repairs them again before it draws a proposal.
       repairing_ = false;
-      return Status::solved;
+      return true;
     }
     bridge_.reset();
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (const auto reason = repairs_[side]->check_all(*trees_[side], monitor, edge_valid(*trees_[side])))
-        return reason;
-    }
+    return false;
+  }
+
+  bool unchecked() override { return repairs_[0]->pending() || repairs_[1]->pending(); }
+
+  void check_branch() override {
+    const std::size_t side = repairs_[0]->pending() ? 0 : 1;
+    repairs_[side]->check_next(*trees_[side], [&](std::uint32_t id) { return edge_still_valid(side, id); });
+  }
+
+  bool end_repair() override {
     for (std::size_t side = 0; side < 2; ++side) repairs_[side]->prune(*trees_[side]);
     repairing_ = false;
     repaired();
     context_.guidance.restart();
     for (std::size_t side = 0; side < 2; ++side) report_nodes(context_, *trees_[side], side == 1);
     find_best();
-    return std::nullopt;
+    return false;
   }
 
   void iterate() override {
@@ -136,6 +139,12 @@ class RrtConnect final : public TreePlanner {
   };
 
   [[nodiscard]] static bool same(View a, View b) { return std::equal(a.begin(), a.end(), b.begin()); }
+
+  /// Whether the motion to a node of a tree from its parent is still valid.
+  bool edge_still_valid(std::size_t side, std::uint32_t id) {
+    const Tree& tree = *trees_[side];
+    return motion_still_valid(context_, tree[tree.parent(id)], tree[id], valid_since());
+  }
 
   /// Finds the node nearest to the goal.
   void find_best() {

@@ -34,10 +34,10 @@ class RrtStar final : public StartTreePlanner {
         connection_(settings.connection(context_.instance.space)),
         best_path_(context_, settings.improve) {}
 
-  Solution solve(const Budget& budget) override {
+  std::optional<Status> begin(const Budget& budget) override {
     best_path_.begin();
     drew_ = false;
-    return TreePlanner::solve(budget);
+    return TreePlanner::begin(budget);
   }
 
  protected:
@@ -58,22 +58,24 @@ class RrtStar final : public StartTreePlanner {
     if (tree_) forget_path();
   }
 
-  /// Stops if the shortest path is still valid, without a check of the remaining tree. Else, or if that holds already,
-  /// removes all invalid branches.
-  std::optional<Status> repair(BudgetMonitor& monitor) override {
-    const bool known = best_path_.known();
+  /// The shortest path counts if it is not the known one, which the solve is to replace.
+  bool path_still_valid() override {
+    known_ = best_path_.known();
     const auto end = shortest_end();
-    if (!known && end && branch_still_valid(*end)) {
-      keep_best();
-      return Status::solved;
-    }
-    do {
-      if (const auto reason = check_branches(monitor)) return reason;
-    } while (reconnect_orphans());
-    remove_invalid();
-    note_all();
+    if (known_ || !end || !branch_still_valid(*end)) return false;
     keep_best();
-    return !known && best_path_.known() ? std::optional(Status::solved) : std::nullopt;
+    return true;
+  }
+  bool unchecked() override {
+    while (!repair_->pending()) {
+      if (!reconnect_orphans()) return false;
+    }
+    return true;
+  }
+  bool end_repair() override {
+    StartTreePlanner::end_repair();
+    keep_best();
+    return !known_ && best_path_.known();
   }
 
   void pruned(const std::vector<std::uint32_t>& ids) override {
@@ -255,6 +257,7 @@ class RrtStar final : public StartTreePlanner {
   Connection connection_;
   BestPath best_path_;
   bool drew_ = false;            ///< this solve drew a proposal
+  bool known_ = false;           ///< a path was known when this solve began
   std::vector<double> costs_;    ///< for each node, the length of its path from the start
   std::vector<double> lengths_;  ///< for each node, the length of the motion from its parent
   std::vector<std::vector<std::uint32_t>> children_;

@@ -106,8 +106,8 @@ inline bool motion_still_valid(PlannerContext& context, View from, View to, std:
   return false;
 }
 
-/// Finds the valid branches of a tree after a change of the instance. Checks each motion at most once, and may be
-/// interrupted between two motions.
+/// Finds the valid branches of a tree after a change of the instance. Checks each motion at most once, and one
+/// branch at a time.
 class TreeRepair {
  public:
   /// \param since  an epoch at which every motion of the tree was valid
@@ -144,15 +144,15 @@ class TreeRepair {
     }
     return so_far == Branch::valid;
   }
-  /// Checks the branches of all nodes in order of insertion. Returns the reason if it stops early, else none.
+  /// Whether there is a node whose branch is not known to be valid or invalid.
+  [[nodiscard]] bool pending() {
+    while (next_ < branches_.size() && branches_[next_] != Branch::unknown) ++next_;
+    return next_ < branches_.size();
+  }
+  /// Checks the branch of the first such node, in order of insertion.
   template <class EdgeValid>
-  std::optional<Status> check_all(const Tree& tree, BudgetMonitor& monitor, const EdgeValid& edge_valid) {
-    for (; next_ < branches_.size(); ++next_) {
-      if (branches_[next_] != Branch::unknown) continue;
-      if (const auto reason = monitor.spent_without_proposals()) return reason;
-      branch_valid(tree, next_, edge_valid);
-    }
-    return std::nullopt;
+  void check_next(const Tree& tree, const EdgeValid& edge_valid) {
+    branch_valid(tree, next_, edge_valid);
   }
   /// Removes the invalid branches after all checks, as Tree::prune does.
   std::vector<std::uint32_t> prune(Tree& tree) const {
@@ -182,13 +182,6 @@ inline void report_nodes(PlannerContext& context, const Tree& tree, bool from_go
     outcome.added_row = tree.row(id);
     context.guidance.observe(outcome, false);
   }
-}
-
-/// The path that contains only the start.
-inline Configurations path_of_start(const Instance& instance) {
-  Configurations path(instance.space.dimension());
-  path.push(instance.start);
-  return path;
 }
 
 }  // namespace trellis

@@ -6,27 +6,36 @@
 
 namespace trellis {
 
-Solution TreePlanner::solve(const Budget& budget) {
+std::optional<Status> TreePlanner::begin(const Budget& budget) {
+  static_cast<void>(budget);
   auto& instance = context_.instance;
-  BudgetMonitor monitor(context_, budget);
   if (!ends_checked_ || epoch_ != instance.epoch()) {
-    if (auto nothing = remove_invalid_goals(instance)) return std::move(*nothing);
+    if (const auto invalid = remove_invalid_goals(instance)) return invalid;
     ends_checked_ = true;
     epoch_ = instance.epoch();
     if (planted()) begin_repair();
   }
-  if (repairing()) {
-    if (const auto reason = repair(monitor)) return *reason == Status::solved ? finish(*reason) : unrepaired(*reason);
-  } else if (!planted() || done()) {
+  if (repairing()) return path_still_valid() ? std::optional(Status::solved) : end_repair_if_checked();
+  if (!planted() || done()) {
     // Trees that reached the goal are replaced by new ones, to find another path. Other trees continue to grow.
     plant();
     valid_since_ = epoch_;
   }
-  while (!done()) {
-    if (const auto reason = monitor.spent()) return finish(*reason);
-    iterate();
+  return done() ? std::optional(Status::solved) : std::nullopt;
+}
+
+std::optional<Status> TreePlanner::step() {
+  if (repairing()) {
+    check_branch();
+    return end_repair_if_checked();
   }
-  return finish(Status::solved);
+  iterate();
+  return done() ? std::optional(Status::solved) : std::nullopt;
+}
+
+std::optional<Status> TreePlanner::end_repair_if_checked() {
+  if (unchecked()) return std::nullopt;
+  return end_repair() || done() ? std::optional(Status::solved) : std::nullopt;
 }
 
 TreePlanner::Extension TreePlanner::extend(View from, View q, double distance, double step) {
@@ -57,16 +66,19 @@ void StartTreePlanner::begin_repair() {
   note_all();
 }
 
-std::optional<Status> StartTreePlanner::repair(BudgetMonitor& monitor) {
+bool StartTreePlanner::path_still_valid() {
   if (solved_ && branch_still_valid(best_)) {
     repair_.reset();
-    return Status::solved;
+    return true;
   }
   solved_ = false;
-  if (const auto reason = check_branches(monitor)) return reason;
+  return false;
+}
+
+bool StartTreePlanner::end_repair() {
   remove_invalid();
   note_all();
-  return std::nullopt;
+  return false;
 }
 
 void StartTreePlanner::remove_invalid() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shared by the planners that grow trees: the loop, extensions, the connection to the goal, and repair.
+// Shared by the planners that grow trees: steps, extensions, the connection to the goal, and repair.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,16 @@ namespace trellis {
 /// A planner that grows trees by one proposal at a time. After a change of the instance it repairs its trees first.
 class TreePlanner : public Planner {
  public:
-  Solution solve(const Budget& budget) override;
+  std::optional<Status> begin(const Budget& budget) override;
+  [[nodiscard]] bool draws() const override { return !repairing(); }
+  std::optional<Status> step() override;
+  [[nodiscard]] Solution solution(Status status) override {
+    return repairing() && status != Status::solved ? unrepaired(status) : finish(status);
+  }
 
  protected:
   explicit TreePlanner(PlannerContext context)
-      : context_(std::move(context)), sample_(dimension()), target_(dimension()), blocked_(dimension()) {}
+      : Planner(std::move(context)), sample_(dimension()), target_(dimension()), blocked_(dimension()) {}
 
   /// Whether there are trees, whether they need repair, and whether the search ends.
   [[nodiscard]] virtual bool planted() const = 0;
@@ -30,9 +35,14 @@ class TreePlanner : public Planner {
   virtual void plant() = 0;
   /// Called when the instance changed, so that validity of the trees is unknown.
   virtual void begin_repair() = 0;
-  /// Stops if a path is still valid; else removes all invalid branches. Returns the reason if the solve ends here, else
-  /// none.
-  virtual std::optional<Status> repair(BudgetMonitor& monitor) = 0;
+  /// Whether a path is still valid. If so, the solve ends without a check of the remaining trees.
+  virtual bool path_still_valid() = 0;
+  /// Whether branches remain to be checked.
+  virtual bool unchecked() = 0;
+  /// Checks one of these branches.
+  virtual void check_branch() = 0;
+  /// Removes the invalid branches, when all are checked. Returns whether that found a path with which the solve ends.
+  virtual bool end_repair() = 0;
   /// Draws a proposal, and grows towards it.
   virtual void iterate() = 0;
   [[nodiscard]] virtual Solution finish(Status status) const = 0;
@@ -63,7 +73,6 @@ class TreePlanner : public Planner {
   /// Called at the end of a repair: every motion of the trees is valid.
   void repaired() { valid_since_ = epoch_; }
 
-  PlannerContext context_;
   Configuration sample_;
   Configuration target_;
   Configuration blocked_;
@@ -71,6 +80,9 @@ class TreePlanner : public Planner {
   double best_distance_ = std::numeric_limits<double>::infinity();
 
  private:
+  /// Ends the repair if no branch is left to check. Returns the status if the solve ends here.
+  std::optional<Status> end_repair_if_checked();
+
   std::uint64_t epoch_ = 0;
   std::uint64_t valid_since_ = 0;
   bool ends_checked_ = false;
@@ -88,7 +100,12 @@ class StartTreePlanner : public TreePlanner {
   [[nodiscard]] bool done() const override { return solved_; }
   void plant() override;
   void begin_repair() override;
-  std::optional<Status> repair(BudgetMonitor& monitor) override;
+  bool path_still_valid() override;
+  bool unchecked() override { return repair_->pending(); }
+  void check_branch() override {
+    repair_->check_next(*tree_, [&](std::uint32_t id) { return edge_still_valid(id); });
+  }
+  bool end_repair() override;
   void iterate() override;
   [[nodiscard]] Solution finish(Status status) const override { return {status, tree_->branch(best_)}; }
 
@@ -106,9 +123,6 @@ class StartTreePlanner : public TreePlanner {
   /// Notes all nodes anew.
   virtual void note_all();
 
-  [[nodiscard]] std::optional<Status> check_branches(BudgetMonitor& monitor) {
-    return repair_->check_all(*tree_, monitor, [&](std::uint32_t id) { return edge_still_valid(id); });
-  }
   [[nodiscard]] bool branch_still_valid(std::uint32_t id) {
     return repair_->branch_valid(*tree_, id, [&](std::uint32_t at) { return edge_still_valid(at); });
   }

@@ -54,6 +54,7 @@ std::string_view status_name(Status status) {
     case Status::invalid_start: return "invalid_start";
     case Status::invalid_goal: return "invalid_goal";
     case Status::interrupted: return "interrupted";
+    case Status::paused: return "paused";
   }
   throw Fault("unknown status");
 }

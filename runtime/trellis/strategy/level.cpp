@@ -9,6 +9,7 @@
 
 #include <trellis/guide/excluded.hpp>
 #include <trellis/instance/certified_validity.hpp>
+#include <trellis/planner/loop.hpp>
 #include <trellis/strategy/checks.hpp>
 #include <trellis/strategy/split_search.hpp>
 
@@ -86,19 +87,8 @@ Advance Level::advance(double proposals, const Slice& slice) {
 std::unique_ptr<Planner> Level::make_planner() {
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
-  PlannerContext context{*instance_,
-                         *h,
-                         Stream(run_.seed, record_.key, "proposals"),
-                         record_.search,
-                         guidance_.guided(),
-                         run_.interrupted,
-                         [this] {
-                           guidance_.prepare();
-                           // If the run ended during the search of the levels below, the planner stops before it draws
-                           // a proposal.
-                           if (run_.interrupted && run_.interrupted()) return true;
-                           return paused_ = work_limit_ < Budget::unlimited && work() >= work_limit_;
-                         }};
+  PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, "proposals"), record_.search,
+                         guidance_.guided()};
   if (planner_spec_.dividing() == nullptr) return kind_.make(planner_spec_.options(), std::move(context));
   return make_split_search(run_, *this, planner_spec_, guide_spec_ ? &*guide_spec_ : nullptr, std::move(context));
 }
@@ -112,13 +102,17 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
   budget.proposals = std::min(budget.proposals, begun + proposals);
   const double whole = budget.proposals;
   budget.proposals = std::min(whole, drawn() + slice.proposals);
-  paused_ = false;
-  Solution found = planner_->solve(budget);
-  if (found.status == Status::budget_spent && run_.interrupted && run_.interrupted())
-    found.status = Status::interrupted;
+  // h is prepared before each step: this searches the levels below, which run this loop too.
+  Solution found = run_steps(*planner_, *instance_, record_.search, budget,
+                             {.interrupted = run_.interrupted, .prepare = [this] {
+                                guidance_.prepare();
+                                return work_limit_ < Budget::unlimited && work() >= work_limit_;
+                              }});
+  const bool paused = found.status == Status::paused;
+  if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
   if (found_) guidance_.found(path_length(instance_->space, found.path));
-  const bool sliced = paused_ || (drawn() >= budget.proposals && drawn() < whole);
+  const bool sliced = paused || (drawn() >= budget.proposals && drawn() < whole);
   const Advance advance = found_                                           ? Advance::found
                           : sliced && found.status == Status::budget_spent ? Advance::unfinished
                                                                            : Advance::nothing;

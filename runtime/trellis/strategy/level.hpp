@@ -84,7 +84,7 @@ class LevelGuidance final : public Guidance {
     if (guide_ != nullptr) guide_->select_tree(side);
   }
   /// Accounts for the work of the last proposal, decides whether the guide may draw the next one, and searches the
-  /// levels below if necessary. Called before each proposal, when the planner asks whether to pause.
+  /// levels below if necessary. Called before each step of the planner.
   void prepare() {
     if (!guided() || prepared_) return;
     prepared_ = true;
@@ -221,7 +221,6 @@ class LevelGuidance final : public Guidance {
   [[nodiscard]] double progress_checks() const { return instance_.checks_per_metre() * progress(); }
 
   Source draw(Stream& stream, MutableView out) {
-    prepare();
     prepared_ = false;
     double u = stream.uniform();
     drawn_ = Part::goal;
@@ -413,7 +412,6 @@ class Level {
   std::unique_ptr<Planner> planner_;
   LevelRecord record_;
   double work_limit_ = Budget::unlimited;  ///< value of `work()` at which the search pauses
-  bool paused_ = false;                    ///< the last solve reached the limit
   std::optional<double> solve_begun_;      ///< number of proposals when the unfinished solve began
   std::size_t noted_ = 0;                  ///< number of proposals and nodes when its last turn ended
   bool found_ = false;

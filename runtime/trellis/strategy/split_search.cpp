@@ -57,52 +57,63 @@ void append(const Trajectory& half, Trajectory& whole) {
 class SplitSearch final : public Planner {
  public:
   SplitSearch(Run& run, Level& level, const PlannerSpec& planner, const GuideSpec* guide, PlannerContext context)
-      : run_(run),
+      : Planner(std::move(context)),
+        run_(run),
         level_(level),
         planner_(planner),
         guide_(guide),
         settings_(split_settings().read(*planner.dividing())),
-        context_(std::move(context)),
         lift_(find_guide("identity")->make(GuideSpec::make("identity", {}).options())) {}
 
-  Solution solve(const Budget& budget) override {
-    if (undivided_) return undivided_->solve(budget);
+  std::optional<Status> begin(const Budget& budget) override {
+    budget_ = budget;
+    if (undivided_) return undivided_->begin(budget);
     if (!ends_checked_) {
-      if (auto nothing = remove_invalid_goals(context_.instance)) return std::move(*nothing);
+      if (const auto invalid = remove_invalid_goals(context_.instance)) return invalid;
       ends_checked_ = true;
     }
+    found_.reset();
     if (context_.instance.to_goal(context_.instance.start) <= context_.instance.goal_tolerance) {
       if (context_.search.nodes.empty()) {
         context_.search.nodes.push(context_.instance.start);
         context_.search.parents.push_back(no_node);
       }
-      return {Status::solved, start(), {}};
+      return Status::solved;
     }
-    while (tries_ < settings_.tries) {
-      if (const auto reason = spent(budget)) return {*reason, start(), {}};
-      const auto goal = sub_goal(budget);
-      ++tries_;
-      if (!goal) continue;
-      if (auto found = join(*goal, budget)) return std::move(*found);
+    return tries_ < settings_.tries ? std::nullopt : undivide();
+  }
+
+  [[nodiscard]] bool draws() const override { return !undivided_ || undivided_->draws(); }
+
+  /// Begins a try, or draws a candidate for its sub-goal. Solves both halves when the sub-goal is known.
+  std::optional<Status> step() override {
+    if (undivided_) return undivided_->step();
+    if (spent(budget_)) return stopped(Status::budget_spent);
+    if (!candidates_) {
+      if (const auto goal = on_path()) return divide_at(goal);
+      candidates_.emplace();
+      return std::nullopt;
     }
-    const PlannerSpec& leaf = planner_.undivided();
-    PlannerContext context = context_;
-    context.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
-    if (leaf.dividing() != nullptr) {
-      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(context));
-    } else {
-      undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(context));
-    }
-    return undivided_->solve(budget);
+    draw_candidate();
+    if (candidates_->drawn < Candidates::most && candidates_->valid < Candidates::wanted) return std::nullopt;
+    return divide_at(candidates_->best);
+  }
+
+  std::optional<Status> stopped(Status limit) override {
+    if (undivided_) return undivided_->stopped(limit);
+    if (!candidates_) return limit;
+    // The best candidate so far may still divide the instance.
+    const std::optional<Status> ended = divide_at(candidates_->best);
+    return ended ? ended : std::optional(limit);
+  }
+
+  [[nodiscard]] Solution solution(Status status) override {
+    if (undivided_) return undivided_->solution(status);
+    if (status == Status::solved && found_) return *found_;
+    return {status, path_of_start(context_.instance), {}};
   }
 
  private:
-  [[nodiscard]] Configurations start() const {
-    Configurations path(context_.instance.space.dimension());
-    path.push(context_.instance.start);
-    return path;
-  }
-
   /// The remaining budget.
   [[nodiscard]] Budget left(const Budget& budget) const {
     Budget rest;
@@ -111,25 +122,41 @@ class SplitSearch final : public Planner {
     rest.seconds = budget.seconds - context_.search.seconds - seconds_;
     return rest;
   }
-  [[nodiscard]] std::optional<Status> spent(const Budget& budget) const {
+  /// Whether this level and the halves together have spent the budget.
+  [[nodiscard]] bool spent(const Budget& budget) const {
     const Budget rest = left(budget);
-    if (rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0) return Status::budget_spent;
-    if (context_.interrupted && context_.interrupted()) return Status::interrupted;
-    // The call also lets the guide's space be searched.
-    if (context_.paused && context_.paused()) return Status::budget_spent;
-    return {};
+    return rest.proposals <= 0.0 || rest.checks <= 0.0 || rest.seconds <= 0.0;
   }
 
-  /// The sub-goal of this try: the point of the guiding path in the middle of a gap between earlier tries, or a valid
-  /// configuration near it. Without a path, or if none near it is valid: a proposal.
-  std::optional<Configuration> sub_goal(const Budget& budget) {
-    if (guide_ != nullptr) {
-      const Configurations path = level_.guidance().guide()->guiding_path();
-      if (path.size() >= 2) {
-        if (auto goal = near(point(path, share(tries_)))) return goal;
-      }
+  /// Ends a try: solves the halves at its sub-goal, if there is one. After the last try the instance is not divided.
+  std::optional<Status> divide_at(const std::optional<Configuration>& sub_goal) {
+    const std::optional<Configuration> goal = sub_goal;
+    candidates_.reset();
+    ++tries_;
+    if (goal) found_ = join(*goal, budget_);
+    if (found_) return Status::solved;
+    return tries_ < settings_.tries ? std::nullopt : undivide();
+  }
+
+  /// Begins the search of the undivided instance.
+  std::optional<Status> undivide() {
+    const PlannerSpec& leaf = planner_.undivided();
+    PlannerContext context = context_;
+    context.proposals = Stream(run_.seed, level_.record().key, "proposals undivided");
+    if (leaf.dividing() != nullptr) {
+      undivided_ = make_split_search(run_, level_, leaf, guide_, std::move(context));
+    } else {
+      undivided_ = find_planner(leaf.name())->make(leaf.options(), std::move(context));
     }
-    return proposed(budget);
+    return undivided_->begin(budget_);
+  }
+
+  /// The sub-goal of this try if there is a guiding path: its point in the middle of a gap between earlier tries, or a
+  /// valid configuration near it.
+  std::optional<Configuration> on_path() {
+    if (guide_ == nullptr) return std::nullopt;
+    const Configurations path = level_.guidance().guide()->guiding_path();
+    return path.size() >= 2 ? near(point(path, share(tries_))) : std::nullopt;
   }
 
   /// 1/2, 1/4, 3/4, 1/8, ...: the van der Corput sequence.
@@ -181,35 +208,39 @@ class SplitSearch final : public Planner {
     return {};
   }
 
-  /// The valid proposal, of several, that minimises the longer of the distances to start and goal.
-  std::optional<Configuration> proposed(const Budget& budget) {
-    constexpr int wanted = 8;
-    constexpr int most = 200;
-    Instance& instance = context_.instance;
+  /// Proposals of which one becomes the sub-goal: the valid one that minimises the longer of the distances to start and
+  /// goal.
+  struct Candidates {
+    static constexpr int wanted = 8;
+    static constexpr int most = 200;
+    int drawn = 0;
+    int valid = 0;
     std::optional<Configuration> best;
     double shortest = 0.0;
+  };
+
+  void draw_candidate() {
+    Instance& instance = context_.instance;
+    Candidates& of = *candidates_;
     Configuration q(instance.space.dimension());
-    int valid = 0;
-    for (int i = 0; i < most && valid < wanted && !spent(budget); ++i) {
-      propose(context_, q);
-      Outcome outcome;
-      outcome.proposal = q;
-      const double to_goal = instance.to_goal(q);
-      const double to_start = instance.space.distance(q, instance.start);
-      if (std::min(to_goal, to_start) > instance.goal_tolerance) {
-        if (instance.valid(q)) {
-          ++valid;
-          if (!best || std::max(to_goal, to_start) < shortest) {
-            shortest = std::max(to_goal, to_start);
-            best = q;
-          }
-        } else {
-          outcome.blocked_at = q;
+    propose(context_, q);
+    ++of.drawn;
+    Outcome outcome;
+    outcome.proposal = q;
+    const double to_goal = instance.to_goal(q);
+    const double to_start = instance.space.distance(q, instance.start);
+    if (std::min(to_goal, to_start) > instance.goal_tolerance) {
+      if (instance.valid(q)) {
+        ++of.valid;
+        if (!of.best || std::max(to_goal, to_start) < of.shortest) {
+          of.shortest = std::max(to_goal, to_start);
+          of.best = q;
         }
+      } else {
+        outcome.blocked_at = q;
       }
-      record_outcome(context_, outcome);
     }
-    return best;
+    record_outcome(context_, outcome);
   }
 
   /// The path through the sub-goal; none if a half was not solved.
@@ -254,10 +285,12 @@ class SplitSearch final : public Planner {
   PlannerSpec planner_;
   const GuideSpec* guide_;
   SplitSettings settings_;
-  PlannerContext context_;
   std::shared_ptr<const Guide> lift_;
   std::vector<std::unique_ptr<Level>> levels_;  ///< of all tries; their records are taken after the run
-  std::unique_ptr<Planner> undivided_;
+  std::unique_ptr<Planner> undivided_;          ///< after the last try
+  Budget budget_;                               ///< of this solve
+  std::optional<Candidates> candidates_;        ///< for the sub-goal of this try, while they are drawn
+  std::optional<Solution> found_;               ///< the solution of both halves
   Checks halves_;
   double seconds_ = 0.0;
   std::int64_t tries_ = 0;
