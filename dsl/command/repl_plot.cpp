@@ -171,7 +171,7 @@ class Viewpoint {
 };
 
 Sketch sketch_of(const Run& run, std::size_t level) {
-  const LevelRecord& record = run.result.levels.at(level).record;
+  const LevelRecord& record = run.result().levels.at(level).record;
   const auto& axes = record.position_axes;
   const bool in_space = is_spatial(record);
   if (!in_space && (axes.size() < 2 || record.scene == nullptr || record.scene->planar() == nullptr)) {
@@ -313,7 +313,7 @@ namespace {
 
 /// Returns a level of a run in space as a picture.
 draw::Canvas spatial_picture(const Run& run, std::size_t level) {
-  const LevelRecord& record = run.result.levels.at(level).record;
+  const LevelRecord& record = run.result().levels.at(level).record;
   const auto at = [&](View q) {
     return draw::Point3{q[record.position_axes[0]], q[record.position_axes[1]], q[record.position_axes[2]]};
   };
@@ -357,7 +357,7 @@ draw::Canvas spatial_picture(const Run& run, std::size_t level) {
 
 void plot_file(const Run& run, std::size_t level, const std::string& path) {
   const draw::Format format = format_of(path);
-  if (is_spatial(run.result.levels.at(level).record)) {
+  if (is_spatial(run.result().levels.at(level).record)) {
     write_file(path, spatial_picture(run, level).render(format));
     return;
   }

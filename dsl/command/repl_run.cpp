@@ -31,23 +31,6 @@ std::string text_of(View q) {
   return fmt::format("({})", fmt::join(coordinates, ", "));
 }
 
-struct LastProposal {
-  std::size_t level = 0;
-  std::size_t row = 0;
-};
-
-/// Returns the last turn with a proposal: later turns of levels above may have none.
-std::optional<LastProposal> last_proposal(const RunResult& run) {
-  std::optional<LastProposal> last;
-  std::vector<std::uint32_t> seen(run.levels.size(), 0);
-  for (const Turn& turn : run.run.turns) {
-    const auto level = static_cast<std::size_t>(turn.level);
-    if (turn.proposals > seen[level]) last = {level, turn.proposals - 1};
-    seen[level] = turn.proposals;
-  }
-  return last;
-}
-
 /// Returns the number of edges from the root of its tree to a node; none without a tree.
 std::optional<std::size_t> depth_of(const Search& search, std::uint32_t node) {
   std::size_t depth = 0;
@@ -87,20 +70,25 @@ std::string fate_text(const LevelRecord& record, std::size_t row) {
 
 }  // namespace
 
-void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& interrupted) {
-  // A run depends on its strategy, problem and seed only, and its record at an interruption is complete. So the session
-  // need not suspend a run in its own thread: it runs it again from the beginning and interrupts it later. That takes
-  // at most as long as the run itself.
-  std::uint64_t drawn = 0;
-  ExecuteOptions options;
-  options.interrupted = [&] { return drawn >= proposals || (interrupted && interrupted()); };
-  options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
-  RunResult result = run_cell(run.strategy_name, run.strategy, run.problem, run.seed, options);
-  if (drawn < run.proposals) return;
+const RunResult& Run::result() const {
+  if (!known) known = make_cell(strategy_name, problem.name, seed, execution->record());
+  return *known;
+}
 
-  run.result = std::move(result);
-  run.proposals = drawn;
+void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& interrupted) {
+  if (!run.execution) {
+    ExecuteOptions options;
+    options.watch = [&run](const LevelRecord& level, const Guidance&) {
+      ++run.proposals;
+      run.last = {static_cast<std::size_t>(level.level), level.search.proposals.size()};
+    };
+    run.execution = std::make_unique<Execution>(run.strategy, run.problem, run.seed, options);
+  }
+  run.known.reset();
   run.scored = false;
+  if (!run.execution->advance([&] { return run.proposals >= proposals || (interrupted && interrupted()); })) return;
+  static_cast<void>(run.result());
+  run.execution.reset();
 }
 
 void score(Run& run, const Measure& measure, const std::function<bool()>& interrupted) {
@@ -112,15 +100,15 @@ void score(Run& run, const Measure& measure, const std::function<bool()>& interr
   experiment.measure->cross = 0;
   check(experiment);
   ExperimentResult result;
-  result.runs = {run.result};
+  result.runs = {run.result()};
   trellis::score(
       experiment, result, 0, [] {}, interrupted);
-  run.result = std::move(result.runs.front());
+  run.known = std::move(result.runs.front());
   run.scored = true;
 }
 
 std::string outcome_text(const Run& run) {
-  const RunRecord& record = run.result.run;
+  const RunRecord& record = run.result().run;
   std::string text =
       fmt::format("run {} on {}: {}, seed {}: ", run.number, run.problem.name, run.strategy_name, run.seed);
   const std::string cost =
@@ -135,35 +123,40 @@ std::string outcome_text(const Run& run) {
   return text + fmt::format("not solved ({}) by {}", to_string(record.status), cost);
 }
 
-std::size_t level_at_work(const Run& run) {
-  const auto last = last_proposal(run.result);
-  return last && !run.ended() ? last->level : 0;
-}
+std::size_t level_at_work(const Run& run) { return run.last && !run.ended() ? run.last->level : 0; }
 
 std::string where_text(const Run& run) {
-  const RunRecord& record = run.result.run;
-  const std::string end = run.ended()
-                              ? fmt::format("the run has ended: {}\n",
-                                            record.solved ? fmt::format("solved, a path of {:.2f} m", record.length)
-                                                          : fmt::format("not solved, {}", to_string(record.status)))
-                              : "";
-  const auto last = last_proposal(run.result);
-  if (!last) return "nothing has been proposed yet\n" + end;
-  const LevelRecord& level = run.result.levels[last->level].record;
+  std::string end;
+  if (run.ended()) {
+    const RunRecord& record = run.result().run;
+    end =
+        fmt::format("the run has ended: {}\n", record.solved ? fmt::format("solved, a path of {:.2f} m", record.length)
+                                                             : fmt::format("not solved, {}", to_string(record.status)));
+  }
+  if (!run.last) return "nothing has been proposed yet\n" + end;
+  // A record of all samples would take longer than a step.
+  const auto record_of = [&](std::size_t level) -> const LevelRecord& {
+    return run.ended() ? run.result().levels.at(level).record : run.execution->level(level);
+  };
+  const LevelRecord& level = record_of(run.last->level);
   const Search& search = level.search;
-  const Guidance::Source source = search.proposal_sources[last->row];
+  const std::size_t row = run.last->row;
+  const Guidance::Source source = search.proposal_sources[row];
   std::string text = fmt::format("proposal {} of the run, number {} of level {}, {}, searched by {}\n", run.proposals,
-                                 last->row + 1, last->level, level.name, level.planner);
-  const View q = search.proposals[last->row];
+                                 row + 1, level.level, level.name, level.planner);
+  const View q = search.proposals[row];
   text += fmt::format("  proposed  {} by {}\n", text_of(q),
                       source < search.sources.size() ? search.sources[source] : "an unknown part of h");
-  text += fate_text(level, last->row);
-  text += fmt::format("  so far    {}, solved {}", counted(search.nodes.size(), "node"),
-                      level.solves == 1 ? "once" : fmt::format("{} times", level.solves));
+  text += fate_text(level, row);
+  const std::uint64_t solves = run.ended() ? level.solves : level.solves + 1;
+  text += fmt::format("  so far    {}, {}", counted(search.nodes.size(), "node"),
+                      !run.ended()  ? fmt::format("in solve {}", solves)
+                      : solves == 1 ? "solved once"
+                                    : fmt::format("solved {} times", solves));
   std::string waiting;
-  for (int at = level.parent; at >= 0; at = run.result.levels[static_cast<std::size_t>(at)].record.parent) {
-    waiting += fmt::format("{}level {}, {}", waiting.empty() ? "" : ", ", at,
-                           run.result.levels[static_cast<std::size_t>(at)].record.name);
+  for (int at = level.parent; at >= 0; at = record_of(static_cast<std::size_t>(at)).parent) {
+    waiting +=
+        fmt::format("{}level {}, {}", waiting.empty() ? "" : ", ", at, record_of(static_cast<std::size_t>(at)).name);
   }
   if (!waiting.empty()) text += "; above it: " + waiting;
   return text + "\n" + end;
@@ -276,7 +269,7 @@ Replayed replay_entry(const Json& document, const std::string& path, std::int64_
       Run{.strategy_name = strategy_name, .strategy = strategy->second, .problem = *problem, .seed = entry.at("seed")});
   advance(*run, std::numeric_limits<std::uint64_t>::max(), interrupted);
   if (!run->ended()) return {"interrupted before there was anything to compare", run};
-  const std::string difference = difference_text(entry, run->result);
+  const std::string difference = difference_text(entry, run->result());
   return {difference.empty() ? fmt::format("the same as run {} of {}", index, path)
                              : fmt::format("NOT the same as run {} of {}: {}", index, path, difference),
           run};

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <trellis/experiment/experiment.hpp>
+#include <trellis/strategy/executor.hpp>
 
 namespace trellis::command {
 
@@ -19,16 +20,26 @@ struct Run {
   StrategySpec strategy;
   Problem problem;
   std::uint64_t seed = 1;
-  RunResult result = {};
   std::uint64_t proposals = 0;  ///< number of proposals, over all levels
   bool scored = false;
 
-  [[nodiscard]] bool ended() const { return result.run.status != Status::interrupted; }
+  /// The last proposal: its level, and its number there from 0.
+  struct Last {
+    std::size_t level = 0;
+    std::size_t row = 0;
+  };
+  std::optional<Last> last = {};
+  std::unique_ptr<Execution> execution = {};  ///< of a run that has not ended
+  /// The result; of a run that has not ended, made by `result` when it is first needed.
+  mutable std::optional<RunResult> known = {};
+
+  [[nodiscard]] bool ended() const { return execution == nullptr; }
+  [[nodiscard]] const RunResult& result() const;
 };
 using RunPointer = std::shared_ptr<Run>;
 
 /// Advances a run until it has made `proposals` over all levels, or to its end; stops earlier if `interrupted` returns
-/// true. Never goes backwards. \throws Error for an invalid problem.
+/// true. Continues where the run stopped. \throws Error for an invalid problem.
 void advance(Run& run, std::uint64_t proposals, const std::function<bool()>& interrupted);
 
 /// Scores a solved run relative to its path. \throws Interrupted.

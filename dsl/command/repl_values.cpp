@@ -101,19 +101,19 @@ const Readers& readers() {
       {"strategy", [](Stack& call, const Run& run) { call.push_object(run.strategy); }},
       {"problem", [](Stack& call, const Run& run) { call.push_object(run.problem); }},
       {"seed", [](Stack& call, const Run& run) { push_count(call, run.seed); }},
-      {"solved", [](Stack& call, const Run& run) { call.push(run.result.run.solved); }},
-      {"status", [](Stack& call, const Run& run) { call.push(to_string(run.result.run.status)); }},
-      {"path", [](Stack& call, const Run& run) { push_rows(call, run.result.run.path); }},
-      {"length", [](Stack& call, const Run& run) { call.push(run.result.run.length); }},
-      {"seconds", [](Stack& call, const Run& run) { call.push(run.result.run.seconds); }},
-      {"checks", [](Stack& call, const Run& run) { push_count(call, run.result.run.validity_checks); }},
-      {"motion_checks", [](Stack& call, const Run& run) { push_count(call, run.result.run.motion_checks); }},
+      {"solved", [](Stack& call, const Run& run) { call.push(run.result().run.solved); }},
+      {"status", [](Stack& call, const Run& run) { call.push(to_string(run.result().run.status)); }},
+      {"path", [](Stack& call, const Run& run) { push_rows(call, run.result().run.path); }},
+      {"length", [](Stack& call, const Run& run) { call.push(run.result().run.length); }},
+      {"seconds", [](Stack& call, const Run& run) { call.push(run.result().run.seconds); }},
+      {"checks", [](Stack& call, const Run& run) { push_count(call, run.result().run.validity_checks); }},
+      {"motion_checks", [](Stack& call, const Run& run) { push_count(call, run.result().run.motion_checks); }},
       {"proposals", [](Stack& call, const Run& run) { push_count(call, run.proposals); }},
       {"levels", [](Stack& call, const Run& run) {
          // Numbered as in reports: the root is level 0.
          const Value list = call.push_table();
-         for (std::size_t i = 0; i < run.result.levels.size(); ++i) {
-           push_level(call, run.result.levels[i]);
+         for (std::size_t i = 0; i < run.result().levels.size(); ++i) {
+           push_level(call, run.result().levels[i]);
            call.set_index(list, i);
          }
        }}};

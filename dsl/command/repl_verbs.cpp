@@ -281,7 +281,7 @@ class Verbs {
   }
 
   int levels(Stack& call) {
-    say(levels_text(only_run(call, "levels")->result, width()));
+    say(levels_text(only_run(call, "levels")->result(), width()));
     return 0;
   }
 
@@ -295,7 +295,7 @@ class Verbs {
       throw Error(fmt::format(R"(samples: the role is "tree" or "expansion", got {}{})", dsl::describe(call[next + 1]),
                               did_you_mean(role, known)));
     }
-    const Search& search = run.result.levels[level].record.search;
+    const Search& search = run.result().levels[level].record.search;
     const Configurations& rows = role == "tree" ? search.nodes : search.proposals;
     const Value list = call.push_table();
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -320,7 +320,7 @@ class Verbs {
                               dsl::describe(call[next])));
     }
     score(run, measure, bench_.interrupted);
-    say(efficiency_text(run.result, width()));
+    say(efficiency_text(run.result(), width()));
     return 0;
   }
 
@@ -443,9 +443,9 @@ class Verbs {
       say("interrupted before there was anything to compare");
       return 0;
     }
-    const std::string difference = difference_text(run.result, again.result);
+    const std::string difference = difference_text(run.result(), again.result());
     say(difference.empty()
-            ? fmt::format("run {} again: the same, in {:.1f} ms", run.number, 1000.0 * again.result.run.seconds)
+            ? fmt::format("run {} again: the same, in {:.1f} ms", run.number, 1000.0 * again.result().run.seconds)
             : fmt::format("run {} again: NOT the same: {}", run.number, difference));
     return 0;
   }
@@ -748,7 +748,7 @@ class Verbs {
 
   static std::size_t level_argument(const char* verb, const Run& run, Value value) {
     if (!value.given()) return 0;
-    const std::size_t levels = run.result.levels.size();
+    const std::size_t levels = run.result().levels.size();
     const auto level = value.integer();
     if (!level || *level < 0 || static_cast<std::size_t>(*level) >= levels) {
       throw Error(fmt::format("{}: the run has the levels 0 to {}, got {}", verb, levels - 1, dsl::describe(value)));

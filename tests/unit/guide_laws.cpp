@@ -90,8 +90,7 @@ Solved solve(const GuideKind& kind, const Problem& problem, std::uint64_t seed =
   s.guide->attach(*s.sub);
   Budget budget = planner.common(options).budget;
   budget.proposals = std::min({budget.proposals, proposals, s.guide->effort()});
-  const auto search_planner =
-      planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false});
+  const auto search_planner = planner.make(options, {*s.sub, uniform, Stream(seed, "0/0", "proposals"), search, false});
   s.found = search_planner->solve(budget);
   while (const std::int64_t more = s.guide->another(s.found.solved() ? &s.found : nullptr)) {
     budget.proposals = static_cast<double>(search.proposals.size()) + static_cast<double>(more);

@@ -473,6 +473,92 @@ TEST_CASE("a run can be stopped at any proposal, and has done what the whole run
   }
 }
 
+namespace {
+
+/// Checks that two records of one run are bitwise equal, times ignored.
+void check_same(const RunRecord& a, const RunRecord& b) {
+  CHECK(a.status == b.status);
+  CHECK(same(a.path, b.path));
+  CHECK(a.validity_checks == b.validity_checks);
+  CHECK(a.motion_checks == b.motion_checks);
+  CHECK(a.shortcut_checks == b.shortcut_checks);
+  CHECK(a.clearance == b.clearance);
+  CHECK(a.improvements.size() == b.improvements.size());
+  REQUIRE(a.turns.size() == b.turns.size());
+  for (std::size_t i = 0; i < a.turns.size(); ++i) {
+    CHECK(a.turns[i].level == b.turns[i].level);
+    CHECK(a.turns[i].proposals == b.turns[i].proposals);
+  }
+  REQUIRE(a.levels.size() == b.levels.size());
+  for (std::size_t i = 0; i < a.levels.size(); ++i) {
+    CHECK(same(a.levels[i].search.nodes, b.levels[i].search.nodes));
+    CHECK(same(a.levels[i].search.proposals, b.levels[i].search.proposals));
+    CHECK(same(a.levels[i].solution.path, b.levels[i].solution.path));
+    CHECK(same(a.levels[i].root_nodes(), b.levels[i].root_nodes()));
+    CHECK(a.levels[i].search.sources == b.levels[i].search.sources);
+    CHECK(a.levels[i].solves == b.levels[i].solves);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a run that stops and continues is the run that never stops", "[executor][execution]") {
+  const auto problem = test::cup_problem();
+  std::vector<StrategySpec> strategies = {rrt({{"connect_goal", false}}),
+                                          (guide("shrink") + guide("workspace")) >> rrt()};
+  for (const char* planner : {"rrt", "rrt_connect", "prm", "lazy_prm", "rrt_star", "prm_star", "lazy_rrg_star"}) {
+    strategies.push_back(guide("skeleton") >> guide("shrink") >> guide("lazy") >> PlannerSpec::make(planner, {}));
+  }
+  for (const StrategySpec& strategy : strategies) {
+    CAPTURE(strategy.text());
+    const auto whole = execute(strategy, problem, 3, {.shortcut = 20});
+    for (const std::uint64_t stride : {1, 7, 100}) {
+      CAPTURE(stride);
+      std::uint64_t drawn = 0;
+      std::uint64_t stop = 0;
+      ExecuteOptions options{.shortcut = 20};
+      options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
+      Execution execution(strategy, problem, 3, options);
+      while (!execution.advance([&] { return drawn >= stop; })) {
+        REQUIRE(drawn == stop);
+        stop += stride;
+        if (stride < 100) continue;
+        // A look at the run changes nothing.
+        const RunRecord so_far = execution.record();
+        CHECK(so_far.status == Status::interrupted);
+        CHECK_FALSE(so_far.solved);
+        std::uint64_t proposals = 0;
+        for (std::size_t i = 0; i < so_far.levels.size(); ++i) {
+          const Search& search = so_far.levels[i].search;
+          proposals += search.proposals.size();
+          CHECK(search.fates.size() == search.proposals.size());
+          CHECK(same(execution.level(i).search.nodes, search.nodes));
+        }
+        CHECK(proposals == drawn);
+      }
+      check_same(execution.record(), whole);
+    }
+  }
+}
+
+TEST_CASE("a run that is stopped does nothing, and can be abandoned", "[executor][execution]") {
+  const auto problem = test::cup_problem();
+  const StrategySpec strategy = guide("skeleton") >> guide("shrink") >> rrt();
+  for (const std::uint64_t at : {0, 1, 30}) {
+    std::uint64_t drawn = 0;
+    ExecuteOptions options;
+    options.watch = [&](const LevelRecord&, const Guidance&) { ++drawn; };
+    Execution execution(strategy, problem, 3, options);
+    CHECK_FALSE(execution.advance([&] { return drawn >= at; }));
+    CHECK(drawn == at);
+    CHECK_FALSE(execution.advance([&] { return true; }));
+    CHECK(drawn == at);
+  }
+  auto outside = problem;
+  outside.start = {-1, -1, 0};
+  CHECK_THROWS_AS(Execution(strategy, outside, 1), Error);
+}
+
 TEST_CASE("an error in a projection names all levels up to the root", "[executor]") {
   Body link{{rectangle_polygon({{0, -0.1}, {1, 0.1}})}, -1, {}, 0};
   const auto arm =

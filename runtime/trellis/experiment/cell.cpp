@@ -83,11 +83,15 @@ bool same(const Turn& x, const Turn& y) {
 
 RunResult run_cell(const std::string& name, const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                    const ExecuteOptions& options) {
+  return make_cell(name, problem.name, seed, execute(strategy, problem, seed, options));
+}
+
+RunResult make_cell(const std::string& strategy, const std::string& problem, std::uint64_t seed, RunRecord run) {
   RunResult result;
-  result.problem = problem.name;
-  result.strategy = name;
+  result.problem = problem;
+  result.strategy = strategy;
   result.seed = seed;
-  result.run = execute(strategy, problem, seed, options);
+  result.run = std::move(run);
   result.cpu_seconds = result.run.cpu_seconds;
   result.levels.reserve(result.run.levels.size());
   for (auto& record : result.run.levels) result.levels.push_back({.record = std::move(record)});

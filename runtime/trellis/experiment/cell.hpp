@@ -13,6 +13,9 @@ namespace trellis {
 RunResult run_cell(const std::string& name, const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                    const ExecuteOptions& options = {});
 
+/// The cell of a run that was executed.
+RunResult make_cell(const std::string& strategy, const std::string& problem, std::uint64_t seed, RunRecord run);
+
 /// Releases the objects that only scoring uses: the checkers, scenes and guides of all levels.
 void release(RunResult& run);
 

@@ -70,7 +70,8 @@ class BestPath {
   }
   /// The solution with which the solve ends.
   /// \param reason  why the solve ends
-  /// \return the stored path, with Status::solved if the budget or a pause ended the solve. A solve that drew no proposal and
+  /// \return the stored path, with Status::solved if the budget or a pause ended the solve. A solve that drew no
+  /// proposal and
   ///     stored no path returns `reason`.
   [[nodiscard]] Solution solution(Status reason) const {
     const bool spent_nothing = !kept_ && drawn() == begun_;

@@ -66,8 +66,14 @@ Settings<S> with_common(Settings<S> settings) {
 /// Compares a budget with what a level has spent, during one solve.
 class BudgetMonitor {
  public:
-  BudgetMonitor(const Instance& instance, const Search& search, const Budget& budget)
-      : instance_(instance), search_(search), budget_(budget), begin_(std::chrono::steady_clock::now()) {}
+  /// \param stopped  the seconds that the run has waited so far, which do not count; nullptr: none
+  BudgetMonitor(const Instance& instance, const Search& search, const Budget& budget, const double* stopped = nullptr)
+      : instance_(instance),
+        search_(search),
+        budget_(budget),
+        stopped_(stopped),
+        begin_(std::chrono::steady_clock::now()),
+        stopped_before_(stopped != nullptr ? *stopped : 0.0) {}
 
   /// Whether the budget is spent. Its cost permits a call before every step.
   /// \param draws  whether the limit of proposals applies
@@ -77,14 +83,17 @@ class BudgetMonitor {
     // Reading the clock costs more.
     if ((asked_++ & 63U) != 0 || budget_.seconds == Budget::unlimited) return false;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-    return search_.seconds + elapsed.count() >= budget_.seconds;
+    const double waited = stopped_ != nullptr ? *stopped_ - stopped_before_ : 0.0;
+    return search_.seconds + elapsed.count() - waited >= budget_.seconds;
   }
 
  private:
   const Instance& instance_;
   const Search& search_;
   Budget budget_;
+  const double* stopped_;
   std::chrono::steady_clock::time_point begin_;
+  double stopped_before_;
   unsigned asked_ = 0;
 };
 
@@ -93,6 +102,7 @@ struct StepHooks {
   std::function<bool()> interrupted = {};  ///< polled before every step; true ends the loop with Status::interrupted
   /// Called before every step: prepares h, which may search other levels. Returns whether the loop pauses.
   std::function<bool()> prepare = {};
+  const double* stopped = nullptr;  ///< see BudgetMonitor
 };
 
 /// The path that contains only the start.
@@ -107,7 +117,7 @@ inline Configurations path_of_start(const Instance& instance) {
 /// \param search  of the planner
 inline Solution run_steps(Planner& planner, const Instance& instance, const Search& search, const Budget& budget,
                           const StepHooks& hooks = {}) {
-  BudgetMonitor monitor(instance, search, budget);
+  BudgetMonitor monitor(instance, search, budget, hooks.stopped);
   const auto limit = [&]() -> std::optional<Status> {
     if (monitor.reached(planner.draws())) return Status::budget_spent;
     if (hooks.interrupted && hooks.interrupted()) return Status::interrupted;

@@ -31,9 +31,7 @@ std::string_view to_string(Status status) {
   throw Fault("unknown status");
 }
 
-Solution Planner::solve(const Budget& budget) {
-  return run_steps(*this, context_.instance, context_.search, budget);
-}
+Solution Planner::solve(const Budget& budget) { return run_steps(*this, context_.instance, context_.search, budget); }
 
 namespace {
 

@@ -161,4 +161,31 @@ std::vector<std::string> unreachable_guides(const StrategySpec& strategy);
 RunRecord execute(const StrategySpec& strategy, const Problem& problem, std::uint64_t seed,
                   const ExecuteOptions& options = {});
 
+/// A run that stops between two steps of its planners and continues where it stopped: it makes the proposals, and the
+/// record, that `execute` makes. The run has a thread of its own, which waits while the run is stopped. The functions
+/// are called by one thread at a time; the functions of `ExecuteOptions` are called by the thread of the run.
+class Execution {
+ public:
+  /// \throws Error for a problem that fails `check`
+  Execution(StrategySpec strategy, Problem problem, std::uint64_t seed, ExecuteOptions options = {});
+  Execution(const Execution&) = delete;
+  Execution& operator=(const Execution&) = delete;
+  /// Abandons a run that has not ended.
+  ~Execution();
+
+  /// Continues the run until `stop` returns true, or to its end.
+  /// \param stop  called before each step, by the thread of the run
+  /// \return whether the run has ended
+  /// \throws what the run throws
+  bool advance(std::function<bool()> stop);
+  /// The record so far; of a run that has not ended with Status::interrupted. After the end, callable once.
+  RunRecord record();
+  /// The samples of a level while the run is stopped, without a copy: its fields that `record` completes are missing.
+  [[nodiscard]] const LevelRecord& level(std::size_t number) const;
+
+ private:
+  class Thread;
+  std::unique_ptr<Thread> thread_;
+};
+
 }  // namespace trellis

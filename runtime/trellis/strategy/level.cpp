@@ -85,6 +85,7 @@ Advance Level::advance(double proposals, const Slice& slice) {
 }
 
 std::unique_ptr<Planner> Level::make_planner() {
+  record_.search.sources = guidance_.sources();
   Guidance* h = &guidance_;
   if (run_.watch) h = &watched_.emplace(run_, record_, guidance_);
   PlannerContext context{*instance_, *h, Stream(run_.seed, record_.key, "proposals"), record_.search,
@@ -103,11 +104,16 @@ Advance Level::solve_own(double proposals, const Slice& slice) {
   const double whole = budget.proposals;
   budget.proposals = std::min(whole, drawn() + slice.proposals);
   // h is prepared before each step: this searches the levels below, which run this loop too.
+  searching_ = true;
   Solution found = run_steps(*planner_, *instance_, record_.search, budget,
-                             {.interrupted = run_.interrupted, .prepare = [this] {
-                                guidance_.prepare();
-                                return work_limit_ < Budget::unlimited && work() >= work_limit_;
-                              }});
+                             {.interrupted = run_.interrupted,
+                              .prepare =
+                                  [this] {
+                                    guidance_.prepare();
+                                    return work_limit_ < Budget::unlimited && work() >= work_limit_;
+                                  },
+                              .stopped = &run_.stopped});
+  searching_ = false;
   const bool paused = found.status == Status::paused;
   if (paused) found.status = Status::budget_spent;
   found_ = found.solved();
@@ -183,36 +189,51 @@ void fit(Search& search) {
 
 }  // namespace
 
-LevelRecord Level::take_record(bool lift) {
-  record_.scene = instance_->scene;
-  record_.search.checks = instance_->checks;
+void Level::complete(LevelRecord& record, bool lift) const {
+  record.scene = instance_->scene;
+  record.search.checks = instance_->checks;
   const LevelGuidance::BothSpent spent = guidance_.spent();
-  record_.guided = guidance_.guided();
-  record_.guided_checks = record_.guided ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
-  record_.unguided_checks = instance_->checks.validity - std::min(record_.guided_checks, instance_->checks.validity);
-  const auto& sources = record_.search.proposal_sources;
-  record_.guided_proposals = static_cast<std::uint64_t>(
+  record.guided = guidance_.guided();
+  record.guided_checks = record.guided ? static_cast<std::uint64_t>(spent.guided.checks) : 0;
+  record.unguided_checks = instance_->checks.validity - std::min(record.guided_checks, instance_->checks.validity);
+  const auto& sources = record.search.proposal_sources;
+  record.guided_proposals = static_cast<std::uint64_t>(
       std::count_if(sources.begin(), sources.end(), [](auto source) { return LevelGuidance::is_guided(source); }));
-  record_.search.sources = guidance_.sources();
+  record.search.sources = guidance_.sources();
   if (parent_ != nullptr && lift) {
-    record_.lifted_nodes = lifted(record_.search.nodes, "lift nodes");
-    record_.lifted_proposals = lifted(record_.search.proposals, "lift proposals");
+    record.lifted_nodes = lifted(record.search.nodes, "lift nodes");
+    record.lifted_proposals = lifted(record.search.proposals, "lift proposals");
   }
-  record_.valid = [validity = instance_->validity](View q) { return validity->state(q); };
-  record_.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
-  record_.search.density.compact();
-  if (record_.search.density.exact()) {
-    const auto density = std::make_shared<const DensityRecord>(record_.search.density);
-    record_.proposal_density = [density](View q) { return density->at(q); };
-    if (closed_fibres()) record_.root_proposal_density = lifted(record_.proposal_density);
-    record_.proposal_atoms = density->atoms();
+  record.valid = [validity = instance_->validity](View q) { return validity->state(q); };
+  record.valid_motion = [validity = instance_->validity](View a, View b) { return validity->motion(a, b).valid; };
+  record.search.density.compact();
+  if (record.search.density.exact()) {
+    const auto density = std::make_shared<const DensityRecord>(record.search.density);
+    record.proposal_density = [density](View q) { return density->at(q); };
+    if (closed_fibres()) record.root_proposal_density = lifted(record.proposal_density);
+    record.proposal_atoms = density->atoms();
   }
+}
+
+LevelRecord Level::take_record(bool lift) {
+  complete(record_, lift);
   fit(record_.search);
   std::string key = record_.key;
   LevelRecord taken = std::move(record_);
   // The keys of the random streams for lifts from the levels below contain it.
   record_.key = std::move(key);
   return taken;
+}
+
+LevelRecord Level::record_so_far(bool lift) {
+  LevelRecord record = record_;
+  if (searching_) {
+    ++record.solves;
+    if (!record.solution.solved()) record.solution = planner_->solution(Status::paused);
+    if (!record.solution.solved()) record.solution.status = Status::interrupted;
+  }
+  complete(record, lift);
+  return record;
 }
 
 void Level::note_improvement(double length) {
@@ -228,12 +249,20 @@ void Level::pause() {
   if (search.proposals.size() + search.nodes.size() > noted_) end_turn({}, false);
 }
 
-void Level::end_turn(Configurations path, bool solve_ended) {
+Turn Level::turn(Configurations path, bool solve_ended) const {
   const Search& search = record_.search;
-  noted_ = search.proposals.size() + search.nodes.size();
   const auto length = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
-  run_.turns.push_back(
-      {record_.level, length(search.proposals.size()), length(search.nodes.size()), solve_ended, std::move(path)});
+  return {record_.level, length(search.proposals.size()), length(search.nodes.size()), solve_ended, std::move(path)};
+}
+
+void Level::end_turn(Configurations path, bool solve_ended) {
+  noted_ = record_.search.proposals.size() + record_.search.nodes.size();
+  run_.turns.push_back(turn(std::move(path), solve_ended));
+}
+
+void Level::add_open_turn(std::vector<Turn>& turns) const {
+  const Search& search = record_.search;
+  if (search.proposals.size() + search.nodes.size() > noted_) turns.push_back(turn({}, false));
 }
 
 Configurations Level::lifted(const Configurations& rows, const std::string& purpose) const {

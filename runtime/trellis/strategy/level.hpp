@@ -50,6 +50,7 @@ struct Run {
   Level* active_level = nullptr;
   int first_solves = 0;                   ///< number of levels whose first solve has ended
   double cpu_begin = 0.0;                 ///< CPU time of the thread at the beginning of the run, seconds
+  double stopped = 0.0;                   ///< time that the run waited between two steps, seconds
   std::vector<Improvement> improvements;  ///< of the root's path
   RunShared shared;
 };
@@ -364,6 +365,10 @@ class Level {
   /// Completes the record after the run and moves it out, except for its key.
   /// \param lift  see ExecuteOptions
   LevelRecord take_record(bool lift);
+  /// The record of a run that has not ended, completed. The run can continue.
+  LevelRecord record_so_far(bool lift);
+  /// Adds the turn that has not ended, if the level has made something in it.
+  void add_open_turn(std::vector<Turn>& turns) const;
 
   /// Adds time spent for this level outside its solves, for the projection of its instance; seconds.
   void charge(double seconds) { record_.search.seconds += seconds; }
@@ -391,6 +396,9 @@ class Level {
   /// Ends this level's turn while a level below is solved.
   void pause();
   void end_turn(Configurations path, bool solve_ended);
+  [[nodiscard]] Turn turn(Configurations path, bool solve_ended) const;
+  /// Completes a record of this level.
+  void complete(LevelRecord& record, bool lift) const;
   /// Lifts rows of this level's space to the root's space, through all levels between. Each lift draws from the fibre.
   [[nodiscard]] Configurations lifted(const Configurations& rows, const std::string& purpose) const;
   /// Whether all fibres between this level's space and the root's have known densities.
@@ -415,6 +423,7 @@ class Level {
   std::optional<double> solve_begun_;      ///< number of proposals when the unfinished solve began
   std::size_t noted_ = 0;                  ///< number of proposals and nodes when its last turn ended
   bool found_ = false;
+  bool searching_ = false;  ///< a solve has begun and not ended
 };
 
 }  // namespace trellis
